@@ -1,0 +1,119 @@
+"""Drivers: rows with a prescribed motion. Displacements count from the reference pose."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .joints import Coupling, Joint, coordinate_of, unit
+from .kernels import kinds
+from .parts import GROUND, Body, vector
+from .primitives import ZERO, Primitive, in_plane, ratio
+from .signals import Signal, as_signal
+
+
+class Driver(Joint):
+    """A joint that prescribes a motion; `Solution.effort` gives what it takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class AngleDriver(Coupling, Driver):
+    """The angle of a hinge follows ``signal`` [rad] (1 row): theta = f(t), zero at the reference pose."""
+
+    hinge: Joint
+    signal: Signal | float
+
+    def through(self) -> Joint:
+        return self.hinge
+
+    def check(self, what: str) -> None:
+        coordinate_of(self.hinge, "angle", what)
+        self.set(signal=as_signal(self.signal, f"{what}: signal"))
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.hinge.angle(), 1.0, signal=self.signal)]
+
+
+@dataclass(frozen=True, eq=False)
+class SlideDriver(Coupling, Driver):
+    """The slide of a joint follows ``signal`` [m] (1 row)."""
+
+    slider: Joint
+    signal: Signal | float
+
+    def through(self) -> Joint:
+        return self.slider
+
+    def check(self, what: str) -> None:
+        coordinate_of(self.slider, "slide", what)
+        self.set(signal=as_signal(self.signal, f"{what}: signal"))
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.slider.slide(), 1.0, signal=self.signal, in_metres=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class PositionDriver(Driver):
+    """A point of a body follows three signals [m], its displacement along the world axes; None leaves one free.
+
+    Parameters
+    ----------
+    at : (3,) array_like
+        The point, world at the reference pose [m].
+    signal : sequence of three Signal, float or None
+        Displacement from the reference pose along x, y, z [m].
+    """
+
+    body: Body
+    at: Any = field(kw_only=True)
+    signal: Any = field(kw_only=True)
+
+    @property
+    def a(self) -> Any:
+        """The ground."""
+        return GROUND
+
+    @property
+    def b(self) -> Any:
+        """The driven body."""
+        return self.body
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        try:
+            x, y, z = self.signal
+        except (TypeError, ValueError):
+            raise ValueError(f"{what}: signal: give three signals, one per world axis (None = free)") from None
+        names = zip("xyz", (x, y, z), strict=True)
+        signals = tuple(None if s is None else as_signal(s, f"{what}: signal along {k}") for k, s in names)
+        if not any(signals):
+            raise ValueError(f"{what}: all three directions are free; give at least one signal")
+        self.set(at=vector(self.at, f"{what}: at"), signal=signals)
+
+    def point(self) -> np.ndarray:
+        return self.at
+
+    def rows(self) -> list[Primitive]:
+        axes = zip(np.eye(3), self.signal, strict=True)
+        return [in_plane(GROUND, self.body, axis, self.at, self.at, s) for axis, s in axes if s is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedDriver(Driver):
+    """b turns relative to a about an axis fixed in a at a prescribed speed [rad/s] (1 row without residual)."""
+
+    a: Any
+    b: Any
+    axis: Any = field(kw_only=True)
+    speed: Signal | float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(axis=unit(self.axis, f"{what}: axis"), speed=as_signal(self.speed, f"{what}: speed"))
+
+    def rows(self) -> list[Primitive]:
+        return [
+            Primitive(
+                kinds.TURN_RATE, (self.a, self.b), axes=(self.axis, ZERO), signal=self.speed, in_metres=False
+            )
+        ]

@@ -1,0 +1,67 @@
+"""What can go wrong while a model runs: when, at which part, by how much, and what to do about it."""
+
+from typing import Any
+
+
+class Mbsd3dError(RuntimeError):
+    """A run-time failure that says where it happened; base of the two below, not raised itself.
+
+    The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
+
+    Parameters
+    ----------
+    what : str
+        What failed, without a full stop.
+    time : float, optional
+        Time of the failure [s].
+    part : str, optional
+        The body, joint or force concerned, e.g. ``"joint 'hinge' (Revolute)"``.
+    residual : float, optional
+        The largest residual, in the unit of the row that failed (m, rad, m/s, ...).
+    solution : object, optional
+        What was computed up to ``time``; None if nothing was.
+    advice : str, optional
+        What to change, e.g. ``"stiff: use GeneralizedAlpha"``.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        time: float | None = None,
+        part: str | None = None,
+        residual: float | None = None,
+        solution: Any = None,
+        advice: str | None = None,
+    ) -> None:
+        # The whole sentence is the only argument of the base class, so that a copy from another process reads the same.
+        super().__init__(_sentence(what, time, part, residual, advice))
+        self.time = time
+        self.part = part
+        self.residual = residual
+        self.solution = solution
+        self.advice = advice
+
+
+class AssemblyError(Mbsd3dError):
+    """No configuration or velocity satisfies the joints.
+
+    >>> print(AssemblyError("the loop cannot be closed", part="joint 'crank'", residual=2e-3, advice="shorten the rod"))
+    the loop cannot be closed: joint 'crank', residual 0.002; shorten the rod
+    """
+
+
+class IntegrationError(Mbsd3dError):
+    """The integrator could not go on; ``solution`` holds the samples up to ``time``.
+
+    >>> print(IntegrationError("the step size fell below 1e-12 s", time=0.25, advice="stiff: use GeneralizedAlpha"))
+    the step size fell below 1e-12 s at t = 0.25 s; stiff: use GeneralizedAlpha
+    """
+
+
+def _sentence(what: str, time: float | None, part: str | None, residual: float | None, advice: str | None) -> str:
+    """One sentence from the pieces that are known."""
+    when = "" if time is None else f" at t = {time:.6g} s"
+    size = None if residual is None else f"residual {residual:.3g}"
+    where = ", ".join(piece for piece in (part, size) if piece)
+    return what + when + (f": {where}" if where else "") + (f"; {advice}" if advice else "")

@@ -1,0 +1,160 @@
+"""What every time loop shares: the run's memory, sampling of outputs, and the reasons to come back to Python."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.coordinates import coordinate, remember
+from ..kernels.dynamics import PROJECTED, arrive, skipped_residual
+from ..kernels.jit import kernel
+from ..kernels.kinematics import kinematics
+from ..kernels.probes import measure
+from ..kernels.rows import row_speed
+from ..kernels.saddle import SOLVED, smallest_pivot
+from ..kernels.vectors import add_scaled, clear, finite
+
+RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)
+
+# places in Run.clock and Run.count
+T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP, RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN = range(14)
+STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY = range(8)
+
+
+class Run(NamedTuple):
+    """Memory of one run; arrays are written in place by the time loop."""
+
+    y: np.ndarray  # (ny,) state (q, u, z) at clock[T]
+    dy: np.ndarray  # (ny,) its rate
+    trial: np.ndarray  # (ny,) state at the end of the step being tried
+    work: np.ndarray  # (ny,) stage or sample state
+    work_rate: np.ndarray  # (ny,)
+    K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
+    F: np.ndarray  # (terms, ny) dense output of the last step
+    clock: np.ndarray  # (14,) see T ... SIGN
+    count: np.ndarray  # (8,) see STEPS ... EVERY
+    times: np.ndarray  # (requested,) output times
+    out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
+    # power of the forces, largest |c| and |J v - b| over all rows
+
+
+@kernel
+def write(m, d, run, t, y):
+    """Store the sample whose evaluation is in d."""
+    out = run.out[run.count[WRITTEN]]
+    out[0] = t
+    k = 1
+    for j in range(y.shape[0]):
+        out[k + j] = y[j]
+    k += y.shape[0]
+    for i in range(m.body.shape[0]):
+        for j in range(6):
+            out[k + j] = d.body[i].acceleration[j]
+        k += 6
+    position, speed = 0.0, 0.0
+    for i in range(m.row.shape[0]):
+        out[k + i] = d.row[i].lam
+        position, speed = max(position, abs(d.row[i].c)), max(speed, abs(row_speed(m, d, i)))
+    k += m.row.shape[0]
+    for i in range(m.coordinate.shape[0]):
+        out[k + i] = coordinate(m, d, i, t)[0]
+    k += m.coordinate.shape[0]
+    for i in range(m.force.shape[0]):
+        out[k + i] = d.force[i].potential
+        out[k + m.force.shape[0] + i] = d.force[i].power
+    k += 2 * m.force.shape[0]
+    out[k], out[k + 1] = position, speed
+    run.count[WRITTEN] += 1
+
+
+@kernel
+def start(m, d, s, run):
+    """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
+    status, result = arrive(m, d, s, run.clock[T], run.y, run.dy)
+    run.count[EVALUATIONS] += 1
+    if status != PROJECTED:
+        return NOT_CLOSING
+    if result != SOLVED or not finite(run.dy):
+        return NO_SOLUTION
+    remember(m, d, run.clock[T])
+    run.count[FRESH] = 0
+    if run.count[STEPS] == 0 and run.count[WRITTEN] == 0 and run.count[NEXT] == 0:
+        if run.count[EVERY] == 1 or (run.times.shape[0] > 0 and run.times[0] <= run.clock[T]):
+            write(m, d, run, run.clock[T], run.y)
+            run.count[NEXT] = 1
+    return RUNNING
+
+
+@kernel
+def interpolate(run, x, y):
+    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
+    clear(y)
+    terms = run.F.shape[0]
+    for i in range(terms):
+        f = run.F[terms - 1 - i]
+        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
+        for j in range(y.shape[0]):
+            y[j] = (y[j] + f[j]) * weight
+    add_scaled(y, 1.0, run.y)
+
+
+@kernel
+def sample(m, d, s, run, t_old, h, t):
+    """Project and evaluate the dense output at t, and store it; False if that fails."""
+    interpolate(run, (t - t_old) / h, run.work)
+    status, result = arrive(m, d, s, t, run.work, run.work_rate)
+    if status != PROJECTED or result != SOLVED:
+        return False
+    write(m, d, run, t, run.work)
+    return True
+
+
+@kernel
+def condition(m, d, run, t, y):
+    """Signed distance of the stop condition: it holds when this is >= 0."""
+    kinematics(m, d, y)
+    return run.clock[SIGN] * (measure(m, d, run.count[CONDITION], t) - run.clock[STOP])
+
+
+@kernel
+def locate(m, d, run, t_old, h):
+    """Time in the last step at which the stop condition starts to hold, by bisection on the dense output."""
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        interpolate(run, middle, run.work)
+        if condition(m, d, run, t_old + middle * h, run.work) >= 0.0:
+            high = middle
+        else:
+            low = middle
+        if high - low < 1e-15:
+            break
+    return t_old + high * h
+
+
+@kernel
+def references(m, d, run):
+    """Greatest speed relative to the mean and greatest angular velocity so far: the scales of velocity errors."""
+    n = m.body.shape[0]
+    x, y, z = 0.0, 0.0, 0.0
+    for i in range(n):
+        v = d.body[i].velocity
+        x, y, z = x + v[0] / n, y + v[1] / n, z + v[2] / n
+    for i in range(n):
+        v, w = d.body[i].velocity, d.body[i].w
+        speed = np.sqrt((v[0] - x) ** 2 + (v[1] - y) ** 2 + (v[2] - z) ** 2)
+        turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+        run.clock[SPEED] = max(run.clock[SPEED], speed, m.length * turn)
+        run.clock[TURN] = max(run.clock[TURN], turn)
+
+
+@kernel
+def rows_hold(m, d, s, run):
+    """True while the chosen rows are well independent and the skipped ones are satisfied."""
+    run.clock[RESIDUAL] = 0.0
+    if m.singular == 0 and smallest_pivot(s) < run.clock[PIVOT]:
+        return False
+    if s.skipped.shape[0] > 0:
+        position, speed = skipped_residual(m, d, s)
+        run.clock[RESIDUAL] = position
+        return position <= run.clock[TOLERANCE] and speed <= run.clock[TOLERANCE] * max(run.clock[SPEED], run.clock[TURN])
+    return True

@@ -1,0 +1,46 @@
+"""The eighth-order method of Dormand and Prince with seventh-order dense output; coefficients as scipy holds them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import DOP853 as SCIPY
+
+from ..parts import number
+from .runge_kutta import Table
+
+
+@dataclass(frozen=True)
+class DOP853:
+    """Adaptive explicit Runge-Kutta method of order 8, or with fixed steps when ``dt`` [s] is given.
+
+    The default for everything that is not stiff. Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I.
+    """
+
+    dt: float | None = None
+    max_step: float = np.inf
+
+    order = 8
+
+    def __post_init__(self) -> None:
+        if self.dt is not None:
+            number(self.dt, "DOP853: dt", positive=True)
+        if not self.max_step > 0.0:
+            raise ValueError(f"DOP853: max_step {self.max_step} is not positive; give a time > 0")
+
+    def table(self, steps: int) -> Table:
+        """Butcher table; ``steps`` equal steps, or adaptive for 0."""
+        n = SCIPY.n_stages
+        D = np.ascontiguousarray(SCIPY.D)
+        A_dense = np.zeros((3, n + 1 + 3))
+        A_dense[:, : SCIPY.A_EXTRA.shape[1]] = SCIPY.A_EXTRA
+        return Table(
+            A=np.ascontiguousarray(SCIPY.A[:n, :n]),
+            b=np.ascontiguousarray(SCIPY.B),
+            c=np.ascontiguousarray(SCIPY.C[:n]),
+            error=np.array([SCIPY.E5[:n], SCIPY.E3[:n]]),
+            A_dense=A_dense,
+            c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
+            D=D,
+            order=8,
+            steps=steps,
+        )

@@ -1,0 +1,35 @@
+"""The classical fourth-order method with fixed steps; dense output by cubic Hermite, which keeps the order."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..parts import number
+from .runge_kutta import Table
+
+
+@dataclass(frozen=True)
+class RK4:
+    """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``."""
+
+    dt: float
+
+    order = 4
+    max_step = np.inf
+
+    def __post_init__(self) -> None:
+        number(self.dt, "RK4: dt", positive=True)
+
+    def table(self, steps: int) -> Table:
+        """Butcher table for ``steps`` equal steps."""
+        return Table(
+            A=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
+            b=np.array([1, 2, 2, 1]) / 6.0,
+            c=np.array([0, 0.5, 0.5, 1.0]),
+            error=np.zeros((2, 4)),
+            A_dense=np.zeros((0, 5)),
+            c_dense=np.zeros(0),
+            D=np.zeros((0, 5)),
+            order=4,
+            steps=steps,
+        )

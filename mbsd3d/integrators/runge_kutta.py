@@ -1,0 +1,257 @@
+"""Explicit Runge-Kutta with projection: a method is its table plus its order; one time loop serves all of them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.coordinates import remember
+from ..kernels.dynamics import PROJECTED, arrive, evaluate
+from ..kernels.jit import kernel
+from ..kernels.saddle import SOLVED
+from ..kernels.vectors import add_scaled, clear, copy, finite
+from .base import (
+    CHOOSE_ROWS,
+    CONDITION,
+    DONE,
+    EVALUATIONS,
+    EVERY,
+    FRESH,
+    FULL,
+    MAX_STEP,
+    MIN_STEP,
+    NEXT,
+    NO_SOLUTION,
+    NOT_CLOSING,
+    REJECTED,
+    RTOL,
+    RUNNING,
+    SPEED,
+    STEP,
+    STEP_TOO_SMALL,
+    STEPS,
+    STOPPED,
+    T_END,
+    T_START,
+    TURN,
+    WRITTEN,
+    T,
+    condition,
+    interpolate,
+    locate,
+    references,
+    rows_hold,
+    sample,
+    start,
+    write,
+)
+
+
+class Table(NamedTuple):
+    """Butcher table of an explicit method with n stages; the rate at the end of the step is stage n + 1."""
+
+    A: np.ndarray  # (n, n)
+    b: np.ndarray  # (n,)
+    c: np.ndarray  # (n,)
+    error: np.ndarray  # (2, n) weights of two error estimates, empty for fixed steps
+    A_dense: np.ndarray  # (extra, n + 1 + extra) extra stages of the dense output
+    c_dense: np.ndarray  # (extra,)
+    D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
+    order: int
+    steps: int  # number of equal steps, 0 = adaptive
+
+
+@kernel
+def stages(m, d, s, table, run, h):
+    """Stage rates K and the trial state; False where a stage has no solution."""
+    copy(run.K[0], run.dy)
+    t = run.clock[T]
+    for i in range(1, table.c.shape[0]):
+        copy(run.work, run.y)
+        for j in range(i):
+            if table.A[i, j] != 0.0:
+                add_scaled(run.work, h * table.A[i, j], run.K[j])
+        run.count[EVALUATIONS] += 1
+        if evaluate(m, d, s, t + table.c[i] * h, run.work, run.K[i]) != SOLVED:
+            return False
+    copy(run.trial, run.y)
+    for j in range(table.b.shape[0]):
+        add_scaled(run.trial, h * table.b[j], run.K[j])
+    return True
+
+
+@kernel
+def body_error(m, run, weights, h):
+    """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw| and audit states in scale."""
+    n = m.body.shape[0]
+    clear(run.work)
+    for j in range(weights.shape[0]):
+        if weights[j] != 0.0:
+            add_scaled(run.work, h * weights[j], run.K[j])
+    speed, turn = run.clock[SPEED], run.clock[TURN]
+    worst = 0.0
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        x = run.work
+        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
+        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
+        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
+        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
+        worst = max(worst, shift, angle, linear, angular)
+        if not np.isfinite(shift + angle + linear + angular):
+            return np.inf
+    for j in range(m.state.shape[0]):
+        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
+    return worst
+
+
+@kernel
+def error_norm(m, table, run, h):
+    """Estimated local error in units of rtol (DOP853: the fifth-order estimate corrected by the third-order one)."""
+    e5 = body_error(m, run, table.error[0], h)
+    e3 = body_error(m, run, table.error[1], h)
+    if e5 == 0.0 and e3 == 0.0:
+        return 0.0
+    if not np.isfinite(e5 + e3):
+        return np.inf
+    return e5 / np.sqrt(e5 + 0.01 * e3) / run.clock[RTOL]
+
+
+@kernel
+def dense(m, d, s, table, run, h):
+    """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
+    n = table.c.shape[0]
+    for k in range(run.y.shape[0]):
+        step = run.trial[k] - run.y[k]
+        run.F[0, k] = step
+        run.F[1, k] = h * run.K[0, k] - step
+        run.F[2, k] = 2.0 * step - h * (run.K[n, k] + run.K[0, k])
+    for i in range(table.c_dense.shape[0]):
+        stage = n + 1 + i
+        copy(run.work, run.y)
+        for j in range(stage):
+            if table.A_dense[i, j] != 0.0:
+                add_scaled(run.work, h * table.A_dense[i, j], run.K[j])
+        run.count[EVALUATIONS] += 1
+        if evaluate(m, d, s, run.clock[T] + table.c_dense[i] * h, run.work, run.K[stage]) != SOLVED:
+            return False
+    for i in range(table.D.shape[0]):
+        clear(run.F[3 + i])
+        for j in range(table.D.shape[1]):
+            if table.D[i, j] != 0.0:
+                add_scaled(run.F[3 + i], h * table.D[i, j], run.K[j])
+    return True
+
+
+@kernel
+def outputs(m, d, s, table, run, t_new, h):
+    """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
+    t_old, t_last, stopped = run.clock[T], t_new, False
+    inside = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_new
+    if run.count[CONDITION] >= 0:
+        stopped = condition(m, d, run, t_new, run.trial) >= 0.0 and condition(m, d, run, t_old, run.y) < 0.0
+    if inside or stopped:
+        if not dense(m, d, s, table, run, h):
+            return NO_SOLUTION
+        if stopped:
+            t_last = locate(m, d, run, t_old, h)
+        while run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_last:
+            if run.count[WRITTEN] == run.out.shape[0] - 2:
+                return FULL
+            if not sample(m, d, s, run, t_old, h, run.times[run.count[NEXT]]):
+                return NO_SOLUTION
+            run.count[NEXT] += 1
+        if stopped:
+            if not sample(m, d, s, run, t_old, h, t_last):
+                return NO_SOLUTION
+            copy(run.trial, run.work)
+            run.clock[T] = t_last
+            return STOPPED
+    if inside or run.count[CONDITION] >= 0:
+        arrive(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
+    wanted = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] <= t_new
+    if wanted or run.count[EVERY] == 1:
+        write(m, d, run, t_new, run.trial)
+        run.count[NEXT] += 1
+    return RUNNING
+
+
+@kernel
+def end_of_step(table, run):
+    """(t_new, h): the next step, landing exactly on t_end."""
+    t, t_end = run.clock[T], run.clock[T_END]
+    if table.steps > 0:
+        k = run.count[STEPS] + 1
+        t_new = t_end if k == table.steps else run.clock[T_START] + k * (t_end - run.clock[T_START]) / table.steps
+        return t_new, t_new - t
+    h = min(run.clock[STEP], run.clock[MAX_STEP])
+    t_new = t_end if t + 1.01 * h >= t_end else t + h
+    return t_new, t_new - t
+
+
+@kernel
+def step(m, d, s, table, run):
+    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    n = table.c.shape[0]
+    rejected = False
+    while True:
+        t_new, h = end_of_step(table, run)
+        if h < run.clock[MIN_STEP]:
+            return STEP_TOO_SMALL
+        solved = stages(m, d, s, table, run, h)
+        error = 0.0
+        if solved and table.steps == 0:
+            error = error_norm(m, table, run, h)
+        if not solved or not error <= 1.0:
+            if table.steps > 0:
+                return NO_SOLUTION
+            factor = max(0.2, 0.9 * error ** (-1.0 / table.order)) if solved and np.isfinite(error) else 0.2
+            run.clock[STEP] = h * factor
+            run.count[REJECTED] += 1
+            rejected = True
+            continue
+        status, result = arrive(m, d, s, t_new, run.trial, run.K[n])
+        run.count[EVALUATIONS] += 1
+        if status == PROJECTED and result == SOLVED and finite(run.K[n]):
+            break
+        if table.steps > 0:
+            return NOT_CLOSING if status != PROJECTED else NO_SOLUTION
+        run.clock[STEP] = 0.2 * h
+        run.count[REJECTED] += 1
+        rejected = True
+    status = outputs(m, d, s, table, run, t_new, h)
+    if status != RUNNING:
+        return status
+    remember(m, d, t_new)
+    references(m, d, run)
+    copy(run.y, run.trial)
+    copy(run.dy, run.K[n])
+    run.clock[T] = t_new
+    run.count[STEPS] += 1
+    if table.steps == 0:
+        factor = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error ** (-1.0 / table.order)))
+        run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
+    if not rows_hold(m, d, s, run):
+        return CHOOSE_ROWS
+    return RUNNING
+
+
+@kernel
+def advance(m, d, s, table, run, budget):
+    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    if run.count[FRESH] == 1:
+        status = start(m, d, s, run)
+        if status != RUNNING:
+            return status
+        references(m, d, run)
+    for _ in range(budget):
+        if run.clock[T] >= run.clock[T_END]:
+            return DONE
+        if run.count[WRITTEN] >= run.out.shape[0] - 2:
+            return FULL
+        status = step(m, d, s, table, run)
+        if status == STOPPED:
+            copy(run.y, run.trial)
+            run.count[STEPS] += 1
+        if status != RUNNING:
+            return status
+    return RUNNING if run.clock[T] < run.clock[T_END] else DONE

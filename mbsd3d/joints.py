@@ -1,0 +1,516 @@
+"""Joints: data that lowers to rows of a few primitives. A new joint is one class here.
+
+Every joint connects body ``a`` to body ``b``; points and axes are in world coordinates at the reference pose.
+``at_b``, ``axis_b`` say where the part on ``b`` really is, where it was built differently.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .kernels import kinds
+from .parts import GROUND, Body, Ground, number, vector
+from .primitives import ZERO, Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
+
+
+def unit(value: Any, what: str) -> np.ndarray:
+    """A (3,) unit vector along ``value``; zero length is a ValueError."""
+    axis = vector(value, what)
+    length = np.linalg.norm(axis)
+    if length < 1e-12:
+        raise ValueError(f"{what} has zero length; give a direction")
+    return axis / length
+
+
+def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
+    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.linalg.norm(x)
+    return x, np.cross(axis, x)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide."""
+
+    name: str | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        self.check(f"joint '{self.name or '?'}' ({type(self).__name__})")
+
+    def check(self, what: str) -> None:
+        """Validate and convert the fields; errors start with ``what``."""
+        for side in ("a", "b"):
+            if not isinstance(getattr(self, side), Body | Ground):
+                raise ValueError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
+        if self.a is self.b:
+            raise ValueError(f"{what}: joins {self.a!r} to itself; give two different bodies")
+
+    def set(self, **values: Any) -> None:
+        """Write converted values into the frozen fields."""
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    def bodies(self) -> list:
+        """All bodies the joint acts on."""
+        return list({id(body): body for row in self.rows() for body in row.bodies}.values())
+
+    def rows(self) -> list[Primitive]:
+        """The primitives of the joint."""
+        raise NotImplementedError
+
+    def angle(self) -> Coordinate | None:
+        """The angle of b relative to a about the joint's axis, if it has one."""
+        return None
+
+    def slide(self) -> Coordinate | None:
+        """The displacement of b relative to a along the joint's axis, if it has one."""
+        return None
+
+    def point(self) -> np.ndarray:
+        """Point of body b at which the reaction is given (world, reference pose)."""
+        return self.b.position
+
+
+@dataclass(frozen=True, eq=False)
+class PointJoint(Joint):
+    """A joint at a point."""
+
+    a: Any
+    b: Any
+    at: Any = field(kw_only=True)
+    at_b: Any = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        at = vector(self.at, f"{what}: at")
+        self.set(at=at, at_b=at if self.at_b is None else vector(self.at_b, f"{what}: at_b"))
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+
+@dataclass(frozen=True, eq=False)
+class AxisJoint(PointJoint):
+    """A joint at a point with an axis."""
+
+    axis: Any = field(kw_only=True)
+    axis_b: Any = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        axis = unit(self.axis, f"{what}: axis")
+        self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
+
+    def angle(self) -> Coordinate:
+        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+
+    def slide(self) -> Coordinate:
+        return Coordinate(kinds.SLIDE, self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
+
+    def parallel_rows(self) -> list[Primitive]:
+        """axis_b stays along axis_a (2 rows)."""
+        return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
+
+    def line_rows(self) -> list[Primitive]:
+        """The point of b stays on the axis in a (2 rows)."""
+        return [in_plane(self.a, self.b, x, self.at, self.at_b) for x in perpendiculars(self.axis)]
+
+    def no_turn_row(self) -> Primitive:
+        """No rotation of b about the axis relative to a (1 row)."""
+        x, _ = perpendiculars(self.axis)
+        _, y_b = matched_perpendiculars(self.axis, self.axis_b)
+        return perpendicular(self.a, self.b, x, y_b)
+
+
+def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Perpendiculars of axis_b nearest to those of axis."""
+    x, _ = perpendiculars(axis)
+    x_b = x - axis_b * (x @ axis_b)
+    x_b /= np.linalg.norm(x_b)
+    return x_b, np.cross(axis_b, x_b)
+
+
+class Spherical(PointJoint):
+    """The points coincide (3 rows)."""
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b)]
+
+
+class Revolute(AxisJoint):
+    """A hinge: the points coincide and the axes are parallel (5 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute
+    >>> door = Body("door", mass=20.0, inertia=(8.0, 9.0, 1.0), position=(0.45, 0.0, 1.0))
+    >>> sum(row.n_rows for row in Revolute(GROUND, door, at=(0, 0, 0), axis=(0, 0, 1)).rows())
+    5
+    """
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b), *self.parallel_rows()]
+
+    def slide(self) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Universal(PointJoint):
+    """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows)."""
+
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if np.linalg.norm(np.cross(x, y)) < 1e-6:
+            raise ValueError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
+        if abs(x @ y) > 1e-6:
+            angle = np.degrees(np.arccos(x @ y))
+            raise ValueError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
+        self.set(axis_a=x, axis_b=y)
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b), perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
+
+
+class Prismatic(AxisJoint):
+    """b slides along the axis without turning (5 rows)."""
+
+    def rows(self) -> list[Primitive]:
+        return [*self.line_rows(), *self.parallel_rows(), self.no_turn_row()]
+
+    def angle(self) -> None:
+        return None
+
+
+class Cylindrical(AxisJoint):
+    """b slides along the axis and turns about it (4 rows)."""
+
+    def rows(self) -> list[Primitive]:
+        return [*self.line_rows(), *self.parallel_rows()]
+
+
+@dataclass(frozen=True, eq=False)
+class Planar(PointJoint):
+    """b moves in a plane fixed in a, turning about its normal only (3 rows)."""
+
+    normal: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(normal=unit(self.normal, f"{what}: normal"))
+
+    def rows(self) -> list[Primitive]:
+        flat = [perpendicular(self.a, self.b, x, self.normal) for x in perpendiculars(self.normal)]
+        return [in_plane(self.a, self.b, self.normal, self.at, self.at_b), *flat]
+
+    def angle(self) -> Coordinate:
+        return Coordinate(kinds.ANGLE, self.a, self.b, self.normal, self.normal)
+
+
+class Fixed(PointJoint):
+    """No relative motion (6 rows)."""
+
+    def rows(self) -> list[Primitive]:
+        x, y, z = np.eye(3)
+        locks = [perpendicular(self.a, self.b, u, w) for u, w in ((x, y), (y, z), (z, x))]
+        return [coincide(self.a, self.b, self.at, self.at_b), *locks]
+
+
+class PointOnLine(AxisJoint):
+    """A point of b slides on a line fixed in a (2 rows)."""
+
+    def rows(self) -> list[Primitive]:
+        return self.line_rows()
+
+    def angle(self) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class PointOnPlane(PointJoint):
+    """A point of b moves in a plane fixed in a (1 row)."""
+
+    normal: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(normal=unit(self.normal, f"{what}: normal"))
+
+    def rows(self) -> list[Primitive]:
+        return [in_plane(self.a, self.b, self.normal, self.at, self.at_b)]
+
+
+@dataclass(frozen=True, eq=False)
+class Distance(Joint):
+    """A massless rod between a point of a and a point of b keeps their distance (1 row)."""
+
+    a: Any
+    b: Any
+    at_a: Any = field(kw_only=True)
+    at_b: Any = field(kw_only=True)
+    length: float | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
+        span = np.linalg.norm(at_b - at_a)
+        length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
+        if span < 1e-12:
+            raise ValueError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
+        self.set(at_a=at_a, at_b=at_b, length=float(length))
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+    def rows(self) -> list[Primitive]:
+        return [Primitive(kinds.DISTANCE, (self.a, self.b), points=(self.at_a, self.at_b), values=(self.length,))]
+
+
+@dataclass(frozen=True, eq=False)
+class Parallel(Joint):
+    """An axis of b stays parallel to an axis of a (2 rows)."""
+
+    a: Any
+    b: Any
+    axis: Any = field(kw_only=True)
+    axis_b: Any = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        axis = unit(self.axis, f"{what}: axis")
+        self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
+
+    def rows(self) -> list[Primitive]:
+        return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
+
+    def angle(self) -> Coordinate:
+        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+
+
+@dataclass(frozen=True, eq=False)
+class Perpendicular(Joint):
+    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row)."""
+
+    a: Any
+    b: Any
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if abs(x @ y) > 1e-6:
+            raise ValueError(f"{what}: the axes enclose {np.degrees(np.arccos(x @ y)):.6g} degrees; give 90 degrees")
+        self.set(axis_a=x, axis_b=y)
+
+    def rows(self) -> list[Primitive]:
+        return [perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
+
+
+@dataclass(frozen=True, eq=False)
+class ConstantVelocity(PointJoint):
+    """Constant-velocity joint between shafts along ``axis_a`` and ``axis_b``: no turn about their bisector (4 rows).
+
+    With n the common normal of the shafts: x_a . y_b - y_a . x_b = 0 for x = n, y = axis x n on both sides.
+    """
+
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        axis_a, axis_b = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if axis_a @ axis_b < 1e-6:
+            raise ValueError(f"{what}: axis_a and axis_b enclose 90 degrees or more; point both along the power flow")
+        self.set(axis_a=axis_a, axis_b=axis_b)
+
+    def rows(self) -> list[Primitive]:
+        normal = np.cross(self.axis_a, self.axis_b)
+        bend = np.linalg.norm(normal)
+        n = normal / bend if bend > 1e-9 else perpendiculars(self.axis_a)[0]
+        y_a, y_b = np.cross(self.axis_a, n), np.cross(self.axis_b, n)
+        turn = Primitive(
+            kinds.DOT_DIFFERENCE, (self.a, self.b), axes=(n, n), second_axes=(y_a, y_b), in_metres=False
+        )
+        return [coincide(self.a, self.b, self.at, self.at_b), turn]
+
+
+@dataclass(frozen=True, eq=False)
+class Screw(AxisJoint):
+    """b advances along the axis by ``pitch`` [m] per turn (5 rows): slide = pitch angle / (2 pi)."""
+
+    pitch: float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(pitch=number(self.pitch, f"{what}: pitch"))
+
+    def rows(self) -> list[Primitive]:
+        lead = ratio(self.slide(), 1.0, self.angle(), -self.pitch / (2 * np.pi), in_metres=True)
+        return [*self.line_rows(), *self.parallel_rows(), lead]
+
+
+def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
+    """The angle or slide of a joint, or a ValueError that names both."""
+    found = getattr(part, kind)() if isinstance(part, Joint) else None
+    if found is None:
+        have = f"{part.name!r} ({type(part).__name__})" if isinstance(part, Joint) else repr(part)
+        example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
+        raise ValueError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling(Joint):
+    """Row on the coordinates of other joints; a and b are those of the joint it acts through."""
+
+    def through(self) -> Joint:
+        """The joint whose bodies carry the reaction."""
+        raise NotImplementedError
+
+    @property
+    def a(self) -> Any:
+        """Body a of the joint it acts through."""
+        return self.through().a
+
+    @property
+    def b(self) -> Any:
+        """Body b of the joint it acts through."""
+        return self.through().b
+
+    def point(self) -> np.ndarray:
+        return self.through().point()
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Coupling):
+    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
+
+    hinge_a: Joint
+    hinge_b: Joint
+    ratio: float = field(kw_only=True)
+
+    def through(self) -> Joint:
+        return self.hinge_b
+
+    def check(self, what: str) -> None:
+        for hinge in (self.hinge_a, self.hinge_b):
+            coordinate_of(hinge, "angle", what)
+        if self.hinge_a is self.hinge_b:
+            raise ValueError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
+        self.set(ratio=number(self.ratio, f"{what}: ratio"))
+        if self.ratio == 0.0:
+            raise ValueError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
+
+
+@dataclass(frozen=True, eq=False)
+class RackPinion(Coupling):
+    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0."""
+
+    pinion: Joint
+    rack: Joint
+    radius: float = field(kw_only=True)
+
+    def through(self) -> Joint:
+        return self.rack
+
+    def check(self, what: str) -> None:
+        coordinate_of(self.pinion, "angle", what)
+        coordinate_of(self.rack, "slide", what)
+        self.set(radius=number(self.radius, f"{what}: radius"))
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.pinion.angle(), -self.radius, self.rack.slide(), 1.0, in_metres=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class KnifeEdge(PointJoint):
+    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row)."""
+
+    lateral: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(lateral=unit(self.lateral, f"{what}: lateral"))
+
+    def rows(self) -> list[Primitive]:
+        return [
+            Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class RollingDisc(Joint):
+    """A disc of body b rolls without slip on a plane of body a (1 holonomic and 2 nonholonomic rows).
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        Axis of the disc, world at the reference pose.
+    radius : float
+        Outer radius [m] > 0.
+    crown : float
+        Radius of the rounded rim [m], 0 <= crown <= radius; 0 is a knife edge.
+    centre : (3,) array_like or None
+        Centre of the disc, world [m]; None = centre of mass of the body.
+    plane : (point, normal) or None
+        Plane fixed in a, world at the reference pose; None = z = 0.
+    """
+
+    a: Any
+    b: Any
+    axis: Any = field(kw_only=True)
+    radius: float = field(kw_only=True)
+    crown: float = field(default=0.0, kw_only=True)
+    centre: Any = field(default=None, kw_only=True)
+    plane: Sequence | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        if self.b is GROUND:
+            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
+        radius = number(self.radius, f"{what}: radius", positive=True)
+        crown = number(self.crown, f"{what}: crown", minimum=0.0)
+        if crown > radius:
+            raise ValueError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
+        at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
+        plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
+        axis = unit(self.axis, f"{what}: axis")
+        if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
+            raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
+        self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=self.find_centre(what))
+
+    def find_centre(self, what: str) -> np.ndarray:
+        """The centre in world coordinates at the reference pose."""
+        if self.centre is not None:
+            return vector(self.centre, f"{what}: centre")
+        from .rotations import matrix
+
+        return self.b.position + matrix(self.b.orientation) @ self.b.com
+
+    def point(self) -> np.ndarray:
+        """The contact point at the reference pose (it travels over both bodies)."""
+        normal = self.plane[1]
+        lean = normal @ self.axis
+        down = -(normal - lean * self.axis) / np.sqrt(1.0 - lean**2)
+        return self.centre + (self.radius - self.crown) * down - self.crown * normal
+
+    def rows(self) -> list[Primitive]:
+        at, normal = self.plane
+        along = perpendiculars(normal)[0]
+        return [
+            Primitive(
+                kinds.ROLL, (self.a, self.b), points=(at, self.centre), axes=(normal, self.axis),
+                second_axes=(along, ZERO), values=(self.radius, self.crown),
+            )
+        ]  # fmt: skip

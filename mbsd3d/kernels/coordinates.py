@@ -1,0 +1,99 @@
+"""Hinge coordinates: the angle or the slide of a joint, with its gradient, used by ratios, drivers, springs, friction.
+
+Angle between x_a, y_a (fixed in a) and x_b (fixed in b): theta = atan2(x_b.y_a, x_b.x_a), exact off the joint's
+manifold too. Slide: s = n_a . (p_b - p_a). Angles are unwrapped against the last accepted state, never by a counter.
+"""
+
+import math
+
+import numpy as np
+
+from .jit import kernel
+from .kinds import ANGLE
+from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
+
+
+@kernel
+def arctan2(y, x):
+    """atan2 for real and complex-step arguments: the real angle plus the small rotation left over."""
+    angle = math.atan2(y.real, x.real)
+    c, s = math.cos(angle), math.sin(angle)
+    return angle + (c * y - s * x) / (c * x + s * y)
+
+
+@kernel
+def unwrapped(d, i, angle, t):
+    """The branch of an angle nearest to where the last accepted state says it should be at time t."""
+    last = d.coordinate[i]
+    expected = last.value + last.rate * (t - d.unwrap_time[0])
+    return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
+
+
+@kernel
+def angle(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    xa, ya, xb = arm(a, x.axis[0]), arm(a, x.axis[1]), arm(b, x.axis[2])
+    wa, w = vec(a.w), sub(vec(b.w), vec(a.w))
+    sine, cosine = dot(xb, ya), dot(xb, xa)
+    # theta_dot = g . (w_b - w_a),  g = x_b x (cos y_a - sin x_a) / (sin^2 + cos^2)
+    n = sine * sine + cosine * cosine
+    f = sub(scale(cosine, ya), scale(sine, xa))
+    g = scale(1.0 / n, cross(xb, f))
+    sine_dot, cosine_dot = dot(w, cross(xb, ya)), dot(w, cross(xb, xa))
+    f_dot = sub(
+        add(scale(cosine_dot, ya), scale(cosine, cross(wa, ya))), add(scale(sine_dot, xa), scale(sine, cross(wa, xa)))
+    )
+    n_dot = 2.0 * (sine * sine_dot + cosine * cosine_dot)
+    numerator_dot = add(cross(cross(vec(b.w), xb), f), cross(xb, f_dot))
+    bias = dot(w, sub(scale(1.0 / n, numerator_dot), scale(n_dot / n, g)))
+    zero = scale(0.0, g)
+    return unwrapped(d, i, arctan2(sine, cosine), t), bias, zero, scale(-1.0, g), zero, g
+
+
+@kernel
+def slide_along(a, b, n, sa, sb):
+    """(value, J_dot v, blocks) of n . (p_b - p_a) for n, s_a fixed in body a and s_b fixed in body b (world axes)."""
+    wa, wb = vec(a.w), vec(b.w)
+    reach = sub(point(b, sb), vec(a.r))  # from O of a to the point of b
+    gap = sub(reach, sa)
+    gap_dot = sub(point_velocity(b, sb), point_velocity(a, sa))
+    n_dot = cross(wa, n)
+    bias_points = sub(turning(wb, sb), turning(wa, sa))
+    bias = dot(cross(wa, n_dot), gap) + 2.0 * dot(n_dot, gap_dot) + dot(n, bias_points)
+    return dot(n, gap), bias, scale(-1.0, n), cross(n, reach), n, cross(sb, n)
+
+
+@kernel
+def slide(m, d, i):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of slide i."""
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    return slide_along(a, b, arm(a, x.axis[0]), arm(a, x.point[0]), arm(b, x.point[1]))
+
+
+@kernel
+def coordinate(m, d, i, t):
+    """(value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
+    if m.coordinate[i].kind == ANGLE:
+        return angle(m, d, i, t)
+    return slide(m, d, i)
+
+
+@kernel
+def coordinate_rate(m, d, i, t):
+    """Rate of hinge coordinate i [rad/s or m/s]."""
+    a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
+    _, _, la, ta, lb, tb = coordinate(m, d, i, t)
+    return dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+
+
+@kernel
+def remember(m, d, t):
+    """Keep all hinge coordinates and their rates as what later angles are unwrapped against."""
+    for i in range(m.coordinate.shape[0]):
+        value, rate = coordinate(m, d, i, t)[0], coordinate_rate(m, d, i, t)
+        d.coordinate[i].value = np.real(value)
+        d.coordinate[i].rate = np.real(rate)
+    d.unwrap_time[0] = t

@@ -1,0 +1,203 @@
+"""State rates and projections.
+
+    [ M(q)  J' ] [ v_dot ]   [ Q(q, v, z, t) - h(q, v) ]
+    [ J     0  ] [  lam  ] = [ gamma(q, v, t)          ]        e_dot = H(e) w / 2,   rows J v = b
+
+`evaluate` is the right side of the ODE; `project` puts q on c = 0 and v on J v = b in the metric of M.
+"""
+
+from .jit import kernel
+from .kinds import PROJECTION
+from .kinematics import displace, kinematics, normalise, put_velocities, rates
+from .loads import loads
+from .rows import row_speed, rows
+from .saddle import SOLVED, factor, solve
+from .vectors import add, add6, cross, pair, vec
+
+PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
+
+
+@kernel
+def constraint_forces(m, d):
+    """constraint = -J' lam on every body (ground included)."""
+    for i in range(d.body.shape[0]):
+        f = d.body[i].constraint
+        for j in range(6):
+            f[j] = 0.0
+    for k in range(m.row.shape[0]):
+        lam = d.row[k].lam
+        if lam != 0.0:
+            for slot in range(4):
+                i = m.row[k].body[slot]
+                if i >= 0:
+                    f = d.body[i].constraint
+                    for j in range(6):
+                        f[j] -= d.row[k].J[slot, j] * lam
+
+
+@kernel
+def audit_rates(m, d, dy):
+    """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin."""
+    z = 13 * m.body.shape[0]
+    for j in range(m.z_work):
+        dy[z + j] = d.state_rate[j]
+    for f in range(m.force.shape[0]):
+        dy[z + m.z_work + f] = d.force[f].power
+    for k in range(m.row.shape[0]):
+        if m.row[k].drive >= 0:
+            dy[z + m.z_drive + m.row[k].drive] = -d.row[k].lam * d.row[k].b
+    impulse = dy[z + m.z_impulse : z + m.z_impulse + 6]
+    for j in range(6):
+        impulse[j] = 0.0
+    constraint_forces(m, d)
+    for i in range(m.body.shape[0]):
+        force, moment = pair(d.body[i].Q)
+        reaction, reaction_moment = pair(d.body[i].constraint)
+        force = add(force, reaction)
+        add6(impulse, force, add(add(moment, reaction_moment), cross(vec(d.body[i].r), force)))
+
+
+@kernel
+def accelerate(m, d, s, t):
+    """v_dot and lam from the rows, loads and factor at hand."""
+    loads(m, d, t)
+    for i in range(m.body.shape[0]):
+        body = d.body[i]
+        for j in range(6):
+            body.top[j] = body.Q[j] - body.h[j]
+    for k in range(m.row.shape[0]):
+        d.row[k].bottom = d.row[k].gamma
+    return solve(m, d, s)
+
+
+@kernel
+def finish(m, d, s, t, dy):
+    """Accelerations and all state rates from the rows and the factor at hand."""
+    status = accelerate(m, d, s, t)
+    if status == SOLVED:
+        rates(m, d, dy)
+        audit_rates(m, d, dy)
+    return status
+
+
+@kernel
+def evaluate(m, d, s, t, y, dy):
+    """dy = dy/dt at (t, y); SOLVED or the reason why not."""
+    kinematics(m, d, y)
+    rows(m, d, t)
+    status = factor(m, d, s)
+    if status == SOLVED:
+        status = finish(m, d, s, t, dy)
+    return status
+
+
+@kernel
+def largest_residual(m, d, s):
+    """Largest scaled |c| of the chosen rows (units of the model's length, radians)."""
+    largest = 0.0
+    for i in range(s.place.shape[0]):
+        k = s.place[i].row
+        size = abs(d.row[k].c) * m.row[k].scale
+        if not size <= largest:  # NaN counts
+            largest = size
+    return largest
+
+
+@kernel
+def rounding(m, y):
+    """Rounding level of a scaled residual: 1e-15 of the farthest coordinate in units of the model's length."""
+    reach = 0.0
+    for i in range(m.body.shape[0]):
+        for j in range(3):
+            reach = max(reach, abs(y[7 * i + j]))
+    return 1e-15 * (1.0 + reach / m.length)
+
+
+@kernel
+def correction(m, d, s):
+    """Solve for the smallest displacement (in the metric of M) with J dx = bottom."""
+    for i in range(m.body.shape[0]):
+        top = d.body[i].top
+        for j in range(6):
+            top[j] = 0.0
+    return solve(m, d, s)
+
+
+@kernel
+def close(m, d, s, t, y):
+    """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y."""
+    normalise(m, y)
+    kinematics(m, d, y)
+    rows(m, d, t)
+    if factor(m, d, s) != SOLVED:
+        return NO_FACTOR
+    floor = rounding(m, y)
+    residual, moved = largest_residual(m, d, s), False
+    for _ in range(12):
+        if residual <= floor:
+            break
+        for k in range(m.row.shape[0]):
+            d.row[k].bottom = -d.row[k].c
+        if correction(m, d, s) != SOLVED:
+            return NO_FACTOR
+        displace(m, d, y)
+        moved = True
+        kinematics(m, d, y)
+        rows(m, d, t)
+        before, residual = residual, largest_residual(m, d, s)
+        if before > 1e-6 and factor(m, d, s) != SOLVED:  # far away: the old factor has done its work
+            return NO_FACTOR
+        if residual > 0.25 * before:  # no progress: at rounding level, or not closing
+            break
+    if moved and factor(m, d, s) != SOLVED:
+        return NO_FACTOR
+    return PROJECTED if residual <= 1e3 * floor else NOT_CLOSED
+
+
+@kernel
+def settle(m, d, s, y):
+    """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
+    for k in range(m.row.shape[0]):
+        d.row[k].bottom = -row_speed(m, d, k)
+    if correction(m, d, s) != SOLVED:
+        return NO_FACTOR
+    for i in range(m.body.shape[0]):
+        body = d.body[i]
+        for j in range(3):
+            body.velocity[j] += body.acceleration[j]
+            body.w[j] += body.acceleration[3 + j]
+    put_velocities(m, d, y)
+    return PROJECTED
+
+
+@kernel
+def project(m, d, s, t, y):
+    """q onto c = 0, then v onto J v = b, in place; PROJECTED, NOT_CLOSED or NO_FACTOR."""
+    status = close(m, d, s, t, y)
+    if status == PROJECTED:
+        status = settle(m, d, s, y)
+    return status
+
+
+@kernel
+def arrive(m, d, s, t, y, dy):
+    """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status)."""
+    if m.stabilisation != PROJECTION:
+        return PROJECTED, evaluate(m, d, s, t, y, dy)
+    status = project(m, d, s, t, y)
+    if status != PROJECTED:
+        return status, SOLVED
+    kinematics(m, d, y)
+    rows(m, d, t)  # gamma depends on the new velocities; the factor is still that of y's pose
+    return PROJECTED, finish(m, d, s, t, dy)
+
+
+@kernel
+def skipped_residual(m, d, s):
+    """Largest scaled |c| and |J v - b| of the rows left out, after projection."""
+    position, speed = 0.0, 0.0
+    for i in range(s.skipped.shape[0]):
+        k = s.skipped[i]
+        position = max(position, abs(d.row[k].c) * m.row[k].scale)
+        speed = max(speed, abs(row_speed(m, d, k)) * m.row[k].scale)
+    return position, speed

@@ -1,0 +1,70 @@
+"""The ``@kernel`` decorator: numba in nopython mode with a disk cache that cannot go stale."""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numba
+
+PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def _digest() -> str:
+    """Digest of every source that is compiled: numba alone misses an edit in a callee of another file."""
+    text = hashlib.sha256(numba.__version__.encode())
+    for folder in ("kernels", "integrators"):
+        for path in sorted((PACKAGE / folder).glob("*.py")):
+            text.update(path.read_bytes())
+    return text.hexdigest()[:16]
+
+
+def _cache_root() -> Path:
+    """``$MBSD3D_CACHE``, else the user's cache folder, else a folder of the user's own in the temporary directory."""
+    if "MBSD3D_CACHE" in os.environ:
+        return Path(os.environ["MBSD3D_CACHE"])
+    home = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    root = home / "mbsd3d"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        root = Path(tempfile.gettempdir()) / f"mbsd3d-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    return root
+
+
+CACHE = _cache_root() / _digest()
+
+
+def is_warm() -> bool:
+    """True when the compiled kernels of exactly this source are on disk."""
+    return (CACHE / "complete").exists()
+
+
+def mark_warm() -> None:
+    """Note on disk that the kernels have been compiled."""
+    CACHE.mkdir(parents=True, exist_ok=True)
+    (CACHE / "complete").touch()
+
+
+def compiled(function: Callable, counting: bool) -> Callable:
+    """Compile in nopython mode, cached on disk under a digest of every kernel source of the package."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(CACHE)
+    try:
+        return numba.njit(cache=True, error_model="numpy", nogil=True, _nrt=counting)(function)
+    finally:
+        numba.config.CACHE_DIR = before  # the caller's own numba code keeps its cache
+
+
+def kernel(function: Callable) -> Callable:
+    """A compiled function that allocates nothing: without numba's reference counts calls are several times cheaper.
+
+    Measured on one evaluation of a single body: 3.1 us with the atomic counts of some 20 array arguments, 0.9 without.
+    """
+    return compiled(function, counting=False)
+
+
+def allocating_kernel(function: Callable) -> Callable:
+    """A compiled function that may allocate arrays (the dense saddle point)."""
+    return compiled(function, counting=True)

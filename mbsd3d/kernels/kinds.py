@@ -1,0 +1,14 @@
+"""Numbers of the kinds that kernels switch on; importing this compiles nothing."""
+
+COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL = range(9)
+ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3)
+
+ANGLE, SLIDE = range(2)
+
+FORCE, TORQUE, SPRING, COORDINATE_SPRING, BUSHING, FRICTION, DRAG = range(7)
+
+POLYNOMIAL, SINE, SPLINE = range(3)
+
+COORDINATE, COORDINATE_RATE, POSITION, VELOCITY, TURN, LEAN, LEAN_RATE, GAP = range(8)
+
+NONE, BAUMGARTE, PROJECTION = range(3)

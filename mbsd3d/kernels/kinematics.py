@@ -1,0 +1,120 @@
+"""Poses and velocities of all bodies from the state ``y = (q, u, z)``, with u = (r_dot, R'w) per body.
+
+``e_dot = H(e) w / 2`` with ``H(e) = [-e_v' ; e0 1 - [e_v]x]``; ``R(e)`` divides by e'e, so it is a rotation for any e.
+"""
+
+import numpy as np
+
+from .jit import kernel
+from .vectors import add, mat, pair, put, rotate, rotate_back, vec
+
+
+@kernel
+def rotation_matrix(e0, e1, e2, e3):
+    """R(e) as a 9-tuple, exact for quaternions of any length."""
+    k = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    return (
+        1.0 - k * (e2 * e2 + e3 * e3), k * (e1 * e2 - e0 * e3), k * (e1 * e3 + e0 * e2),
+        k * (e1 * e2 + e0 * e3), 1.0 - k * (e1 * e1 + e3 * e3), k * (e2 * e3 - e0 * e1),
+        k * (e1 * e3 - e0 * e2), k * (e2 * e3 + e0 * e1), 1.0 - k * (e1 * e1 + e2 * e2),
+    )  # fmt: skip
+
+
+@kernel
+def quaternion_rate(e, w):
+    """e_dot = H(e) w / 2, w in world axes."""
+    return (
+        0.5 * (-e[1] * w[0] - e[2] * w[1] - e[3] * w[2]),
+        0.5 * (e[0] * w[0] + e[3] * w[1] - e[2] * w[2]),
+        0.5 * (-e[3] * w[0] + e[0] * w[1] + e[1] * w[2]),
+        0.5 * (e[2] * w[0] - e[1] * w[1] + e[0] * w[2]),
+    )
+
+
+@kernel
+def kinematics(m, d, y):
+    """Fill r, e, R, s, velocity, w, A of all bodies from the state y."""
+    n = m.body.shape[0]
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        body = d.body[i]
+        put(body.r, (y[q], y[q + 1], y[q + 2]))
+        put(body.velocity, (y[u], y[u + 1], y[u + 2]))
+        for j in range(4):
+            body.e[j] = y[q + 3 + j]
+        R = rotation_matrix(y[q + 3], y[q + 4], y[q + 5], y[q + 6])
+        for j in range(9):
+            body.R[j] = R[j]
+        put(body.s, rotate(R, vec(m.body[i].com)))
+        put(body.w, rotate(R, (y[u + 3], y[u + 4], y[u + 5])))
+        white = mat(m.body[i].whiten)
+        for j in range(3):  # A = whiten R', column j is whiten times row j of R
+            column = rotate(white, (R[3 * j], R[3 * j + 1], R[3 * j + 2]))
+            body.A[j] = column[0]
+            body.A[3 + j] = column[1]
+            body.A[6 + j] = column[2]
+
+
+@kernel
+def rates(m, d, dy):
+    """State rates dy of q and u from velocities and accelerations: u_dot = (r_ddot, R'w_dot), since w x w = 0."""
+    n = m.body.shape[0]
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        body = d.body[i]
+        e_dot = quaternion_rate(body.e, vec(body.w))
+        linear, angular = pair(body.acceleration)
+        alpha = rotate_back(mat(body.R), angular)
+        for j in range(3):
+            dy[q + j] = body.velocity[j]
+            dy[u + j] = linear[j]
+            dy[u + 3 + j] = alpha[j]
+        for j in range(4):
+            dy[q + 3 + j] = e_dot[j]
+
+
+@kernel
+def displace_body(y, q, dr, dtheta):
+    """Move the pose at y[q:q+7]: r += dr, e = exp(dtheta) o e with |e| = 1; world axes."""
+    x, a, b = dtheta
+    half = 0.5 * np.sqrt(x * x + a * a + b * b)
+    k = 0.5 if half.real < 1e-12 else 0.5 * np.sin(half) / half
+    p0, p1, p2, p3 = np.cos(half), k * x, k * a, k * b
+    e0, e1, e2, e3 = y[q + 3], y[q + 4], y[q + 5], y[q + 6]
+    f0 = p0 * e0 - p1 * e1 - p2 * e2 - p3 * e3
+    f1 = p0 * e1 + p1 * e0 + p2 * e3 - p3 * e2
+    f2 = p0 * e2 - p1 * e3 + p2 * e0 + p3 * e1
+    f3 = p0 * e3 + p1 * e2 - p2 * e1 + p3 * e0
+    norm = np.sqrt(f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3)
+    y[q + 3], y[q + 4], y[q + 5], y[q + 6] = f0 / norm, f1 / norm, f2 / norm, f3 / norm
+    put(y[q : q + 3], add((y[q], y[q + 1], y[q + 2]), dr))
+
+
+@kernel
+def displace(m, d, y):
+    """Move all bodies by the world displacements (dr, dtheta) that `solve` left in their accelerations."""
+    for i in range(m.body.shape[0]):
+        dr, dtheta = pair(d.body[i].acceleration)
+        displace_body(y, 7 * i, dr, dtheta)
+
+
+@kernel
+def put_velocities(m, d, y):
+    """Write velocities and w back into y as (r_dot, R'w)."""
+    n = m.body.shape[0]
+    for i in range(n):
+        u, body = 7 * n + 6 * i, d.body[i]
+        w = rotate_back(mat(body.R), vec(body.w))
+        for j in range(3):
+            y[u + j] = body.velocity[j]
+            y[u + 3 + j] = w[j]
+
+
+@kernel
+def normalise(m, y):
+    """|e| = 1 for every body."""
+    for i in range(m.body.shape[0]):
+        q = 7 * i + 3
+        norm = np.sqrt(y[q] * y[q] + y[q + 1] * y[q + 1] + y[q + 2] * y[q + 2] + y[q + 3] * y[q + 3])
+        for j in range(q, q + 4):
+            y[j] /= norm

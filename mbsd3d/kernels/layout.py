@@ -1,0 +1,162 @@
+"""What the kernels read and write: `Model` (constant), `Data` (work space), `Schur` (the chosen rows).
+
+Tables are arrays of records: ``m.body[i].mass``, ``d.row[k].gamma``; from Python ``data.row["gamma"]`` is the whole
+column. Vectors are in world axes unless a line says "body axes"; SI units. Body index n (one past the last) is the
+ground: it has a pose and zero velocity in `Data`, and no columns in the equations.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+BODY = [
+    ("mass", float),  # kg
+    ("whiten_mass", float),  # kg^(-1/2), m^(-1/2)
+    ("com", float, 3),  # m, r_G from the reference point O, body axes
+    ("inertia", float, 9),  # kg m^2, about the centre of mass, body axes
+    ("whiten", float, 9),  # I_p^(-1/2) C', C the principal axes: whiten' whiten = I_G^-1, body axes
+]
+PRIMITIVE = [
+    ("kind", int),  # one of the constants of kinds.py
+    ("row", int),  # first of its rows
+    ("rows", int),  # number of its rows
+    ("body", int, 4),  # bodies of its slots, -1 = unused slot
+    ("point", float, (4, 3)),  # m, a point in each slot's body, body axes from O
+    ("axis", float, (4, 3)),  # a unit vector in each slot's body, body axes
+    ("second_axis", float, (4, 3)),  # a second one
+    ("value", float, 4),  # scalars: distance, ratios, radii
+    ("coordinate", int, 2),  # hinge coordinates of a ratio, -1 = unused
+    ("signal", int),  # prescribed motion, -1 = none
+]
+ROW = [
+    ("body", int, 4),  # bodies of the slots, -1 = unused
+    ("holonomic", int),  # 1: has a residual c(q, t); 0: velocities only
+    ("scale", float),  # 1/length for rows measured in metres, 1 for radians
+    ("drive", int),  # number of the driven row (its work is a state), -1 = not driven
+]
+COORDINATE = [
+    ("kind", int),  # angle or slide
+    ("body", int, 2),
+    ("point", float, (2, 3)),  # m, body axes
+    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; body axes
+]
+FORCE = [
+    ("kind", int),
+    ("body", int, 2),  # acting bodies a, b
+    ("point", float, (2, 3)),  # m, body axes
+    ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
+    ("value", float, 12),  # stiffness, damping, ...: see loads.py
+    ("signal", int, 3),  # signals of the components, -1 = none
+    ("coordinate", int),  # hinge coordinate it acts along, -1 = none
+    ("state", int),  # where the element's own states start in z
+]
+SIGNAL = [("first", int), ("end", int)]  # its terms
+TERM = [("kind", int), ("first", int), ("end", int)]  # its numbers in term_data: see signals.Term
+MEASURE = [
+    ("kind", int),
+    ("body", int, 2),
+    ("point", float, (2, 3)),  # m, body axes
+    ("axis", float, 3),  # world axes, or body axes of the second body
+    ("coordinate", int),
+]
+STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
+
+
+class Model(NamedTuple):
+    """A compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
+
+    body: np.ndarray  # (n,) BODY
+    primitive: np.ndarray  # (p,) PRIMITIVE
+    row: np.ndarray  # (m,) ROW
+    coordinate: np.ndarray  # COORDINATE
+    force: np.ndarray  # FORCE
+    signal: np.ndarray  # SIGNAL
+    term: np.ndarray  # TERM
+    term_data: np.ndarray
+    measure: np.ndarray  # MEASURE
+    state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
+    gravity: np.ndarray  # (3,) m/s^2
+    z_work: int
+    z_drive: int
+    z_impulse: int
+    length: float  # m, the model's own length: scale of errors and of the rank decision
+    singular: int  # 1: a body without mass or with a singular inertia: dense saddle point instead of the Schur path
+    gyroscopic: float  # 1, or 0 to drop w x I_G w
+    centripetal: float  # 1, or 0 to drop m w x (w x s)
+    gamma: float  # 1, or 0 to drop -J_dot v
+    stabilisation: int  # NONE, BAUMGARTE, PROJECTION
+    baumgarte_velocity: float  # a [1/s] and
+    baumgarte_position: float  # b [1/s^2] of gamma -= a (J v - b) + b c
+
+
+def data_records(dtype: type) -> dict[str, list]:
+    """Record fields of the work space for real or complex numbers."""
+    return {
+        "body": [
+            ("r", dtype, 3),  # m, reference point          } computed by kinematics
+            ("e", dtype, 4),  # quaternion
+            ("R", dtype, 9),  # body -> world
+            ("s", dtype, 3),  # m, R r_G
+            ("velocity", dtype, 3),  # m/s, of O
+            ("w", dtype, 3),  # rad/s
+            ("A", dtype, 9),  # whiten R': takes a moment about G to mass-scaled body axes
+            ("Q", dtype, 6),  # applied force and moment about O, gravity included      } computed by loads
+            ("h", dtype, 6),  # velocity-quadratic term
+            ("top", dtype, 6),  # right side and work space of the upper rows           } saddle point
+            ("acceleration", dtype, 6),  # solution of the upper rows: (r_ddot, w_dot)
+            ("constraint", dtype, 6),  # -J' lam
+        ],
+        "row": [
+            ("c", dtype),  # residual, m or rad              } computed by rows
+            ("J", dtype, (4, 6)),  # blocks per slot
+            ("b", dtype),  # right side of J v = b
+            ("gamma", dtype),  # right side of J v_dot = gamma
+            ("bottom", dtype),  # right side of the lower rows } saddle point
+            ("lam", dtype),  # multiplier, zero in skipped rows
+        ],
+        "force": [("potential", dtype), ("power", dtype)],  # J stored; W of the part that stores none
+        "coordinate": [("value", float), ("rate", float)],  # at the last accepted state, to unwrap against: real
+    }
+
+
+class Data(NamedTuple):
+    """Work space of one evaluation; real or complex."""
+
+    body: np.ndarray  # (n + 1,)
+    row: np.ndarray  # (m,)
+    force: np.ndarray
+    coordinate: np.ndarray
+    unwrap_time: np.ndarray  # (1,) s, time of the last accepted state
+    state_rate: np.ndarray  # rates of the force elements' own states
+
+
+class Schur(NamedTuple):
+    """The chosen rows in elimination order, and the skyline of S = J M^-1 J' in that order."""
+
+    place: np.ndarray  # (c,) row, first stored column, start of the line, blocks of the slots, diagonal of S, rhs
+    block: np.ndarray  # (blocks,) place of its row, Y = J U^-1 with M = U'U; ascending places within a body
+    body_first: np.ndarray  # (n + 1,) first block of each body
+    skyline: np.ndarray  # lower triangle of S, then of its factor L: S[i, j] is skyline[line_i + j]
+    skipped: np.ndarray  # rows left out
+
+
+def schur_records(dtype: type) -> dict[str, list]:
+    """Record fields of the Schur complement for real or complex numbers."""
+    return {
+        "place": [
+            ("row", int),
+            ("first", int),
+            ("line", int),
+            ("slot_block", int, 4),  # block of Y a slot adds to, -1 = ground or unused
+            ("diagonal", dtype),  # of S before factoring
+            ("rhs", dtype),
+        ],
+        "block": [("place", int), ("Y", dtype, 6)],
+    }
+
+
+def table(fields: list, count: int) -> np.ndarray:
+    """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
+    array = np.zeros(count, np.dtype(fields))
+    return array.view(np.recarray) if numba.config.DISABLE_JIT else array

@@ -1,0 +1,237 @@
+"""Constraint primitives: residual c, Jacobian blocks J, right sides b and gamma of every row.
+
+Per row ``c_dot = J v - b`` and ``d(J v - b)/dt = J v_dot - gamma``, exact off the constraint manifold as well. With
+point arms s = R p (world) and w x (w x s) the centripetal acceleration of a body-fixed point. A primitive with a
+signal f(t) prescribes its geometry: c = g(q) - f, b = f', gamma = f'' - J_dot v (speeds: b = f, no residual).
+A new primitive is one function here and one line in `rows`.
+"""
+
+import numpy as np
+
+from .coordinates import coordinate, slide_along
+from .jit import kernel
+from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, NO_SIDESLIP, RATIO, TURN_RATE
+from .signals import signal
+from .vectors import add, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
+
+
+@kernel
+def coincide(d, p, a, b):
+    """c = p_b - p_a (3 rows, world components)."""
+    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
+    c = sub(point(b, sb), point(a, sa))
+    g = sub(turning(vec(a.w), sa), turning(vec(b.w), sb))
+    for i in range(3):
+        row = d.row[p.row + i]
+        row.c = c[i]
+        row.gamma = g[i]
+        unit = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
+        put6(row.J[0], scale(-1.0, unit), cross(unit, sa))
+        put6(row.J[1], unit, cross(sb, unit))
+
+
+@kernel
+def axes_dot(x, y, wx, wy):
+    """(x . y, x cross y, J_dot v) for x turning with wx, y with wy: d(x.y)/dt = (wx - wy) . (x cross y)."""
+    x_dot, y_dot = cross(wx, x), cross(wy, y)
+    rest = dot(cross(wx, x_dot), y) + 2.0 * dot(x_dot, y_dot) + dot(x, cross(wy, y_dot))
+    return dot(x, y), cross(x, y), rest
+
+
+@kernel
+def axis_dot(row, p, a, b):
+    """c = x_a . y_b."""
+    c, n, rest = axes_dot(arm(a, p.axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
+    zero = scale(0.0, n)
+    row.c = c
+    row.gamma = -rest
+    put6(row.J[0], zero, n)
+    put6(row.J[1], zero, scale(-1.0, n))
+
+
+@kernel
+def axis_dot_difference(row, p, a, b):
+    """c = x_a . y_b - y_a . x_b: no relative rotation about the bisector of the shafts (constant velocity)."""
+    c1, n1, rest1 = axes_dot(arm(a, p.axis[0]), arm(b, p.second_axis[1]), vec(a.w), vec(b.w))
+    c2, n2, rest2 = axes_dot(arm(a, p.second_axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
+    n = sub(n1, n2)
+    zero = scale(0.0, n)
+    row.c = c1 - c2
+    row.gamma = rest2 - rest1
+    put6(row.J[0], zero, n)
+    put6(row.J[1], zero, scale(-1.0, n))
+
+
+@kernel
+def in_plane(row, p, a, b):
+    """c = n_a . (p_b - p_a)."""
+    value, rest, la, ta, lb, tb = slide_along(a, b, arm(a, p.axis[0]), arm(a, p.point[0]), arm(b, p.point[1]))
+    row.c = value
+    row.gamma = -rest
+    put6(row.J[0], la, ta)
+    put6(row.J[1], lb, tb)
+
+
+@kernel
+def distance(row, p, a, b):
+    """c = |p_b - p_a| - L."""
+    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
+    gap = sub(point(b, sb), point(a, sa))
+    gap_dot = sub(point_velocity(b, sb), point_velocity(a, sa))
+    length = np.sqrt(dot(gap, gap))
+    n = scale(1.0 / length, gap)
+    along = dot(n, gap_dot)
+    bias = dot(n, sub(turning(vec(b.w), sb), turning(vec(a.w), sa)))
+    row.c = length - p.value[0]
+    row.gamma = -(dot(gap_dot, gap_dot) - along * along) / length - bias
+    put6(row.J[0], scale(-1.0, n), cross(n, sa))
+    put6(row.J[1], n, cross(sb, n))
+
+
+@kernel
+def ratio(m, d, row, p, t):
+    """c = v0 x0 + v1 x1 for hinge coordinates x0 (slots 0, 1) and x1 (slots 2, 3): gear, screw, rack, driver."""
+    row.c = 0.0
+    row.gamma = 0.0
+    for i in range(2):
+        if p.coordinate[i] >= 0:
+            f = p.value[i]
+            x, rest, la, ta, lb, tb = coordinate(m, d, p.coordinate[i], t)
+            row.c += f * x
+            row.gamma -= f * rest
+            put6(row.J[2 * i], scale(f, la), scale(f, ta))
+            put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
+
+
+@kernel
+def turn_rate(row, p, a, b):
+    """J v = x_a . (w_b - w_a): a prescribed relative speed about an axis of a; no residual."""
+    x = arm(a, p.axis[0])
+    zero = scale(0.0, x)
+    row.c = 0.0
+    row.gamma = -dot(cross(vec(a.w), x), sub(vec(b.w), vec(a.w)))
+    put6(row.J[0], zero, scale(-1.0, x))
+    put6(row.J[1], zero, x)
+
+
+@kernel
+def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
+    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
+
+    arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
+    """
+    slip = sub(point_velocity(b, arm_b), point_velocity(a, arm_a))
+    row.gamma = -(dot(n_dot, slip) + dot(n, sub(arm_b_bias, cross(vec(a.w), arm_a_dot))))
+    put6(row.J[0], scale(-1.0, n), cross(n, arm_a))
+    put6(row.J[1], n, cross(arm_b, n))
+
+
+@kernel
+def no_sideslip(row, p, a, b):
+    """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
+    n, s = arm(b, p.axis[1]), arm(b, p.point[1])
+    reach = sub(point(b, s), vec(a.r))
+    reach_dot = sub(point_velocity(b, s), vec(a.velocity))
+    row.c = 0.0
+    contact_row(row, a, b, n, cross(vec(b.w), n), s, reach, turning(vec(b.w), s), reach_dot)
+
+
+@kernel
+def roll(d, p, a, b):
+    """Disc with axis u, centre C, outer radius value[0], crown radius value[1] on the plane (P, n) of body a.
+
+    Row 1: c = n.(C - P) - ring sqrt(1 - (n.u)^2) - crown, ring = radius - crown; rows 2, 3: no slip along two
+    directions of the plane. The contact point is C + ring m - crown n, m = -(n - (n.u) u)/sqrt(1 - (n.u)^2).
+    """
+    wa, wb = vec(a.w), vec(b.w)
+    crown = p.value[1]
+    ring = p.value[0] - crown
+    n, u, s = arm(a, p.axis[0]), arm(b, p.axis[1]), arm(b, p.point[1])
+    n_dot, u_dot = cross(wa, n), cross(wb, u)
+    lean = dot(n, u)
+    lean_dot = dot(n_dot, u) + dot(n, u_dot)
+    root = np.sqrt(1.0 - lean * lean)
+    down = scale(-1.0 / root, sub(n, scale(lean, u)))
+    down_dot = add(
+        scale(-1.0 / root, sub(n_dot, add(scale(lean_dot, u), scale(lean, u_dot)))),
+        scale(lean * lean_dot / (root * root), down),
+    )
+    lever = sub(scale(ring, down), scale(crown, n))
+    lever_dot = sub(scale(ring, down_dot), scale(crown, n_dot))
+    centre = sub(point(b, s), vec(a.r))
+    arm_b, arm_a = add(s, lever), add(centre, lever)
+    arm_a_dot = add(sub(point_velocity(b, s), vec(a.velocity)), lever_dot)
+    bias_b = cross(wb, add(cross(wb, s), lever_dot))
+    along = arm(a, p.second_axis[0])
+    across = cross(n, along)
+    d.row[p.row].c = dot(n, sub(centre, arm(a, p.point[0]))) - ring * root - crown
+    contact_row(d.row[p.row], a, b, n, n_dot, arm_b, arm_a, bias_b, arm_a_dot)
+    contact_row(d.row[p.row + 1], a, b, along, cross(wa, along), arm_b, arm_a, bias_b, arm_a_dot)
+    contact_row(d.row[p.row + 2], a, b, across, cross(wa, across), arm_b, arm_a, bias_b, arm_a_dot)
+
+
+@kernel
+def prescribe(m, row, p, t):
+    """Subtract the signal of a driven primitive: motion (c, b = f', gamma = f'') or speed (b = f, gamma = f')."""
+    f, f_dot, f_ddot = signal(m, p.signal, t)
+    if m.row[p.row].holonomic == 1:
+        row.c -= f
+        row.b = f_dot
+        row.gamma += f_ddot
+    else:
+        row.b = f
+        row.gamma += f_dot
+
+
+@kernel
+def row_speed(m, d, k):
+    """(J v - b) of row k."""
+    row = d.row[k]
+    total = -row.b
+    for slot in range(4):
+        i = m.row[k].body[slot]
+        if i >= 0:
+            body = d.body[i]
+            for j in range(3):
+                total += row.J[slot, j] * body.velocity[j] + row.J[slot, 3 + j] * body.w[j]
+    return total
+
+
+@kernel
+def fill(m, d, p, t):
+    """Rows of one primitive."""
+    row, a, b = d.row[p.row], d.body[p.body[0]], d.body[p.body[1]]
+    if p.kind == COINCIDE:
+        coincide(d, p, a, b)
+    elif p.kind == DOT:
+        axis_dot(row, p, a, b)
+    elif p.kind == IN_PLANE:
+        in_plane(row, p, a, b)
+    elif p.kind == DISTANCE:
+        distance(row, p, a, b)
+    elif p.kind == DOT_DIFFERENCE:
+        axis_dot_difference(row, p, a, b)
+    elif p.kind == RATIO:
+        ratio(m, d, row, p, t)
+    elif p.kind == TURN_RATE:
+        turn_rate(row, p, a, b)
+    elif p.kind == NO_SIDESLIP:
+        no_sideslip(row, p, a, b)
+    else:
+        roll(d, p, a, b)
+
+
+@kernel
+def rows(m, d, t):
+    """Fill c, J, b, gamma of all rows; needs kinematics."""
+    for i in range(m.primitive.shape[0]):
+        p = m.primitive[i]
+        fill(m, d, p, t)
+        if m.gamma == 0.0:  # teaching switch: drop -J_dot v, keep the drivers' b_dot
+            for k in range(p.row, p.row + p.rows):
+                d.row[k].gamma = 0.0
+        if p.signal >= 0:
+            prescribe(m, d.row[p.row], p, t)
+    if m.stabilisation == BAUMGARTE:
+        for k in range(m.row.shape[0]):
+            d.row[k].gamma -= m.baumgarte_velocity * row_speed(m, d, k) + m.baumgarte_position * d.row[k].c

@@ -1,0 +1,207 @@
+"""The saddle point ``[M J'; J 0] [x; lam] = [top; bottom]`` over the chosen rows, by the Schur complement.
+
+``M_b = U'U`` with ``U (r_dot, w) = (sqrt(m) v_G, I_p^1/2 C'R'w)``, v_G = r_dot + w x s: the dense reference-point
+block is inverted by a shift to G and a scaling. With Y = J U^-1 (six numbers per row and body) and y = U^-T top
+
+    S lam = Y y - bottom,   S = Y Y',   x = U^-1 (y - Y' lam).
+
+S is sparse like the graph of joints; it is stored as a skyline in reverse Cuthill-McKee order and factored in place.
+Models with a body without mass or with a singular inertia go through the dense matrix instead.
+"""
+
+import numpy as np
+
+from .jit import allocating_kernel, kernel
+from .vectors import add, clear, cross, mat, pair, put6, rotate, rotate_back, scale, sub, vec
+
+SOLVED, BAD_PIVOT, NOT_FINITE = 0, 1, 2
+
+
+@kernel
+def to_scaled(fixed, body, force, moment):
+    """U^-T (force, moment about O) of a body."""
+    return scale(fixed.whiten_mass, force), rotate(mat(body.A), add(moment, cross(force, vec(body.s))))
+
+
+@kernel
+def from_scaled(fixed, body, linear, angular):
+    """U^-1 (linear, angular) of a body."""
+    w = rotate_back(mat(body.A), angular)
+    return add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w
+
+
+@kernel
+def scaled_rows(m, d, s):
+    """Y = J U^-1 of the chosen rows; slots of one body add up in one block."""
+    for e in range(s.block.shape[0]):
+        Y = s.block[e].Y
+        for j in range(6):
+            Y[j] = 0.0
+    for i in range(s.place.shape[0]):
+        place = s.place[i]
+        k = place.row
+        for slot in range(4):
+            if place.slot_block[slot] >= 0:
+                b = m.row[k].body[slot]
+                force, moment = pair(d.row[k].J[slot])
+                linear, angular = to_scaled(m.body[b], d.body[b], force, moment)
+                Y = s.block[place.slot_block[slot]].Y
+                for j in range(3):
+                    Y[j] += linear[j]
+                    Y[3 + j] += angular[j]
+
+
+@kernel
+def assemble_schur(s):
+    """Lower triangle of S = Y Y' into the skyline."""
+    clear(s.skyline)
+    for i in range(s.body_first.shape[0] - 1):
+        for e in range(s.body_first[i], s.body_first[i + 1]):
+            line = s.place[s.block[e].place].line
+            x, y = pair(s.block[e].Y)
+            for f in range(s.body_first[i], e + 1):
+                Y = s.block[f].Y
+                s.skyline[line + s.block[f].place] += (
+                    x[0] * Y[0] + x[1] * Y[1] + x[2] * Y[2] + y[0] * Y[3] + y[1] * Y[4] + y[2] * Y[5]
+                )
+
+
+@kernel
+def factor_skyline(s):
+    """Cholesky factor L of S in place (S = L L', symmetric also for complex steps); False on a pivot <= 0 or NaN."""
+    L = s.skyline
+    for i in range(s.place.shape[0]):
+        line_i, first_i = s.place[i].line, s.place[i].first
+        for j in range(first_i, i):
+            line_j = s.place[j].line
+            total = L[line_i + j]
+            for k in range(max(first_i, s.place[j].first), j):
+                total -= L[line_i + k] * L[line_j + k]
+            L[line_i + j] = total / L[line_j + j]
+        total = L[line_i + i]
+        s.place[i].diagonal = total
+        limit = 1e-15 * total.real
+        for k in range(first_i, i):
+            total -= L[line_i + k] * L[line_i + k]
+        if not total.real > limit:
+            return False
+        L[line_i + i] = np.sqrt(total)
+    return True
+
+
+@kernel
+def smallest_pivot(s):
+    """Smallest pivot relative to its diagonal of S: what is left of a row that is nearly dependent on those before."""
+    smallest = 1.0
+    for i in range(s.place.shape[0]):
+        pivot = s.skyline[s.place[i].line + i]
+        smallest = min(smallest, (pivot * pivot / s.place[i].diagonal).real)
+    return smallest
+
+
+@kernel
+def solve_skyline(s):
+    """rhs := S^-1 rhs by L and L'."""
+    L = s.skyline
+    for i in range(s.place.shape[0]):
+        total, line = s.place[i].rhs, s.place[i].line
+        for k in range(s.place[i].first, i):
+            total -= L[line + k] * s.place[k].rhs
+        s.place[i].rhs = total / L[line + i]
+    for i in range(s.place.shape[0] - 1, -1, -1):
+        line = s.place[i].line
+        x = s.place[i].rhs / L[line + i]
+        s.place[i].rhs = x
+        for k in range(s.place[i].first, i):
+            s.place[k].rhs -= L[line + k] * x
+
+
+@kernel
+def factor(m, d, s):
+    """Prepare `solve` at the present rows; SOLVED or BAD_PIVOT. The dense path has nothing to prepare."""
+    if m.singular == 1:
+        return SOLVED
+    scaled_rows(m, d, s)
+    assemble_schur(s)
+    return SOLVED if factor_skyline(s) else BAD_PIVOT
+
+
+@kernel
+def solve(m, d, s):
+    """acceleration, lam := solution for the right sides top, bottom (top is used up)."""
+    for k in range(m.row.shape[0]):
+        d.row[k].lam = 0.0
+    if m.singular == 1:
+        return solve_dense(m, d, s)
+    for i in range(s.place.shape[0]):
+        s.place[i].rhs = -d.row[s.place[i].row].bottom
+    for i in range(m.body.shape[0]):
+        top = d.body[i].top
+        force, moment = pair(top)
+        linear, angular = to_scaled(m.body[i], d.body[i], force, moment)
+        put6(top, linear, angular)
+        for e in range(s.body_first[i], s.body_first[i + 1]):
+            Y = s.block[e].Y
+            s.place[s.block[e].place].rhs += (
+                Y[0] * top[0] + Y[1] * top[1] + Y[2] * top[2] + Y[3] * top[3] + Y[4] * top[4] + Y[5] * top[5]
+            )
+    solve_skyline(s)
+    for i in range(m.body.shape[0]):
+        top = d.body[i].top
+        for e in range(s.body_first[i], s.body_first[i + 1]):
+            Y, lam = s.block[e].Y, s.place[s.block[e].place].rhs
+            for j in range(6):
+                top[j] -= Y[j] * lam
+        linear, angular = pair(top)
+        linear, angular = from_scaled(m.body[i], d.body[i], linear, angular)
+        put6(d.body[i].acceleration, linear, angular)
+    for i in range(s.place.shape[0]):
+        d.row[s.place[i].row].lam = s.place[i].rhs
+    return SOLVED
+
+
+@kernel
+def mass_block(fixed, body, K, i):
+    """K[i:i+6, i:i+6] = [[m 1, -m [s]x], [m [s]x, I_O]], I_O = R I_G R' + m [s]x[s]x'."""
+    R, s, mass = mat(body.R), vec(body.s), fixed.mass
+    for j in range(3):
+        unit = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+        turned = scale(mass, cross(s, unit))  # column j of m [s]x
+        inertia = rotate(R, rotate(mat(fixed.inertia), rotate_back(R, unit)))
+        steiner = sub(inertia, cross(s, turned))
+        K[i + j, i + j] = mass
+        for k in range(3):
+            K[i + 3 + k, i + j] = turned[k]
+            K[i + j, i + 3 + k] = turned[k]
+            K[i + 3 + k, i + 3 + j] = steiner[k]
+
+
+@allocating_kernel
+def solve_dense(m, d, s):
+    """The saddle point as one dense matrix: for singular mass matrices, where only the whole is regular."""
+    n, c = 6 * m.body.shape[0], s.place.shape[0]
+    K = np.zeros((n + c, n + c), s.skyline.dtype)
+    rhs = np.zeros(n + c, s.skyline.dtype)
+    for i in range(m.body.shape[0]):
+        mass_block(m.body[i], d.body[i], K, 6 * i)
+        for j in range(6):
+            rhs[6 * i + j] = d.body[i].top[j]
+    for i in range(c):
+        k = s.place[i].row
+        rhs[n + i] = d.row[k].bottom
+        for slot in range(4):
+            b = m.row[k].body[slot]
+            if 0 <= b < m.body.shape[0]:
+                for j in range(6):
+                    K[n + i, 6 * b + j] += d.row[k].J[slot, j]
+                    K[6 * b + j, n + i] += d.row[k].J[slot, j]
+    for i in range(n + c):
+        if not np.isfinite(rhs[i].real):
+            return NOT_FINITE
+    x = np.linalg.solve(K, rhs)
+    for i in range(m.body.shape[0]):
+        for j in range(6):
+            d.body[i].acceleration[j] = x[6 * i + j]
+    for i in range(c):
+        d.row[s.place[i].row].lam = x[n + i]
+    return SOLVED

@@ -1,0 +1,159 @@
+"""3-vectors as tuples: in compiled code they live in registers and cost no allocation.
+
+Matrices are 9-tuples in row order. Nothing here takes a norm or an absolute value, so every function is also right
+for complex arguments (complex-step derivatives); products are transposes, never conjugates.
+"""
+
+from .jit import kernel
+
+
+@kernel
+def vec(a):
+    """An array of 3 as a tuple."""
+    return a[0], a[1], a[2]
+
+
+@kernel
+def mat(a):
+    """An array of 9 as a tuple."""
+    return a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]
+
+
+@kernel
+def pair(a):
+    """An array of 6 as two 3-vectors."""
+    return (a[0], a[1], a[2]), (a[3], a[4], a[5])
+
+
+@kernel
+def put(array, a):
+    """array[:3] = a"""
+    array[0] = a[0]
+    array[1] = a[1]
+    array[2] = a[2]
+
+
+@kernel
+def put6(array, a, b):
+    """array = (a, b)"""
+    array[0] = a[0]
+    array[1] = a[1]
+    array[2] = a[2]
+    array[3] = b[0]
+    array[4] = b[1]
+    array[5] = b[2]
+
+
+@kernel
+def add6(array, a, b):
+    """array += (a, b)"""
+    array[0] += a[0]
+    array[1] += a[1]
+    array[2] += a[2]
+    array[3] += b[0]
+    array[4] += b[1]
+    array[5] += b[2]
+
+
+@kernel
+def add(a, b):
+    """a + b"""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@kernel
+def sub(a, b):
+    """a - b"""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@kernel
+def scale(k, a):
+    """k a"""
+    return k * a[0], k * a[1], k * a[2]
+
+
+@kernel
+def dot(a, b):
+    """a . b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    """a x b"""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def turning(w, s):
+    """w x (w x s): centripetal acceleration of a point at s."""
+    return cross(w, cross(w, s))
+
+
+@kernel
+def rotate(R, a):
+    """R a"""
+    return (
+        R[0] * a[0] + R[1] * a[1] + R[2] * a[2],
+        R[3] * a[0] + R[4] * a[1] + R[5] * a[2],
+        R[6] * a[0] + R[7] * a[1] + R[8] * a[2],
+    )
+
+
+@kernel
+def rotate_back(R, a):
+    """R' a"""
+    return (
+        R[0] * a[0] + R[3] * a[1] + R[6] * a[2],
+        R[1] * a[0] + R[4] * a[1] + R[7] * a[2],
+        R[2] * a[0] + R[5] * a[1] + R[8] * a[2],
+    )
+
+
+@kernel
+def arm(body, local):
+    """R p: a body-fixed vector in world axes."""
+    return rotate(mat(body.R), vec(local))
+
+
+@kernel
+def point(body, s):
+    """World position of the point at s (world) from O."""
+    return add(vec(body.r), s)
+
+
+@kernel
+def point_velocity(body, s):
+    """Velocity of the point of the body at s (world) from O."""
+    return add(vec(body.velocity), cross(vec(body.w), s))
+
+
+@kernel
+def finite(array):
+    """True if no entry is NaN or infinite."""
+    total = 0.0
+    for i in range(array.shape[0]):
+        total += abs(array[i]) * 0.0
+    return total == 0.0
+
+
+@kernel
+def copy(target, source):
+    """target = source"""
+    for i in range(source.shape[0]):
+        target[i] = source[i]
+
+
+@kernel
+def add_scaled(target, k, source):
+    """target += k source"""
+    for i in range(source.shape[0]):
+        target[i] += k * source[i]
+
+
+@kernel
+def clear(target):
+    """target = 0"""
+    for i in range(target.shape[0]):
+        target[i] = 0.0

@@ -1,0 +1,135 @@
+"""Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .joints import Joint, coordinate_of, unit
+from .kernels import kinds
+from .parts import GROUND, Body, Ground, number, vector
+from .primitives import Coordinate
+from .rotations import matrix
+
+ZERO = np.zeros(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A scalar function of the state; build one with the functions of this module."""
+
+    kind: int
+    label: str
+    unit: str
+    a: Any = GROUND
+    b: Any = GROUND
+    point_a: np.ndarray = field(default_factory=lambda: ZERO)
+    point_b: np.ndarray = field(default_factory=lambda: ZERO)
+    axis: np.ndarray = field(default_factory=lambda: ZERO)
+    coordinate: Coordinate | None = None
+
+    def __gt__(self, value: float) -> "Condition":
+        return Condition(self, number(value, f"threshold of {self.label}"), 1.0)
+
+    def __lt__(self, value: float) -> "Condition":
+        return Condition(self, number(value, f"threshold of {self.label}"), -1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A measure crosses a value upwards (direction 1) or downwards (-1)."""
+
+    measure: Measure
+    value: float
+    direction: float
+
+    def __str__(self) -> str:
+        return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
+
+
+def label(part: Any) -> str:
+    """Name of a part for messages."""
+    return getattr(part, "name", None) or type(part).__name__
+
+
+def angle(hinge: Joint) -> Measure:
+    """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
+    x = coordinate_of(hinge, "angle", "measures.angle")
+    return Measure(kinds.COORDINATE, f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
+
+
+def rate(hinge: Joint) -> Measure:
+    """Rate of the angle of a hinge [rad/s]."""
+    x = coordinate_of(hinge, "angle", "measures.rate")
+    return Measure(kinds.COORDINATE_RATE, f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
+
+
+def slide(slider: Joint) -> Measure:
+    """Displacement of a sliding joint [m]."""
+    x = coordinate_of(slider, "slide", "measures.slide")
+    return Measure(kinds.COORDINATE, f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
+
+
+def slide_rate(slider: Joint) -> Measure:
+    """Speed of a sliding joint [m/s]."""
+    x = coordinate_of(slider, "slide", "measures.slide_rate")
+    return Measure(kinds.COORDINATE_RATE, f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
+
+
+def _body(body: Any, what: str) -> None:
+    if not isinstance(body, Body | Ground):
+        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+
+
+def _point(body: Any, at: Any, what: str) -> np.ndarray:
+    """World point at the reference pose; None = centre of mass."""
+    if at is not None:
+        return vector(at, f"{what}: at")
+    return body.position + matrix(body.orientation) @ body.com
+
+
+def position(body: Body, *, axis: Any, at: Any = None) -> Measure:
+    """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
+    _body(body, "measures.position")
+    point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
+    return Measure(kinds.POSITION, f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
+
+
+def velocity(body: Body, *, axis: Any, at: Any = None) -> Measure:
+    """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
+    _body(body, "measures.velocity")
+    point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
+    return Measure(kinds.VELOCITY, f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
+
+
+def omega(body: Body, *, axis: Any) -> Measure:
+    """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
+    _body(body, "measures.omega")
+    return Measure(
+        kinds.TURN, f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis")
+    )
+
+
+def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+    """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
+
+    ``lateral`` is given in world axes at the reference pose.
+    """
+    _body(body, "measures.lean")
+    axis = body.local_axis(unit(lateral, "measures.lean: lateral"))
+    return Measure(kinds.LEAN, f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
+
+
+def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+    """Rate of `lean` [rad/s]."""
+    _body(body, "measures.lean_rate")
+    axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
+    return Measure(kinds.LEAN_RATE, f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
+
+
+def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
+    """Distance between a point of a and a point of b [m]; None = centre of mass."""
+    for body in (a, b):
+        _body(body, "measures.distance")
+    point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
+    return Measure(kinds.GAP, f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)

@@ -1,0 +1,294 @@
+"""From the description to the arrays of the kernels."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .drivers import Driver
+from .kernels import kinds
+from .kernels.layout import (
+    BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, Data, Model, data_records, table,
+)  # fmt: skip
+from .measures import Measure
+from .parts import GROUND
+from .primitives import Coordinate, Primitive
+from .rotations import matrix, skew
+from .signals import Signal
+
+
+@dataclass(frozen=True)
+class Switches:
+    """Teaching switches and the way constraints are stabilised."""
+
+    gyroscopic: bool = True
+    centripetal: bool = True
+    gamma: bool = True
+    stabilisation: str = "projection"
+    baumgarte: tuple[float, float] = (20.0, 100.0)
+
+    def __post_init__(self) -> None:
+        if self.stabilisation not in STABILISATIONS:
+            names = ", ".join(f"'{name}'" for name in STABILISATIONS)
+            raise ValueError(f"stabilisation {self.stabilisation!r} is unknown; give one of {names}")
+
+
+STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """The arrays of a system, and where each part is in them."""
+
+    system: Any
+    model: Model
+    body_index: dict[int, int]  # id(body) -> index, the ground is n
+    rows: dict[int, slice]  # id(joint) -> its rows
+    coordinate_index: dict[tuple, int]  # key of a Coordinate -> index
+    drives: list[tuple[Any, int]]  # (driver, row) of every driven row
+    row_joint: np.ndarray  # (m,) index into system.joints
+    switches: Switches
+
+    def coordinate(self, coordinate: Coordinate) -> int:
+        """Index of a hinge coordinate."""
+        return self.coordinate_index[key_of(coordinate)]
+
+    def data(self, dtype: type = float) -> Data:
+        """A fresh work space."""
+        return new_data(self.model, dtype)
+
+
+def key_of(x: Coordinate) -> tuple:
+    """Two coordinates are the same when kind, bodies and geometry are."""
+    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b])
+    return (x.kind, id(x.a), id(x.b), geometry.tobytes())
+
+
+def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float, inertia: np.ndarray) -> np.ndarray:
+    """The 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] with s = R r_G, I_O = R I_G R' + m [s]x[s]x'."""
+    R = matrix(e)
+    S = skew(R @ com)
+    block = np.empty((6, 6))
+    block[:3, :3] = mass * np.eye(3)
+    block[:3, 3:] = -mass * S
+    block[3:, :3] = mass * S
+    block[3:, 3:] = R @ inertia @ R.T + mass * S @ S.T
+    return block
+
+
+def own_length(system: Any) -> float:
+    """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
+    largest = 0.0
+    centres = {id(b): b.position + matrix(b.orientation) @ b.com for b in system.bodies}
+    for body in system.bodies:
+        if body.mass > 0.0:
+            largest = max(largest, float(np.sqrt(np.linalg.eigvalsh(body.inertia)[-1] / body.mass)))
+    records = [force.record() for force in system.forces]
+    pairs = [pair for r in records if r.coordinate is None for pair in zip(r.bodies, r.points, strict=True)]
+    pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
+    for body, point in pairs:
+        if body is not GROUND:
+            largest = max(largest, float(np.linalg.norm(point - centres[id(body)])))
+    return largest or 1.0
+
+
+class Signals:
+    """Collects signals into the flat tables of the kernels."""
+
+    def __init__(self) -> None:
+        self.spans: list[tuple[int, int]] = []
+        self.terms: list[tuple[int, int, int]] = []
+        self.data: list[float] = []
+
+    def add(self, signal: Signal | None) -> int:
+        """Index of a signal, -1 for none."""
+        if signal is None:
+            return -1
+        first = len(self.terms)
+        for term in signal.terms():
+            start = len(self.data)
+            self.data.extend(np.asarray(term.data, float))
+            self.terms.append((term.kind, start, len(self.data)))
+        self.spans.append((first, len(self.terms)))
+        return len(self.spans) - 1
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields of the model."""
+        signal, term = table(SIGNAL, len(self.spans)), table(TERM, len(self.terms))
+        signal[:] = self.spans
+        term[:] = self.terms
+        return {"signal": signal, "term": term, "term_data": np.array(self.data, float)}
+
+
+def body_table(system: Any) -> tuple[np.ndarray, bool]:
+    """(masses, inertias and their square roots, whether one of them is singular)."""
+    out, singular = table(BODY, len(system.bodies)), False
+    for i, body in enumerate(system.bodies):
+        out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
+        moments, C = np.linalg.eigh(body.inertia)
+        if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
+            singular = True
+            continue
+        out["whiten"][i] = (C / np.sqrt(moments)).T.ravel()
+        out["whiten_mass"][i] = 1.0 / np.sqrt(body.mass)
+    return out, singular
+
+
+def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np.ndarray:
+    """The table of hinge coordinates."""
+    from .joints import matched_perpendiculars, perpendiculars
+
+    out = table(COORDINATE, len(coordinates))
+    for i, x in enumerate(coordinates):
+        out["kind"][i], out["body"][i] = x.kind, (index[id(x.a)], index[id(x.b)])
+        out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
+        if x.kind == kinds.SLIDE:
+            out["axis"][i, 0] = x.a.local_axis(x.axis)
+        else:
+            x_a, y_a = perpendiculars(x.axis)
+            x_b, _ = matched_perpendiculars(x.axis, x.axis_b)
+            out["axis"][i] = x.a.local_axis(x_a), x.a.local_axis(y_a), x.b.local_axis(x_b)
+    return out
+
+
+def primitive_table(
+    primitives: list[Primitive], index: dict[int, int], where: dict[tuple, int], signals: Signals
+) -> np.ndarray:
+    """The table of constraint primitives."""
+    out, first = table(PRIMITIVE, len(primitives)), 0
+    for i, row in enumerate(primitives):
+        out["kind"][i], out["row"][i], out["rows"][i] = row.kind, first, row.n_rows
+        out["signal"][i] = signals.add(row.signal)
+        out["body"][i] = -1
+        out["coordinate"][i] = -1
+        out["value"][i, : len(row.values)] = row.values
+        for slot, body in enumerate(row.bodies):
+            out["body"][i, slot] = index[id(body)]
+        for slot, (body, point) in enumerate(zip(row.bodies, row.points, strict=False)):
+            out["point"][i, slot] = body.local_point(point)
+        for name, axes in (("axis", row.axes), ("second_axis", row.second_axes)):
+            for slot, (body, axis) in enumerate(zip(row.bodies, axes, strict=False)):
+                out[name][i, slot] = body.local_axis(axis)
+        for slot, x in enumerate(row.coordinates):
+            out["coordinate"][i, slot] = where[key_of(x)]
+        first += row.n_rows
+    return out
+
+
+def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) -> np.ndarray:
+    """What is known of each single row."""
+    counts = [row.n_rows for row in primitives]
+    out = table(ROW, sum(counts))
+    driven = np.repeat(np.array([row.signal is not None for row in primitives], bool), counts)
+    metres = np.repeat(np.array([row.in_metres for row in primitives], bool), counts)
+    out["body"] = np.repeat(bodies, counts, axis=0).reshape(-1, 4)
+    out["holonomic"] = [h for row in primitives for h in row.holonomic]
+    out["scale"] = np.where(metres, 1.0 / length, 1.0)
+    out["drive"] = -1
+    out["drive"][driven] = np.arange(driven.sum())
+    return out
+
+
+def force_table(records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals) -> np.ndarray:
+    """The table of force elements."""
+    out = table(FORCE, len(records))
+    for i, r in enumerate(records):
+        out["kind"][i] = r.kind
+        out["body"][i] = [index[id(b)] for b in r.bodies]
+        out["signal"][i] = [signals.add(s) for s in r.signals]
+        out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
+        out["value"][i, : len(r.values)] = r.values
+        for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=True)):
+            out["point"][i, slot] = body.local_point(point)
+            out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in r.frame.T]).ravel()
+    return out
+
+
+def measure_table(measures: list[Measure], index: dict[int, int], where: dict[tuple, int]) -> np.ndarray:
+    """The table of measures."""
+    out = table(MEASURE, len(measures))
+    for i, x in enumerate(measures):
+        out["kind"][i], out["body"][i], out["axis"][i] = x.kind, (index[id(x.a)], index[id(x.b)]), x.axis
+        out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
+        out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
+    return out
+
+
+def state_layout(system: Any, n_driven: int, length: float) -> dict[str, Any]:
+    """Layout of z and the units its errors are measured in."""
+    own, n_forces = 0, len(system.forces)
+    mass = system.total_mass() or 1.0
+    works = n_forces + n_driven
+    out = table(STATE, own + works + 6)
+    out["unit"] = [1.0] * own + [mass] * works + [mass] * 3 + [mass * length] * 3
+    out["power"] = [0.0] * own + [2.0] * works + [1.0] * 6
+    return {"z_work": own, "z_drive": own + n_forces, "z_impulse": own + works, "state": out}
+
+
+def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
+    """Lower a system to arrays."""
+    switches = switches or Switches()
+    index = {id(body): i for i, body in enumerate(system.bodies)}
+    index[id(GROUND)] = len(system.bodies)
+    rows_of_joint = [joint.rows() for joint in system.joints]
+    primitives = [row for rows in rows_of_joint for row in rows]
+    records = [force.record() for force in system.forces]
+    wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
+    wanted += [x for row in primitives for x in row.coordinates]
+    wanted += [r.coordinate for r in records] + [x.coordinate for x in measures]
+    coordinates = list({key_of(x): x for x in wanted if x is not None}.values())
+    where = {key_of(x): i for i, x in enumerate(coordinates)}
+    signals, length = Signals(), own_length(system)
+    bodies, singular = body_table(system)
+    rows_table = primitive_table(primitives, index, where, signals)
+    per_row = row_table(primitives, rows_table["body"], length)
+    counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
+    ends = np.cumsum([0, *counts])
+    row_joint = np.repeat(np.arange(len(counts)), counts)
+    model = Model(
+        body=bodies,
+        primitive=rows_table,
+        row=per_row,
+        coordinate=coordinate_table(coordinates, index),
+        force=force_table(records, index, where, signals),
+        measure=measure_table(list(measures), index, where),
+        **signals.arrays(),
+        **state_layout(system, int((per_row["drive"] >= 0).sum()), length),
+        gravity=np.array(system.gravity, float),
+        length=length,
+        singular=int(singular),
+        gyroscopic=float(switches.gyroscopic),
+        centripetal=float(switches.centripetal),
+        gamma=float(switches.gamma),
+        stabilisation=STABILISATIONS[switches.stabilisation],
+        baumgarte_velocity=float(switches.baumgarte[0]),
+        baumgarte_position=float(switches.baumgarte[1]),
+    )
+    slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
+    driven = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]
+    return Compiled(
+        system=system,
+        model=model,
+        body_index=index,
+        rows={id(joint): part for joint, part in zip(system.joints, slices, strict=True)},
+        coordinate_index=where,
+        drives=[(system.joints[row_joint[k]], k) for k in driven if isinstance(system.joints[row_joint[k]], Driver)],
+        row_joint=row_joint,
+        switches=switches,
+    )
+
+
+def new_data(model: Model, dtype: type = float) -> Data:
+    """A fresh work space with the ground in its place."""
+    fields = data_records(dtype)
+    data = Data(
+        body=table(fields["body"], model.body.size + 1),
+        row=table(fields["row"], model.row.size),
+        force=table(fields["force"], model.force.size),
+        coordinate=table(fields["coordinate"], model.coordinate.size),
+        unwrap_time=np.zeros(1),
+        state_rate=np.zeros(model.z_work, dtype),
+    )
+    data.body["e"][-1] = 1.0, 0.0, 0.0, 0.0
+    data.body["R"][-1] = np.eye(3).ravel()
+    return data

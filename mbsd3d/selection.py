@@ -1,0 +1,94 @@
+"""Which rows the fast path keeps, and in which order it eliminates them.
+
+Rank is decided here and nowhere else: column-pivoted QR of the scaled J' (columns: displacements in units of the
+model's length, rotations in radians), confirmed by its singular values, at accepted states only.
+"""
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+from threadpoolctl import threadpool_limits
+
+from .kernels.layout import Data, Model, Schur, schur_records, table
+
+RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a redundant row look independent
+
+
+def dense_jacobian(model: Model, data: Data) -> np.ndarray:
+    """J as an (m, 6 n) matrix from the blocks in ``data``; the ground's columns are left out."""
+    m, n = model.row.size, model.body.size
+    blocks, bodies = data.row["J"], model.row["body"]
+    J = np.zeros((m, n + 1, 6), blocks.dtype)
+    for slot in range(4):
+        used = np.flatnonzero(bodies[:, slot] >= 0)
+        np.add.at(J, (used, bodies[used, slot]), blocks[used, slot])
+    return J[:, :n].reshape(m, 6 * n)
+
+
+def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
+    """Rows and columns in units of the model's length and radians: entries are of order one."""
+    columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    return J * model.row["scale"][:, None] * columns
+
+
+def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, float]:
+    """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest)."""
+    if not A.size or not A.any():
+        return np.zeros(0, np.int64), 1.0
+    with threadpool_limits(1):
+        _, triangle, pivot = scipy.linalg.qr(A.T, mode="economic", pivoting=True)
+        sizes = np.abs(np.diag(triangle))
+        rank = int((sizes > tolerance * sizes[0]).sum())
+        singular = scipy.linalg.svdvals(A)
+        rank_svd = int((singular > tolerance * singular[0]).sum())
+    rank = min(rank, rank_svd) if rank_svd < rank else rank_svd  # the singular values are the authority
+    return np.sort(pivot[:rank]).astype(np.int64), float(singular[rank - 1] / singular[0])
+
+
+def elimination_order(model: Model, chosen: np.ndarray) -> np.ndarray:
+    """The chosen rows in reverse Cuthill-McKee order of the graph 'two rows share a moving body'."""
+    n, on = model.body.size, model.row["body"][chosen]
+    place, slot = np.nonzero((on >= 0) & (on < n))
+    bodies = on[place, slot]
+    incidence = csr_array((np.ones(place.size), (place, bodies)), shape=(chosen.size, n))
+    graph = csr_array(incidence @ incidence.T)
+    return chosen[reverse_cuthill_mckee(graph, symmetric_mode=True)]
+
+
+def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:
+    """Index tables and work space of the Schur complement over the chosen rows."""
+    n = model.body.size
+    row = elimination_order(model, chosen) if chosen.size else chosen
+    on: list[list[int]] = [[] for _ in range(n)]  # places of the rows on each body, ascending
+    for i, bodies in enumerate(model.row["body"][row]):
+        for b in {int(b) for b in bodies if 0 <= b < n}:
+            on[b].append(i)
+    records = schur_records(dtype)
+    body_first = np.cumsum([0, *(len(places) for places in on)])
+    place, block = table(records["place"], row.size), table(records["block"], int(body_first[-1]))
+    block["place"] = [i for places in on for i in places]
+    block_of = {(i, b): body_first[b] + k for b, places in enumerate(on) for k, i in enumerate(places)}
+    place["row"] = row
+    place["slot_block"] = [
+        [block_of[i, int(b)] if 0 <= b < n else -1 for b in bodies] for i, bodies in enumerate(model.row["body"][row])
+    ] or -1
+    place["first"] = np.arange(row.size)
+    for places in on:
+        np.minimum.at(place["first"], places, places[0] if places else 0)
+    lengths = np.arange(row.size) - place["first"] + 1
+    place["line"] = np.cumsum(lengths) - lengths - place["first"]
+    return Schur(
+        place=place,
+        block=block,
+        body_first=body_first.astype(np.int64),
+        skyline=np.zeros(int(lengths.sum()), dtype),
+        skipped=np.setdiff1d(np.arange(model.row.size), row).astype(np.int64),
+    )
+
+
+def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> tuple[Schur, float]:
+    """(Schur structure over an independent set of rows at the state in ``data``, its smallest singular value)."""
+    A = scaled_jacobian(model, dense_jacobian(model, data))
+    chosen, smallest = independent_rows(A, tolerance)
+    return schur_of(model, chosen, data.row["c"].dtype.type), smallest

@@ -1,0 +1,332 @@
+"""The result of a run: every quantity by part, in world axes and SI units."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .certificate import Certificate, certify
+from .drivers import Driver
+from .joints import RollingDisc
+from .kernels.batch import wrenches
+from .model import Compiled
+from .parts import GROUND
+from .reactions import Reaction, minimum_norm, unique_wrench
+from .rotations import matrix
+from .state import State
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none."""
+
+    kinetic: np.ndarray
+    potential: np.ndarray
+    total: np.ndarray
+    work: np.ndarray
+
+
+@dataclass(frozen=True)
+class Momentum:
+    """Linear momentum [kg m/s] and angular momentum about the world origin [kg m^2/s], (samples, 3)."""
+
+    linear: np.ndarray
+    angular: np.ndarray
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Largest |c| [m or rad] and |J v - b| [m/s or rad/s] over all rows at each sample."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
+
+    compiled: Compiled
+    arrays: dict[str, np.ndarray]
+    record: Any
+    final: State
+
+    @classmethod
+    def from_run(
+        cls, compiled: Compiled, arrays: dict, record: Any, y: np.ndarray, t: float, data: Any
+    ) -> "Solution":
+        """Split the raw samples ``y`` into q, world velocities and own states."""
+        n = len(compiled.system.bodies)
+        states = arrays.pop("y")
+        arrays["state"] = states
+        arrays["q"] = states[:, : 7 * n].reshape(-1, n, 7)
+        arrays["v"] = world_velocities(states, n)
+        arrays["z"] = states[:, 13 * n :]
+        arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
+        end = State(
+            t, y[: 7 * n], world_velocities(y[None], n)[0].ravel(), y[13 * n : 13 * n + compiled.model.z_work],
+            data.coordinate["value"].copy(),
+        )  # fmt: skip
+        return cls(compiled, arrays, record, end)
+
+    @property
+    def system(self) -> Any:
+        """The system that was simulated."""
+        return self.compiled.system
+
+    @property
+    def t(self) -> np.ndarray:
+        """(samples,) times [s]."""
+        return self.arrays["t"]
+
+    def _body(self, body: Any) -> int:
+        return self.compiled.body_index[id(self.system.part(body))]
+
+    def position(self, body: Any) -> np.ndarray:
+        """Reference point of a body [m]."""
+        return self.arrays["q"][:, self._body(body), :3]
+
+    def orientation(self, body: Any) -> np.ndarray:
+        """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
+        return self.arrays["q"][:, self._body(body), 3:]
+
+    def rotation(self, body: Any) -> np.ndarray:
+        """(samples, 3, 3) rotation matrix of a body, body -> world."""
+        return matrix(self.orientation(body))
+
+    def velocity(self, body: Any) -> np.ndarray:
+        """Velocity of the reference point [m/s]."""
+        return self.arrays["v"][:, self._body(body), :3]
+
+    def omega(self, body: Any) -> np.ndarray:
+        """Angular velocity [rad/s], world axes."""
+        return self.arrays["v"][:, self._body(body), 3:]
+
+    def omega_body(self, body: Any) -> np.ndarray:
+        """Angular velocity [rad/s], body axes."""
+        return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
+
+    def acceleration(self, body: Any) -> np.ndarray:
+        """Acceleration of the reference point [m/s^2]."""
+        return self.arrays["acceleration"][:, self._body(body), :3]
+
+    def alpha(self, body: Any) -> np.ndarray:
+        """Angular acceleration [rad/s^2], world axes."""
+        return self.arrays["acceleration"][:, self._body(body), 3:]
+
+    def com(self, body: Any) -> np.ndarray:
+        """Centre of mass [m]."""
+        return self.point(body, self.system.part(body).com)
+
+    def point(self, body: Any, local: Any) -> np.ndarray:
+        """World position of a point given in body axes from the reference point [m]."""
+        return self.position(body) + self.rotation(body) @ np.asarray(local, float)
+
+    def _coordinate(self, joint: Any, kind: str) -> np.ndarray:
+        from .joints import coordinate_of
+
+        part = self.system.part(joint, "joints")
+        return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
+
+    def angle(self, joint: Any) -> np.ndarray:
+        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
+
+    def slide(self, joint: Any) -> np.ndarray:
+        """(samples,) displacement of a sliding joint [m]."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
+
+    def rate(self, joint: Any) -> np.ndarray:
+        """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
+        part = self.system.part(joint, "joints")
+        a, b = (None if body is GROUND else body for body in (part.a, part.b))
+        w_a = self.omega(a) if a else np.zeros((self.t.size, 3))
+        if part.angle() is not None:
+            axis = self._world_axis(part.a, part.angle().axis)
+            return np.einsum("ti,ti->t", axis, (self.omega(b) if b else 0.0) - w_a)
+        x = part.slide()
+        if x is None:
+            raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
+        axis = self._world_axis(part.a, x.axis)
+        p_b, v_b = self._point_motion(part.b, x.point_b)
+        v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
+        return np.einsum("ti,ti->t", axis, v_b - v_a_there)
+
+    def _world_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
+        if body is GROUND:
+            return np.broadcast_to(axis, (self.t.size, 3))
+        return self.rotation(body) @ body.local_axis(axis)
+
+    def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a body point given at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
+        arm = self.rotation(body) @ body.local_point(point)
+        return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
+
+    @cached_property
+    def _multipliers(self) -> np.ndarray:
+        """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
+        return minimum_norm(self.compiled, self.t, self.arrays["state"], self.arrays["lam"])
+
+    def reaction(self, *joints: Any) -> Reaction:
+        """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
+
+        With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
+        constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
+        """
+        parts = [self.system.part(joint, "joints") for joint in joints]
+        if not parts:
+            raise ValueError("solution.reaction: no joint given; give one or more joints")
+        body = parts[0].b
+        for part in parts[1:]:
+            if part.b is not body:
+                raise ValueError(
+                    f"solution.reaction: '{self.system.name(part)}' acts on '{part.b.name}', "
+                    f"'{self.system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
+                )
+        unique, samples = unique_wrench(self.compiled, self.t, self.arrays["state"], parts), self.t.size
+        lam = self.arrays["lam"] if unique else self._multipliers
+        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
+        index = self.compiled.body_index[id(body)]
+        data = self.compiled.data()
+        for part in parts:
+            rows = self.compiled.rows[id(part)]
+            wrenches(self.compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
+            total += one
+        point = self._reaction_point(parts[0])
+        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
+        force = total[:, :3]
+        return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+
+    def _reaction_point(self, joint: Any) -> np.ndarray:
+        """World point the reaction is given at: fixed in b, or the contact point of a rolling disc."""
+        if not isinstance(joint, RollingDisc):
+            return self._point_motion(joint.b, joint.point())[0]
+        centre, axis = self._point_motion(joint.b, joint.centre)[0], self._world_axis(joint.b, joint.axis)
+        normal = self._world_axis(joint.a, joint.plane[1])
+        lean = np.einsum("ti,ti->t", normal, axis)[:, None]
+        down = -(normal - lean * axis) / np.sqrt(1.0 - lean**2)
+        return centre + (joint.radius - joint.crown) * down - joint.crown * normal
+
+    def effort(self, driver: Any) -> np.ndarray:
+        """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
+        part = self.system.part(driver, "joints")
+        if not isinstance(part, Driver):
+            raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is no driver; ask for its reaction")
+        rows = self.compiled.rows[id(part)]
+        unique = unique_wrench(self.compiled, self.t, self.arrays["state"], [part])
+        lam = self.arrays["lam"] if unique else self._multipliers
+        effort = -lam[:, rows]
+        return effort[:, 0] if effort.shape[1] == 1 else effort
+
+    @cached_property
+    def _energy(self) -> Energy:
+        model, system = self.compiled.model, self.system
+        kinetic, potential = np.zeros(self.t.size), self.arrays["potential"].sum(axis=1)
+        for body in system.bodies:
+            arm = self.rotation(body) @ body.com
+            v_com = self.velocity(body) + np.cross(self.omega(body), arm)
+            w = self.omega_body(body)
+            kinetic += 0.5 * body.mass * (v_com**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)
+            potential -= body.mass * (self.position(body) + arm) @ system.gravity
+        work = self.arrays["z"][:, model.z_work : model.z_impulse].sum(axis=1)
+        return Energy(kinetic, potential, kinetic + potential, work)
+
+    def energy(self) -> Energy:
+        """Kinetic, potential (gravity and springs), total energy and the work done by drivers and other forces [J]."""
+        return self._energy
+
+    def momentum(self) -> Momentum:
+        """Momentum and angular momentum about the world origin."""
+        linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))
+        for body in self.system.bodies:
+            R, w = self.rotation(body), self.omega(body)
+            arm = R @ body.com
+            p = body.mass * (self.velocity(body) + np.cross(w, arm))
+            spin = np.einsum("tij,tj->ti", R, self.omega_body(body) @ body.inertia)
+            linear += p
+            angular += np.cross(self.position(body) + arm, p) + spin
+        return Momentum(linear, angular)
+
+    def drift(self) -> Drift:
+        """Constraint residuals at the samples."""
+        residual = self.arrays["residual"]
+        return Drift(residual[:, 0], residual[:, 1])
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """What can be said for this result; see `Certificate`."""
+        return certify(self)
+
+    def state(self, sample: int = -1) -> State:
+        """The state at a sample, to start another run from."""
+        a = self.arrays
+        own = a["z"][sample, : self.compiled.model.z_work]
+        return State(float(self.t[sample]), a["q"][sample].ravel(), a["v"][sample].ravel(), own, a["coordinate"][sample])
+
+    def at(self, t: float) -> State:
+        """The state at any time of the run [s], by integrating on from the sample before it."""
+        if not self.t[0] <= t <= self.final.t:
+            raise ValueError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
+        k = int(np.searchsorted(self.t, t, side="right")) - 1
+        start = self.state(k)
+        return start if start.t == t else self.again(t, state=start, output=[t]).final
+
+    def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
+        """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
+        from dataclasses import asdict
+
+        from .simulate import simulate
+
+        settings = {**asdict(self.record.switches), "rtol": self.record.rtol, "method": self.record.method}
+        settings.update(state=self.state(0), output=self.t)
+        settings.update(changes)
+        return simulate(self.system, self.final.t if t_end is None else t_end, **settings)
+
+    def plot(self, quantity: str = "energy", *parts: Any, **options: Any) -> Any:
+        """Matplotlib figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plots`."""
+        from .plots import plot_quantity
+
+        return plot_quantity(self, quantity, *parts, **options)
+
+    def animate(self, **options: Any) -> Any:
+        """Matplotlib animation of the motion; see `mbsd3d.animation`."""
+        from .animation import animate
+
+        return animate(self, **options)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""
+        from .files import save
+
+        return save(self, path)
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset with named bodies and joints, units and frames in the attributes."""
+        from .files import to_xarray
+
+        return to_xarray(self)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """A table with one column per component, names and units in the header."""
+        from .files import to_csv
+
+        return to_csv(self, path)
+
+    def with_certificate(self, certificate: Certificate) -> "Solution":
+        """The same solution with another certificate."""
+        other = replace(self)
+        other.__dict__["certificate"] = certificate
+        return other
+
+
+def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
+    """(samples, n, 6) world velocities (r_dot, w) from states y with u = (r_dot, R'w)."""
+    u = states[:, 7 * n : 13 * n].reshape(-1, n, 6)
+    R = matrix(states[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
+    return np.concatenate([u[..., :3], np.einsum("tbij,tbj->tbi", R, u[..., 3:])], axis=2)
+
+

@@ -1,0 +1,43 @@
+"""The state of a mechanism: what a run starts from and ends with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Coordinates, velocities and own states of the force elements at one time.
+
+    Parameters
+    ----------
+    t : float
+        [s]
+    q : (7 n,) array
+        Per body (r, e): reference point [m, world] and unit quaternion, scalar first, body -> world.
+    v : (6 n,) array
+        Per body (r_dot, w): [m/s], [rad/s], both world.
+    z : (k,) array
+        States owned by force elements.
+    coordinates : array or None
+        Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero.
+    moved : mapping
+        What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
+    """
+
+    t: float
+    q: np.ndarray
+    v: np.ndarray
+    z: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    coordinates: np.ndarray | None = None
+    moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("q", "v", "z"):
+            array = np.array(getattr(self, name), dtype=float)
+            if not np.isfinite(array).all():
+                raise ValueError(f"State: {name} has an entry that is not finite; give finite numbers")
+            object.__setattr__(self, name, array)
+        if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:
+            raise ValueError(f"State: {self.q.size} coordinates and {self.v.size} velocities; give 7 and 6 per body")

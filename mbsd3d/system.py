@@ -1,0 +1,173 @@
+"""The mechanism: bodies, joints, forces and gravity, checked for what can be checked without numbers."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .forces import ForceElement
+from .joints import Coupling, Gear, Joint, RackPinion
+from .parts import GROUND, Body, vector
+from .state import State
+
+if TYPE_CHECKING:
+    from .redundancy import Diagnosis
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A mechanism.
+
+    Parameters
+    ----------
+    bodies : sequence of Body
+    joints : sequence of Joint
+        Joints and drivers.
+    forces : sequence of ForceElement
+    gravity : (3,) array_like
+        [m/s^2], world.
+
+    Raises
+    ------
+    ValueError
+        For two parts of one name, a joint of a body that is not in the system, and the like.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0, -1))
+    >>> System(bodies=[bob], joints=[Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0))]).check().mobility
+    1
+    """
+
+    bodies: Sequence[Body]
+    joints: Sequence[Joint] = ()
+    forces: Sequence[ForceElement] = ()
+    gravity: Any = (0.0, 0.0, -9.81)
+    names: Mapping[int, str] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        set_field = object.__setattr__
+        for key, kind in (("bodies", Body), ("joints", Joint), ("forces", ForceElement)):
+            parts = tuple(getattr(self, key))
+            for part in parts:
+                if not isinstance(part, kind):
+                    raise ValueError(f"System: {part!r} in {key} is not a {kind.__name__}")
+            if len({id(part) for part in parts}) < len(parts):
+                raise ValueError(f"System: a part stands twice in {key}; list every part once")
+            set_field(self, key, parts)
+        if not self.bodies:
+            raise ValueError("System: no bodies; give at least one Body")
+        set_field(self, "gravity", vector(self.gravity, "System: gravity"))
+        set_field(self, "names", self._names())
+        self._check_members()
+
+    def _names(self) -> dict[int, str]:
+        """Names of all parts; nameless ones are numbered by type."""
+        names: dict[int, str] = {id(GROUND): "ground"}
+        counts: dict[str, int] = {}
+        for part in (*self.bodies, *self.joints, *self.forces):
+            name = part.name
+            if name is None:
+                kind = type(part).__name__
+                counts[kind] = counts.get(kind, 0) + 1
+                name = f"{kind} {counts[kind]}"
+            if name in names.values():
+                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
+            names[id(part)] = name
+        return names
+
+    def _check_members(self) -> None:
+        """Every joint and force acts on bodies of this system, every coupling on joints of it."""
+        members = {id(body) for body in self.bodies} | {id(GROUND)}
+        for part in (*self.joints, *self.forces):
+            for body in part.bodies():
+                if id(body) not in members:
+                    raise ValueError(
+                        f"{type(part).__name__} '{self.name(part)}': body '{body.name}' is not in the system; "
+                        "add it to bodies"
+                    )
+        joints = {id(joint) for joint in self.joints}
+        for joint in self.joints:
+            if isinstance(joint, Coupling):
+                pair = {Gear: ("hinge_a", "hinge_b"), RackPinion: ("pinion", "rack")}.get(type(joint))
+                used = [getattr(joint, key) for key in pair] if pair else [joint.through()]
+                for other in used:
+                    if id(other) not in joints:
+                        raise ValueError(
+                            f"{type(joint).__name__} '{self.name(joint)}': its joint '{other.name}' is not in the "
+                            "system; add it to joints"
+                        )
+
+    def name(self, part: Any) -> str:
+        """Name of a part of this system."""
+        return self.names.get(id(part), getattr(part, "name", None) or type(part).__name__)
+
+    def part(self, key: Any, kind: str = "bodies") -> Any:
+        """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
+        parts = getattr(self, kind)
+        for part in parts:
+            if part is key or (isinstance(key, str) and self.name(part) == key):
+                return part
+        have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
+        shown = repr(key) if isinstance(key, str) else f"'{getattr(key, 'name', key)}'"
+        raise ValueError(f"{shown} is not one of the {kind} of this system; there are {have}")
+
+    def check(self, *, as_built: float = 1e-5) -> "Diagnosis":
+        """Coordinates, rows, rank, mobility, redundant rows by joint, cures and a verdict; see `Diagnosis`.
+
+        as_built : float
+            Tolerance of the real parts [m]: misfits below it are taken up by play.
+        """
+        from .redundancy import diagnose
+
+        return diagnose(self, as_built)
+
+    def state(self) -> State:
+        """The initial state at the reference pose; velocities that are None are solved from the constraints."""
+        from .assembly import reference_state
+
+        return reference_state(self)
+
+    def assemble(
+        self,
+        angles: Mapping[Any, float] | None = None,
+        slides: Mapping[Any, float] | None = None,
+        rates: Mapping[Any, float] | None = None,
+        measures: Mapping[Any, float] | None = None,
+        pinned: Sequence[Body] = (),
+        near: State | None = None,
+        *,
+        t: float = 0.0,
+    ) -> State:
+        """A state that closes all joints and meets the given values.
+
+        Parameters
+        ----------
+        angles, slides, rates : mapping of a joint (or its name) to rad, m, rad/s (m/s for a slide)
+        measures : mapping of a measure to its value
+        pinned : bodies that do not move from their reference pose (or their pose in ``near``)
+        near : State to start from; None = the reference pose, with tree joints moved forward to the given values
+        t : time at which drivers are read [s]
+
+        Raises
+        ------
+        AssemblyError
+            Naming the joint with the largest gap.
+        """
+        from .assembly import assemble
+
+        return assemble(
+            self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t
+        )
+
+    def show(self) -> Any:
+        """Draw the reference pose: bodies, joints with their axes, centres of mass; returns a matplotlib figure."""
+        from .plots import show_system
+
+        return show_system(self)
+
+    def total_mass(self) -> float:
+        """[kg]"""
+        return float(np.sum([body.mass for body in self.bodies]))

@@ -1,0 +1,202 @@
+"""Signals: derivatives against differences, algebra, the lowered terms, the compiled twin, and every refusal."""
+
+import doctest
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from mbsd3d import signals
+from mbsd3d.kernels import signals as kernels
+from mbsd3d.signals import (
+    POLYNOMIAL,
+    SINE,
+    SPLINE,
+    Constant,
+    Polynomial,
+    Ramp,
+    Sine,
+    Sum,
+    Table,
+    as_signal,
+    check_interval,
+    evaluate,
+)
+
+TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
+TABLE = Table(TIMES, np.cos(3.0 * TIMES))
+SIGNALS = {
+    "constant": Constant(1.7),
+    "ramp": Ramp(rate=-0.8, offset=0.3),
+    "sine": Sine(amplitude=0.6, frequency=1.4, phase=0.5, offset=-0.2),
+    "polynomial": Polynomial([0.3, -1.1, 0.7, 0.25, -0.1]),
+    "table": TABLE,
+    "sum": 2.0 - 3.0 * (TABLE + Sine(0.6, 1.4)) + Polynomial([0.1, 0.2, 0.3]),
+}
+# inside the table, away from its ends and breaks
+INSIDE = np.array([0.13, 0.55, 1.01, 1.62, 2.05])
+
+
+@pytest.fixture(params=SIGNALS.values(), ids=SIGNALS)
+def signal(request):
+    return request.param
+
+
+def test_examples():
+    result = doctest.testmod(signals)
+    assert result.attempted and not result.failed
+
+
+def test_derivatives_are_those_of_the_value(signal):
+    h = 1e-4
+    slope = (signal(INSIDE + h) - signal(INSIDE - h)) / (2 * h)
+    bend = (signal.derivative(INSIDE + h) - signal.derivative(INSIDE - h)) / (2 * h)
+    # central difference: h^2 f'''/6 with f''' up to 1.8 * 8.8^3 = 1200, f'''' 10 000 (the sine in the sum)
+    np.testing.assert_allclose(signal.derivative(INSIDE), slope, atol=2.5e-6)
+    np.testing.assert_allclose(signal.second_derivative(INSIDE), bend, atol=2e-5)
+
+
+def test_values_are_those_of_the_formulas():
+    t = INSIDE
+    np.testing.assert_array_equal(SIGNALS["constant"](t), np.full(5, 1.7))
+    np.testing.assert_allclose(SIGNALS["ramp"](t), 0.3 - 0.8 * t, rtol=1e-15)
+    np.testing.assert_allclose(SIGNALS["sine"](t), -0.2 + 0.6 * np.sin(2 * np.pi * 1.4 * t + 0.5), rtol=1e-14)
+    expected = 0.3 - 1.1 * t + 0.7 * t**2 + 0.25 * t**3 - 0.1 * t**4
+    np.testing.assert_allclose(SIGNALS["polynomial"](t), expected, rtol=1e-13)
+    combined = 2 - 3 * TABLE(t) - 1.8 * np.sin(2 * np.pi * 1.4 * t) + 0.1 + 0.2 * t + 0.3 * t**2
+    np.testing.assert_allclose(SIGNALS["sum"](t), combined, rtol=1e-13)
+
+
+def test_any_shape_of_times(signal):
+    grid = INSIDE[:4].reshape(2, 2)
+    for function in (signal, signal.derivative, signal.second_derivative):
+        assert np.shape(function(0.5)) == ()
+        assert function(grid).shape == (2, 2)
+        assert function(np.empty(0)).shape == (0,)
+        np.testing.assert_array_equal(function(grid).ravel(), [function(t) for t in grid.ravel()])
+
+
+def test_terms_are_laid_out_as_documented():
+    (constant,) = Constant(1.7).terms()
+    assert (constant.kind, constant.data.tolist()) == (POLYNOMIAL, [1.7])
+    (ramp,) = Ramp(2.0, 0.5).terms()
+    assert (ramp.kind, ramp.data.tolist()) == (POLYNOMIAL, [0.5, 2.0])
+    sine, offset = Sine(0.6, 1.5, 0.5, 0.2).terms()
+    assert (sine.kind, sine.data.tolist()) == (SINE, [0.6, 3.0 * np.pi, 0.5])
+    assert (offset.kind, offset.data.tolist()) == (POLYNOMIAL, [0.2])
+    (spline,) = TABLE.terms()
+    assert spline.kind == SPLINE
+    assert spline.data[0] == len(TIMES) - 1
+    np.testing.assert_array_equal(spline.data[1:7], TIMES)
+    np.testing.assert_allclose(spline.data[7:].reshape(5, 4)[:, 3], TABLE.values[:-1], rtol=1e-15)
+
+
+def test_table_goes_through_its_points_with_smooth_slopes():
+    np.testing.assert_allclose(TABLE(TIMES), TABLE.values, atol=1e-15)
+    eps = 1e-9
+    for function in (TABLE.derivative, TABLE.second_derivative):
+        # jump of a continuous function across 2 eps: 2 eps times a slope of at most 50
+        np.testing.assert_allclose(function(TIMES[1:-1] + eps), function(TIMES[1:-1] - eps), atol=1e-7)
+
+
+def test_table_reproduces_a_cubic():
+    cubic = Polynomial([0.5, -2.0, 0.3, 0.7])
+    table = Table(TIMES, cubic(TIMES))
+    for name in ("__call__", "derivative", "second_derivative"):
+        # rounding of 1e-16 divided by the shortest interval squared, 0.09
+        np.testing.assert_allclose(getattr(table, name)(INSIDE), getattr(cubic, name)(INSIDE), atol=1e-13)
+
+
+def test_table_keeps_its_own_numbers():
+    values = np.array([1.0, 2.0, 4.0, 8.0])
+    table = Table([0, 1, 2, 3], values)
+    values[0] = 99.0
+    assert table(0.0) == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        table.values[0] = 99.0
+
+
+def test_algebra_with_numbers_on_either_side(signal):
+    value = signal(INSIDE)
+    for other in (2.5, np.float64(2.5), np.int64(2)):
+        np.testing.assert_allclose((signal + other)(INSIDE), value + other, rtol=1e-14)
+        np.testing.assert_allclose((other + signal)(INSIDE), value + other, rtol=1e-14)
+        np.testing.assert_allclose((other - signal)(INSIDE), other - value, rtol=1e-14)
+        np.testing.assert_allclose((signal - other)(INSIDE), value - other, rtol=1e-14)
+        np.testing.assert_allclose((other * signal)(INSIDE), other * value, rtol=1e-13)
+        np.testing.assert_allclose((signal * other)(INSIDE), other * value, rtol=1e-13)
+    np.testing.assert_array_equal((-signal)(INSIDE), -value)
+    np.testing.assert_allclose(sum([signal, signal])(INSIDE), 2 * value, rtol=1e-14)
+
+
+def test_interval_is_what_all_tables_share():
+    late = Table(TIMES + 0.5, TIMES)
+    assert Sine(1.0, 2.0).interval == (-np.inf, np.inf)
+    assert (3.0 * TABLE + 1.0).interval == (0.0, 2.2)
+    assert (TABLE + late).interval == (0.5, 2.2)
+    check_interval(TABLE, 0.0, 2.2 * (1 + 1e-15), "driver 'motor'")
+    check_interval(Ramp(1.0), 0.0, 1e9, "driver 'motor'")
+    with pytest.raises(ValueError, match="driver 'motor': the table covers 0 s to 2.2 s and is asked for 0 s to 3 s"):
+        check_interval(TABLE, 0.0, 3.0, "driver 'motor'")
+    with pytest.raises(ValueError, match="Sum: the table covers 0.5 s to 2.2 s and is asked for 0.1 s to 1 s; extend"):
+        (TABLE + late)(np.array([1.0, 0.1]))
+    with pytest.raises(ValueError, match="one starts at 10 s, when another has ended at 2.2 s; give tables"):
+        TABLE + Table(TIMES + 10.0, TIMES)
+
+
+def test_compiled_meaning_is_the_same(signal):
+    """The kernel on the lowered terms, packed as the model packs them; beyond the ends of a table too."""
+    terms = signal.terms()
+    model = SimpleNamespace(
+        signal_first=np.array([0, len(terms)]),
+        term_kind=np.array([term.kind for term in terms]),
+        term_first=np.cumsum([0, *(len(term.data) for term in terms)]),
+        term_data=np.concatenate([term.data for term in terms]),
+    )
+    kernel = getattr(kernels.signal, "py_func", kernels.signal)
+    for t in (*INSIDE, *TIMES, -0.3, 2.9):
+        expected = [evaluate(terms, t, order) for order in (0, 1, 2)]
+        # other order of the operations: rounding of numbers up to 1e2
+        np.testing.assert_allclose(kernel(model, 0, t), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_as_signal():
+    assert as_signal(SIGNALS["sum"], "speed") is SIGNALS["sum"]
+    assert as_signal(3, "speed") == Constant(3.0)
+    assert as_signal(np.float32(0.5), "speed") == Constant(0.5)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: as_signal(np.nan, "driver 'motor': speed"), "driver 'motor': speed is nan; give a finite number or a"),
+        (lambda: as_signal("fast", "driver 'motor': speed"), "driver 'motor': speed is 'fast'; give .* into a Table"),
+        (lambda: as_signal(np.sin, "speed"), "speed is <ufunc 'sin'>"),
+        (lambda: Constant(np.inf), "Constant: value is inf; give a finite number"),
+        (lambda: Ramp("up"), "Ramp: rate is 'up'"),
+        (lambda: Sine(1.0, np.nan), "Sine: frequency is nan"),
+        (lambda: np.nan * Ramp(1.0), "Scaled: factor is nan"),
+        (lambda: Ramp(1.0) + np.inf, "sum of signals is inf"),
+        (lambda: Polynomial([]), "Polynomial: coefficients is empty; give at least the constant c0"),
+        (lambda: Polynomial(3.0), r"Polynomial: coefficients has shape \(\); give a row"),
+        (lambda: Polynomial([1.0, np.nan]), r"Polynomial: coefficients\[1\] is not finite"),
+        (lambda: Polynomial("abc"), "Polynomial: coefficients 'abc' is not numeric"),
+        (lambda: Table([0, 1, 2, 3], [1, 2, 3]), "Table: 4 times but 3 values; give one value per time"),
+        (lambda: Table([0, 1, 2], [1, 2, 3]), "Table: 3 points; a cubic spline needs 4"),
+        (lambda: Table([0, 1, 1, 2], np.ones(4)), r"Table: times\[2\] = 1 does not come after times\[1\] = 1; sort"),
+        (lambda: Table([0, 1, 2, np.nan], np.ones(4)), r"Table: times\[3\] is not finite"),
+        (lambda: TABLE(2.5), "Table: the table covers 0 s to 2.2 s and is asked for 2.5 s to 2.5 s"),
+        (lambda: TABLE.derivative(np.nan), "is asked for nan s"),
+        (lambda: evaluate(TABLE.terms(), 1.0, 3), "evaluate: order is 3; give 0, 1 or 2"),
+    ],
+)
+def test_refusals(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_other_types_do_not_combine():
+    for operation in (lambda: TABLE + "1", lambda: TABLE * TABLE, lambda: [1] - TABLE):
+        with pytest.raises(TypeError):
+            operation()
+    assert isinstance(Ramp(1.0) + Ramp(2.0), Sum)
