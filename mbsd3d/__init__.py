@@ -17,7 +17,7 @@ _HOME = {
     "drivers": ("AngleDriver", "Driver", "PositionDriver", "SlideDriver", "SpeedDriver"),
     "forces": ("AeroDrag", "Bushing", "Force", "JointFriction", "SpringDamper", "TorsionSpring", "Torque"),
     "signals": ("Constant", "Polynomial", "Ramp", "Signal", "Sine", "Table"),
-    "simulate": ("accelerations", "simulate"),
+    "simulation": ("accelerations", "simulate"),
     "solution": ("Solution",),
     "files": ("load",),
     "errors": ("AssemblyError", "IntegrationError"),

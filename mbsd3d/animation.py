@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from .joints import Joint, RollingDisc
 from .parts import GROUND, Body, number
@@ -22,6 +23,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7")
 GREY = "#707070"
 LIFT = np.full((1, 3), np.nan)  # lifts the pen between two strokes
 EQUAL = 1e-6  # relative difference of principal moments that counts as none
+ROOM, MIDDLE = np.array([0.8, 0.78]), np.array([0.46, 0.52])  # of the figure for the box of the data
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
 
 
@@ -112,12 +114,21 @@ def solid(moments: np.ndarray, shape: str | None) -> np.ndarray:
 
 
 class Mark(NamedTuple):
-    """A point and directions fixed in bodies given by their places; the ground comes after the last body."""
+    """A joint: its point and axes fixed in bodies, which are given by their places; the ground comes last."""
 
-    name: str
+    joint: Joint
     body: int
     point: np.ndarray
     axes: list[tuple[int, np.ndarray]]
+
+    def shown_at(self, place: np.ndarray, R: np.ndarray, R_a: np.ndarray) -> np.ndarray:
+        """World position of the marker: the point itself, or where a disc with its centre there touches its plane."""
+        disc = self.joint
+        if not isinstance(disc, RollingDisc):
+            return place
+        normal, axis = R_a @ disc.a.local_axis(disc.plane[1]), R @ disc.b.local_axis(disc.axis)
+        down = (normal @ axis) * axis - normal
+        return place + (disc.radius - disc.crown) * down / max(np.linalg.norm(down), 1e-12) - disc.crown * normal
 
 
 class Scene:
@@ -144,7 +155,7 @@ class Scene:
         if "axis_b" in axes and np.array_equal(axes["axis_b"], axes.get("axis")):
             del axes["axis_b"]
         directions = [(self.index[id(own[name])], own[name].local_axis(axis)) for name, axis in axes.items()]
-        return Mark(self.system.name(joint), *self.fixed(joint.b, joint.point()), directions)
+        return Mark(joint, *self.fixed(joint.b, joint.centre if disc else joint.point()), directions)
 
     def arm(self, body: Body) -> np.ndarray:
         """Lines from the centre of mass of a body to its joints, body axes."""
@@ -178,9 +189,13 @@ class Scene:
             drawn += [x @ R[i].T + r[i] for x in (self.outlines[i], self.arms[i], body.com[None], np.zeros((1, 3)))]
         at = [mark.point @ R[mark.body].T + r[mark.body] for mark in self.joints]
         tips = [(p, R[k] @ axis) for p, mark in zip(at, self.joints, strict=True) for k, axis in mark.axes]
+        shown = [
+            mark.shown_at(p, R[mark.body], R[self.index[id(mark.joint.a)]])
+            for p, mark in zip(at, self.joints, strict=True)
+        ]
         links = [[p @ R[k].T + r[k] for k, p in ends] for ends in self.links]
         spokes = [[p - 0.5 * size * axis, p + 0.5 * size * axis] for p, axis in tips]
-        return [*drawn, strokes(*links), np.reshape(at, (-1, 3)), strokes(*spokes)]
+        return [*drawn, strokes(*links), np.reshape(shown, (-1, 3)), strokes(*spokes)]
 
 
 def bounds(frames: list[list[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -211,11 +226,26 @@ def prepare(axes: Any, low: np.ndarray, high: np.ndarray) -> None:
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         ticks = np.arange(np.ceil(low[k] / step - 1e-9), np.floor(high[k] / step + 1e-9) + 1) * step
         axis.set_ticks(np.round(ticks, 12) + 0.0)
-        getattr(axes, f"set_{name}label")(f"{name} [m]")
+        getattr(axes, f"set_{name}label")(f"{name} [m]", labelpad=8.0)
         getattr(axes, f"set_{name}lim")(low[k], high[k], auto=False)
     axes.grid(False)
-    axes.set_box_aspect(high - low, zoom=1.05)
     axes.view_init(elev=22.0, azim=-58.0)
+    fit(axes, low, high)
+
+
+def fit(axes: Any, low: np.ndarray, high: np.ndarray) -> None:
+    """Scale and shift the picture such that the box of the data, with room for numbers, fills the figure."""
+    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    figure, zoom = axes.figure, 1.0
+    for _ in range(3):  # perspective makes it slightly nonlinear
+        axes.set_box_aspect(high - low, zoom=zoom)
+        axes.apply_aspect()
+        x, y, _ = proj_transform(*corners.T, axes.get_proj())
+        spots = figure.transFigure.inverted().transform(axes.transData.transform(np.column_stack([x, y])))
+        zoom *= float(np.min(ROOM / np.ptp(spots, axis=0)))
+    shift = MIDDLE - 0.5 * (spots.min(axis=0) + spots.max(axis=0))
+    place = axes.get_position(original=True)
+    axes.set_position((place.x0 + shift[0], place.y0 + shift[1], place.width, place.height))
 
 
 def draw(axes: Any, scene: Scene, lines: list[np.ndarray]) -> list[Any]:

@@ -172,8 +172,12 @@ def equation_checks(solution: Any) -> list[Check]:
     acceleration = np.ascontiguousarray(arrays["acceleration"])
     out = np.zeros((t.size, n, 4))
     newton_euler(model, data, t, arrays["state"], acceleration, arrays["lam"], out)
-    force = max(float(out[..., 2].max(initial=0.0)), 1e-300)
-    moment = max(float(out[..., 3].max(initial=0.0)), force * model.length * 1e-3, 1e-300)
+    # floors: centripetal and gyroscopic terms of the greatest spin, so that free and balanced bodies have a scale too
+    mass, spin = solution.system.total_mass(), float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
+    speed = float(np.abs(arrays["v"][..., :3]).max(initial=0.0))
+    floor = mass * (model.length * spin**2 + speed * spin) + 1e-300
+    force = max(float(out[..., 2].max(initial=0.0)), floor)
+    moment = max(float(out[..., 3].max(initial=0.0)), floor * model.length, 1e-3 * force * model.length)
     error = max(float(out[..., 0].max(initial=0.0)) / force, float(out[..., 1].max(initial=0.0)) / moment)
     worst = int(np.argmax((out[..., 0] / force + out[..., 1] / moment).max(axis=0))) if t.size else 0
     name = solution.system.name(solution.system.bodies[worst])

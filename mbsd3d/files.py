@@ -33,7 +33,7 @@ from .model import Compiled, Switches, compile_system
 from .parts import GROUND, Body, Ground
 from .primitives import Coordinate
 from .signals import Signal
-from .simulate import Record
+from .simulation import Record
 from .solution import Solution
 from .state import State
 from .system import System
@@ -99,8 +99,8 @@ class Writer:
         kind = type(part)
         if TYPES.get(kind.__name__) is not kind:
             raise ValueError(
-                f"{what}: {part!r} cannot be written to a file; only numbers, texts, arrays and the parts of mbsd3d "
-                "can, no functions and no classes of your own"
+                f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
+                "mbsd3d can, no functions and no classes of your own"
             )
         names = [field.name for field in fields(part) if field.init]
         return {"type": kind.__name__} | {name: self.value(getattr(part, name), f"{what}: {name}") for name in names}

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullFormatter
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from .animation import COLOURS, GREY, Scene, bounds, colour, draw, prepare
 from .files import BODY_QUANTITIES, QUANTITIES, columns_of_effort, write_atomically
@@ -23,6 +24,7 @@ from .state import State
 
 CYCLE = cycler(linestyle=["-", "--", ":", "-."]) * cycler(color=COLOURS)
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
+DECADE = -18  # smallest residual shown; what is below is chance
 WORDS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
@@ -31,9 +33,10 @@ AXIS_NAMES, QUATERNION_NAMES = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
 
 
 class Panel(NamedTuple):
-    """One pair of axes: label with unit, named lines (samples,), a note above the legend."""
+    """One pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
 
     label: str
+    unit: str
     lines: list[tuple[str, np.ndarray]]
     note: str = ""
     log: bool = False
@@ -50,9 +53,9 @@ def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, 
     if len(parts) == 1:
         part, values = next(iter(parts.items()))
         owner = f" of {part}" if part else ""
-        return [Panel(f"{label}{owner} {unit}", list(zip(names, values.T, strict=True)))]
+        return [Panel(label + owner, unit, list(zip(names, values.T, strict=True)))]
     return [
-        Panel(f"{label} {name} {unit}", [(part, values[:, k]) for part, values in parts.items()])
+        Panel(f"{label} {name}", unit, [(part, values[:, k]) for part, values in parts.items()])
         for k, name in enumerate(names)
     ]
 
@@ -83,7 +86,7 @@ def joint_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
 
 def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> Panel:
     """Lines of one unit; a single one is named by the axis."""
-    return Panel(f"{label} of {lines[0][0]} {unit}" if len(lines) == 1 else f"{label} {unit}", lines)
+    return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
 
 
 def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
@@ -107,7 +110,7 @@ def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
         raise ValueError("plot: this system has no joint, so there is no reaction; give another quantity")
     found = {system.name(joint): solution.reaction(joint) for joint in joints}
     shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
-    note = f"not unique: {shared}" if shared else ""
+    note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
     panels = []
     for kind in ("force", "moment"):
         unit, values = unit_of(f"reaction_{kind}"), {name: getattr(x, kind) for name, x in found.items()}
@@ -115,13 +118,13 @@ def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
             panels += [p._replace(note=note) for p in vector_panels(f"reaction {kind}", unit, AXIS_NAMES, values)]
         else:
             sizes = [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]
-            panels.append(Panel(f"|reaction {kind}| {unit}", sizes, note))
+            panels.append(Panel(f"|reaction {kind}|", unit, sizes, note))
     return panels
 
 
 def energy_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     """Kinetic, potential and total energy, and work."""
-    return [Panel("energy [J]", list(vars(solution.energy()).items()))]
+    return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
 
 
 def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
@@ -135,7 +138,7 @@ def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
 def drift_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     """Constraint residuals."""
     return [
-        Panel(f"{kind} drift {unit_of(f'{kind}_drift')}", [("largest", values)], log=True)
+        Panel(f"{kind} drift", unit_of(f"{kind}_drift"), [("largest", values)], log=True)
         for kind, values in vars(solution.drift()).items()
     ]
 
@@ -195,6 +198,8 @@ def plot_quantity(solution: Any, quantity: str, *parts: Any, axes: Any = None) -
     for target, panel in zip(targets, panels, strict=True):
         names = [name for name, _ in panel.lines]
         draw_panel(target, solution.t, panel, legend=names != before)
+        alike = [values for other in panels if other.unit == panel.unit for _, values in other.lines]
+        set_range(target, panel, float(np.nanmax(np.abs(alike), initial=0.0)))
         before = names
     if axes is not None:
         for target in targets[:-1]:
@@ -209,29 +214,31 @@ def draw_panel(axes: Any, t: np.ndarray, panel: Panel, legend: bool) -> None:
     for name, values in panel.lines:
         shown = np.where(values > 0.0, values, np.nan) if panel.log else values
         axes.plot(t, shown, label=name, linewidth=1.5, marker="o" if t.size <= FEW else None, markersize=3)
-    set_range(axes, np.concatenate([values for _, values in panel.lines]), panel.log)
     axes.grid(True, color="#d9d9d9", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.margins(x=0.01)
-    axes.set_ylabel("\n".join(textwrap.wrap(panel.label, 30)))
-    if (len(panel.lines) > 1 and legend) or panel.note:
+    if t.size > 1:
+        margin = 0.01 * (t[-1] - t[0])
+        axes.set_xlim(t[0] - margin, t[-1] + margin)
+    axes.set_ylabel("\n".join(textwrap.wrap(f"{panel.label} {panel.unit}", 30)))
+    if legend and (len(panel.lines) > 1 or panel.note):
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, title=panel.note or None)
 
 
-def set_range(axes: Any, values: np.ndarray, log: bool) -> None:
-    """Whole decades on a logarithmic axis; what is constant but for rounding is drawn as a constant."""
-    finite = values[np.isfinite(values) & (values > 0.0)] if log else values[np.isfinite(values)]
-    if not finite.size:
+def set_range(axes: Any, panel: Panel, size: float) -> None:
+    """Whole decades on a logarithmic axis; rounding is not blown up: ``size`` is the largest value of this unit."""
+    values = np.concatenate([values for _, values in panel.lines])
+    values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]
+    if not values.size:
         return
-    low, high = float(finite.min()), float(finite.max())
-    if log:
-        first = np.floor(np.log10(low))
+    low, high = float(values.min()), float(values.max())
+    if panel.log:
+        last = np.ceil(np.log10(high))
         axes.set_yscale("log")
-        axes.set_ylim(10.0**first, 10.0 ** max(np.ceil(np.log10(high)), first + 1.0))
+        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), DECADE), last - 1.0), 10.0**last)
         axes.yaxis.set_minor_formatter(NullFormatter())
-    elif high - low < 1e-9 * max(abs(low), abs(high)):
-        axes.set_ylim(low - 0.05 * abs(low), low + 0.05 * abs(low))
+    elif high - low < 1e-9 * size:
+        axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
 
 
 def show_system(system: Any, state: State | None = None) -> Figure:
@@ -261,12 +268,12 @@ def show_system(system: Any, state: State | None = None) -> Figure:
     low, high = bounds([scene.lines(pose, 0.0)])
     size = float((high - low).max())
     lines = scene.lines(pose, 0.15 * size)
-    figure = Figure(figsize=(8, 7))
+    figure = Figure(figsize=(8, 6.4))
     axes = figure.add_axes((0.02, 0.02, 0.92, 0.96), projection="3d")
     prepare(axes, low, high)
     draw(axes, scene, lines)
     labels = [(body.name, lines[4 * i + 2][0], colour(i)) for i, body in enumerate(system.bodies)]
-    labels += [(mark.name, point, "black") for mark, point in zip(scene.joints, lines[-2], strict=True)]
+    labels += [(system.name(mark.joint), point, "black") for mark, point in zip(scene.joints, lines[-2], strict=True)]
     write_labels(axes, labels)
     style = {"color": GREY, "linestyle": "none", "markerfacecolor": "none"}
     marks = (("o", "centre of mass"), ("+", "reference point"), ("D", "joint"))
@@ -277,8 +284,6 @@ def show_system(system: Any, state: State | None = None) -> Figure:
 
 def write_labels(axes: Any, labels: list[tuple[str, np.ndarray, str]]) -> None:
     """Names right of their points, moved by whole lines up or down where they would overlap."""
-    from mpl_toolkits.mplot3d.proj3d import proj_transform
-
     width, height, taken = 6.2, 13.0, []  # [pixel] of a letter and a line at 9 points and 100 dpi
     axes.apply_aspect()
     view = axes.get_proj()

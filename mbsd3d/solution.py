@@ -279,7 +279,7 @@ class Solution:
         """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
         from dataclasses import asdict
 
-        from .simulate import simulate
+        from .simulation import simulate
 
         settings = {**asdict(self.record.switches), "rtol": self.record.rtol, "method": self.record.method}
         settings.update(state=self.state(0), output=self.t)

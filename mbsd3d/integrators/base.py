@@ -13,11 +13,13 @@ from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, finite
 
-RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)
+RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
 
 # places in Run.clock and Run.count
-T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP, RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN = range(14)
-STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY = range(8)
+T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP, RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST = range(15)
+STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
+
+NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
 
 
 class Run(NamedTuple):
@@ -30,8 +32,8 @@ class Run(NamedTuple):
     work_rate: np.ndarray  # (ny,)
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
-    clock: np.ndarray  # (14,) see T ... SIGN
-    count: np.ndarray  # (8,) see STEPS ... EVERY
+    clock: np.ndarray  # (15,) see T ... SMALLEST
+    count: np.ndarray  # (9,) see STEPS ... ON_MANIFOLD
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
@@ -151,8 +153,12 @@ def references(m, d, run):
 def rows_hold(m, d, s, run):
     """True while the chosen rows are well independent and the skipped ones are satisfied."""
     run.clock[RESIDUAL] = 0.0
-    if m.singular == 0 and smallest_pivot(s) < run.clock[PIVOT]:
-        return False
+    if m.singular == 0:
+        run.clock[SMALLEST] = smallest_pivot(s)
+        if run.clock[SMALLEST] > NEARLY_SINGULAR:
+            run.count[ON_MANIFOLD] = 0
+        if run.clock[SMALLEST] < run.clock[PIVOT]:
+            return False
     if s.skipped.shape[0] > 0:
         position, speed = skipped_residual(m, d, s)
         run.clock[RESIDUAL] = position

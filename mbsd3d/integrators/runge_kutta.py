@@ -7,7 +7,7 @@ import numpy as np
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import PROJECTED, arrive, evaluate
 from ..kernels.jit import kernel
-from ..kernels.saddle import SOLVED
+from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from .base import (
     CHOOSE_ROWS,
@@ -19,12 +19,17 @@ from .base import (
     FULL,
     MAX_STEP,
     MIN_STEP,
+    NEARLY_SINGULAR,
     NEXT,
     NO_SOLUTION,
     NOT_CLOSING,
+    ON_MANIFOLD,
+    PASSED,
+    PIVOT,
     REJECTED,
     RTOL,
     RUNNING,
+    SMALLEST,
     SPEED,
     STEP,
     STEP_TOO_SMALL,
@@ -62,7 +67,11 @@ class Table(NamedTuple):
 
 @kernel
 def stages(m, d, s, table, run, h):
-    """Stage rates K and the trial state; False where a stage has no solution."""
+    """Stage rates K and the trial state; False where a stage has no solution.
+
+    Near a singular position (sigma -> 0 in J) an error eps of a stage state off c = 0 moves the acceleration by
+    eps/sigma, and the step would shrink to nothing there. Stages are then projected first: eps becomes eps^2/sigma.
+    """
     copy(run.K[0], run.dy)
     t = run.clock[T]
     for i in range(1, table.c.shape[0]):
@@ -71,7 +80,11 @@ def stages(m, d, s, table, run, h):
             if table.A[i, j] != 0.0:
                 add_scaled(run.work, h * table.A[i, j], run.K[j])
         run.count[EVALUATIONS] += 1
-        if evaluate(m, d, s, t + table.c[i] * h, run.work, run.K[i]) != SOLVED:
+        if run.count[ON_MANIFOLD] == 1:
+            status, result = arrive(m, d, s, t + table.c[i] * h, run.work, run.K[i])
+            if status != PROJECTED or result != SOLVED:
+                return False
+        elif evaluate(m, d, s, t + table.c[i] * h, run.work, run.K[i]) != SOLVED:
             return False
     copy(run.trial, run.y)
     for j in range(table.b.shape[0]):
@@ -176,6 +189,35 @@ def outputs(m, d, s, table, run, t_new, h):
 
 
 @kernel
+def leap(m, d, s, table, run, t_new, h):
+    """Pass a singular position just ahead or behind by extrapolating the accepted step; time reached, t_new if none.
+
+    There sigma, the smallest singular value of J (root of the pivot), goes to zero and changes sign, and a residual
+    of rounding size bends the motion onto the other branch on the scale of the smallest steps. The solution itself is
+    smooth, so a polynomial of the last step, a fraction longer and then projected, is as good as the step was.
+    """
+    before, after = np.sqrt(run.clock[SMALLEST]), np.sqrt(smallest_pivot(s))
+    x = 1.0 + 12.0 * after / before
+    t_far = run.clock[T] + x * h
+    if table.steps > 0 or x > 1.1 or t_far >= run.clock[T_END] or run.count[CONDITION] >= 0:
+        return t_new
+    if not dense(m, d, s, table, run, h):
+        return t_new
+    while run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] <= t_far:
+        if run.count[WRITTEN] >= run.out.shape[0] - 1:
+            break  # taken from the next step's interpolant
+        if not sample(m, d, s, run, run.clock[T], h, run.times[run.count[NEXT]]):
+            break
+        run.count[NEXT] += 1
+    interpolate(run, x, run.work)
+    copy(run.trial, run.work)
+    status, result = arrive(m, d, s, t_far, run.trial, run.K[table.c.shape[0]])
+    if status == PROJECTED and result == SOLVED:
+        return t_far
+    return t_new
+
+
+@kernel
 def end_of_step(table, run):
     """(t_new, h): the next step, landing exactly on t_end."""
     t, t_end = run.clock[T], run.clock[T_END]
@@ -208,6 +250,8 @@ def step(m, d, s, table, run):
             run.clock[STEP] = h * factor
             run.count[REJECTED] += 1
             rejected = True
+            if run.clock[SMALLEST] < NEARLY_SINGULAR:
+                run.count[ON_MANIFOLD] = 1
             continue
         status, result = arrive(m, d, s, t_new, run.trial, run.K[n])
         run.count[EVALUATIONS] += 1
@@ -221,6 +265,11 @@ def step(m, d, s, table, run):
     status = outputs(m, d, s, table, run, t_new, h)
     if status != RUNNING:
         return status
+    passed = False
+    if m.singular == 0 and smallest_pivot(s) < run.clock[PIVOT]:
+        t_far = leap(m, d, s, table, run, t_new, h)
+        passed = t_far > t_new
+        t_new = t_far
     remember(m, d, t_new)
     references(m, d, run)
     copy(run.y, run.trial)
@@ -232,7 +281,7 @@ def step(m, d, s, table, run):
         run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
     if not rows_hold(m, d, s, run):
         return CHOOSE_ROWS
-    return RUNNING
+    return PASSED if passed else RUNNING
 
 
 @kernel

@@ -8,7 +8,7 @@
 
 from .jit import kernel
 from .kinds import PROJECTION
-from .kinematics import displace, kinematics, normalise, put_velocities, rates
+from .kinematics import displace, kinematics, normalise, push_velocities, rates
 from .loads import loads
 from .rows import row_speed, rows
 from .saddle import SOLVED, factor, solve
@@ -161,12 +161,7 @@ def settle(m, d, s, y):
         d.row[k].bottom = -row_speed(m, d, k)
     if correction(m, d, s) != SOLVED:
         return NO_FACTOR
-    for i in range(m.body.shape[0]):
-        body = d.body[i]
-        for j in range(3):
-            body.velocity[j] += body.acceleration[j]
-            body.w[j] += body.acceleration[3 + j]
-    put_velocities(m, d, y)
+    push_velocities(m, d, y)
     return PROJECTED
 
 

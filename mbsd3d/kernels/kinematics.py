@@ -46,7 +46,9 @@ def kinematics(m, d, y):
         for j in range(9):
             body.R[j] = R[j]
         put(body.s, rotate(R, vec(m.body[i].com)))
-        put(body.w, rotate(R, (y[u + 3], y[u + 4], y[u + 5])))
+        w_body = (y[u + 3], y[u + 4], y[u + 5])
+        put(body.w_body, w_body)
+        put(body.w, rotate(R, w_body))
         white = mat(m.body[i].whiten)
         for j in range(3):  # A = whiten R', column j is whiten times row j of R
             column = rotate(white, (R[3 * j], R[3 * j + 1], R[3 * j + 2]))
@@ -99,15 +101,16 @@ def displace(m, d, y):
 
 
 @kernel
-def put_velocities(m, d, y):
-    """Write velocities and w back into y as (r_dot, R'w)."""
+def push_velocities(m, d, y):
+    """Add the world velocity changes that `solve` left in the accelerations; u keeps its digits where they are zero."""
     n = m.body.shape[0]
     for i in range(n):
         u, body = 7 * n + 6 * i, d.body[i]
-        w = rotate_back(mat(body.R), vec(body.w))
+        linear, angular = pair(body.acceleration)
+        w = rotate_back(mat(body.R), angular)
         for j in range(3):
-            y[u + j] = body.velocity[j]
-            y[u + 3 + j] = w[j]
+            y[u + j] += linear[j]
+            y[u + 3 + j] += w[j]
 
 
 @kernel

@@ -176,9 +176,10 @@ class Job:
         width = 1 + ny + 6 * n + m.row.size + m.coordinate.size + 2 * m.force.size + 2
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(14), np.zeros(8, np.int64)
+        clock, count = np.zeros(15), np.zeros(9, np.int64)
         clock[base.T] = clock[base.T_START] = t
         clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
+        clock[base.SMALLEST] = 1.0
         clock[base.MAX_STEP] = getattr(self.method, "max_step", np.inf)
         clock[base.MIN_STEP] = 1e-13 * max(abs(t_end), t_end - t)
         count[base.FRESH], count[base.EVERY], count[base.CONDITION] = 1, times is None, -1
@@ -216,6 +217,8 @@ class Job:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == base.FULL:
                 self.drain()
+            elif status == base.PASSED:
+                self.event("singular position passed", False)
             elif status == base.CHOOSE_ROWS:
                 self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
             elif status == base.STOPPED:
@@ -246,10 +249,14 @@ class Job:
         run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
         run.count[base.FRESH] = 1
         if before is not None:
-            changed = set(self.schur.place["row"].tolist()) != before
-            self.record.rank_events.append((float(run.clock[base.T]), self.schur.place.size, why, changed))
+            self.event(why, set(self.schur.place["row"].tolist()) != before)
         elif model.stabilisation and isinstance(self.method, Kinematic):
             self.check_driven()
+
+    def event(self, why: str, changed: bool) -> None:
+        """Note a rank event: time, rows kept, reason, whether the row set changed."""
+        time_now = float(self.memory.clock[base.T])
+        self.record.rank_events.append((time_now, self.schur.place.size, why, changed))
 
     def check_driven(self) -> None:
         """Kinematic() needs rows that determine everything, at position level."""
