@@ -87,8 +87,19 @@ def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:
     )
 
 
-def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> tuple[Schur, float]:
-    """(Schur structure over an independent set of rows at the state in ``data``, its smallest singular value)."""
+def choose_rows(
+    model: Model, data: Data, tolerance: float = RANK_TOLERANCE, before: np.ndarray | None = None
+) -> tuple[Schur, float]:
+    """(Schur structure over an independent set of rows at the state in ``data``, its smallest singular value).
+
+    The set ``before`` is kept where it is as good as the best one: at a singular position all sets are bad, and one
+    chosen there may be bad everywhere.
+    """
     A = scaled_jacobian(model, dense_jacobian(model, data))
     chosen, smallest = independent_rows(A, tolerance)
+    if before is not None and before.size == chosen.size and before.size:
+        with threadpool_limits(1):
+            singular = scipy.linalg.svdvals(A[before])
+        if singular[-1] > 0.1 * smallest * scipy.linalg.norm(A, 2):
+            chosen = np.sort(before)
     return schur_of(model, chosen, data.row["c"].dtype.type), smallest

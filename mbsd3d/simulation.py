@@ -176,7 +176,7 @@ class Job:
         width = 1 + ny + 6 * n + m.row.size + m.coordinate.size + 2 * m.force.size + 2
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(15), np.zeros(9, np.int64)
+        clock, count = np.zeros(16), np.zeros(9, np.int64)
         clock[base.T] = clock[base.T_START] = t
         clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
         clock[base.SMALLEST] = 1.0
@@ -238,18 +238,18 @@ class Job:
     def choose(self, why: str) -> None:
         """Choose the independent rows at the present state; a change after the start is a rank event."""
         run, model = self.memory, self.model
-        before = None if self.schur is None else set(self.schur.place["row"].tolist())
+        before = None if self.schur is None else np.sort(self.schur.place["row"])
         if before is not None and run.count[base.STEPS] == self.last_event:
             self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
         load_rows(self.compiled, self.data, run.y, run.clock[base.T])
-        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10))
+        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
         self.record.svd_calls += 1
         self.last_event = int(run.count[base.STEPS]) if before is not None else -1
         # a row set that is as good as can be had is kept until its pivots fall a hundredfold
         run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
         run.count[base.FRESH] = 1
         if before is not None:
-            self.event(why, set(self.schur.place["row"].tolist()) != before)
+            self.event(why, not np.array_equal(np.sort(self.schur.place["row"]), before))
         elif model.stabilisation and isinstance(self.method, Kinematic):
             self.check_driven()
 

@@ -16,7 +16,8 @@ from ..kernels.vectors import add_scaled, clear, finite
 RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
 
 # places in Run.clock and Run.count
-T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP, RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST = range(15)
+T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
+RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
 STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
 
 NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
@@ -32,7 +33,7 @@ class Run(NamedTuple):
     work_rate: np.ndarray  # (ny,)
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
-    clock: np.ndarray  # (15,) see T ... SMALLEST
+    clock: np.ndarray  # (16,) see T ... NORMAL_STEP
     count: np.ndarray  # (9,) see STEPS ... ON_MANIFOLD
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
@@ -159,6 +160,7 @@ def rows_hold(m, d, s, run):
             run.count[ON_MANIFOLD] = 0
         if run.clock[SMALLEST] < run.clock[PIVOT]:
             return False
+        run.clock[PIVOT] = max(run.clock[PIVOT], min(1e-8, 1e-4 * run.clock[SMALLEST]))  # ready for the next one
     if s.skipped.shape[0] > 0:
         position, speed = skipped_residual(m, d, s)
         run.clock[RESIDUAL] = position
