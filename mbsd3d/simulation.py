@@ -188,6 +188,7 @@ class Job:
             count[base.CONDITION] = 0
         return Run(
             y=y, dy=np.zeros(ny), trial=np.zeros(ny), work=np.zeros(ny), work_rate=np.zeros(ny),
+            carry=np.zeros(ny), trial_carry=np.zeros(ny),
             K=np.zeros((stages, ny)), F=np.zeros((terms, ny)), clock=clock, count=count,
             times=np.zeros(0) if times is None else times, out=np.zeros((capacity, width)),
         )  # fmt: skip

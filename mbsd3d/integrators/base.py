@@ -31,6 +31,8 @@ class Run(NamedTuple):
     trial: np.ndarray  # (ny,) state at the end of the step being tried
     work: np.ndarray  # (ny,) stage or sample state
     work_rate: np.ndarray  # (ny,)
+    carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
+    trial_carry: np.ndarray  # (ny,)
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
     clock: np.ndarray  # (16,) see T ... NORMAL_STEP

@@ -90,9 +90,12 @@ def stages(m, d, s, table, run, h):
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, run.K[i]) != SOLVED:
             return False
-    copy(run.trial, run.y)
+    copy(run.work, run.carry)
     for j in range(table.b.shape[0]):
-        add_scaled(run.trial, h * table.b[j], run.K[j])
+        add_scaled(run.work, h * table.b[j], run.K[j])
+    for k in range(run.y.shape[0]):  # compensated sum: what rounding cuts off is added in the next step
+        run.trial[k] = run.y[k] + run.work[k]
+        run.trial_carry[k] = run.work[k] - (run.trial[k] - run.y[k])
     return True
 
 
@@ -244,6 +247,7 @@ def step(m, d, s, table, run):
         return status
     remember(m, d, t_new)
     references(m, d, run)
+    copy(run.carry, run.trial_carry)
     copy(run.y, run.trial)
     copy(run.dy, run.K[n])
     run.clock[T] = t_new

@@ -12,7 +12,7 @@ from .kinematics import displace, kinematics, normalise, push_velocities, rates
 from .loads import loads
 from .rows import row_speed, rows
 from .saddle import SOLVED, factor, solve
-from .vectors import add, add6, cross, pair, vec
+from .vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
 
@@ -63,8 +63,11 @@ def accelerate(m, d, s, t):
     loads(m, d, t)
     for i in range(m.body.shape[0]):
         body = d.body[i]
-        for j in range(6):
-            body.top[j] = body.Q[j] - body.h[j]
+        force, moment = pair(body.Q)
+        pull, _ = pair(body.h)
+        force = sub(force, pull)  # the gyroscopic part of h goes in body axes, the rest about O
+        put6(body.top, force, sub(moment, cross(vec(body.s), pull)))
+        put(body.turn, scale(-1.0, vec(body.spin)))
     for k in range(m.row.shape[0]):
         d.row[k].bottom = d.row[k].gamma
     return solve(m, d, s)
@@ -120,6 +123,7 @@ def correction(m, d, s):
         top = d.body[i].top
         for j in range(6):
             top[j] = 0.0
+        put(d.body[i].turn, (0.0, 0.0, 0.0))
     return solve(m, d, s)
 
 

@@ -6,7 +6,7 @@
 import numpy as np
 
 from .jit import kernel
-from .vectors import add, mat, pair, put, rotate, rotate_back, vec
+from .vectors import add, mat, pair, put, rotate, vec
 
 
 @kernel
@@ -65,12 +65,10 @@ def rates(m, d, dy):
         q, u = 7 * i, 7 * n + 6 * i
         body = d.body[i]
         e_dot = quaternion_rate(body.e, vec(body.w))
-        linear, angular = pair(body.acceleration)
-        alpha = rotate_back(mat(body.R), angular)
         for j in range(3):
             dy[q + j] = body.velocity[j]
-            dy[u + j] = linear[j]
-            dy[u + 3 + j] = alpha[j]
+            dy[u + j] = body.acceleration[j]
+            dy[u + 3 + j] = body.alpha[j]
         for j in range(4):
             dy[q + 3 + j] = e_dot[j]
 
@@ -106,11 +104,9 @@ def push_velocities(m, d, y):
     n = m.body.shape[0]
     for i in range(n):
         u, body = 7 * n + 6 * i, d.body[i]
-        linear, angular = pair(body.acceleration)
-        w = rotate_back(mat(body.R), angular)
         for j in range(3):
-            y[u + j] += linear[j]
-            y[u + 3 + j] += w[j]
+            y[u + j] += body.acceleration[j]
+            y[u + 3 + j] += body.alpha[j]
 
 
 @kernel

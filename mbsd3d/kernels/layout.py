@@ -104,8 +104,11 @@ def data_records(dtype: type) -> dict[str, list]:
             ("A", dtype, 9),  # whiten R': takes a moment about G to mass-scaled body axes
             ("Q", dtype, 6),  # applied force and moment about O, gravity included      } computed by loads
             ("h", dtype, 6),  # velocity-quadratic term
+            ("spin", dtype, 3),  # N m, its gyroscopic part w x I_G w in body axes, free of R R' rounding
             ("top", dtype, 6),  # right side and work space of the upper rows           } saddle point
+            ("turn", dtype, 3),  # N m, a further moment about G of the right side, body axes
             ("acceleration", dtype, 6),  # solution of the upper rows: (r_ddot, w_dot)
+            ("alpha", dtype, 3),  # rad/s^2, R'w_dot
             ("constraint", dtype, 6),  # -J' lam
         ],
         "row": [

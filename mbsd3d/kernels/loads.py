@@ -13,7 +13,7 @@ from .jit import kernel
 from .kinds import BUSHING, COORDINATE_SPRING, DRAG, FORCE, FRICTION, SPRING, TORQUE
 from .signals import signal
 from .vectors import (
-    add, add6, arm, cross, dot, mat, point, point_velocity, put6, rotate, scale, sub, turning, vec,
+    add, add6, arm, cross, dot, mat, point, point_velocity, put, put6, rotate, scale, sub, turning, vec,
 )  # fmt: skip
 
 
@@ -36,11 +36,12 @@ def inertial(m, d):
     for i in range(m.body.shape[0]):
         body, mass = d.body[i], m.body[i].mass
         R, w, s, w_body = mat(body.R), vec(body.w), vec(body.s), vec(body.w_body)
-        spin = rotate(R, cross(w_body, rotate(mat(m.body[i].inertia), w_body)))
+        spin = scale(m.gyroscopic, cross(w_body, rotate(mat(m.body[i].inertia), w_body)))
         pull = scale(m.centripetal * mass, turning(w, s))
         weight = scale(mass, g)
         put6(body.Q, weight, cross(s, weight))
-        put6(body.h, pull, add(scale(m.gyroscopic, spin), cross(s, pull)))
+        put(body.spin, spin)
+        put6(body.h, pull, add(rotate(R, spin), cross(s, pull)))
 
 
 @kernel

@@ -12,7 +12,7 @@ Models with a body without mass or with a singular inertia go through the dense 
 import numpy as np
 
 from .jit import allocating_kernel, kernel
-from .vectors import add, clear, cross, mat, pair, put6, rotate, rotate_back, scale, sub, vec
+from .vectors import add, clear, cross, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
 
 SOLVED, BAD_PIVOT, NOT_FINITE = 0, 1, 2
 
@@ -24,10 +24,12 @@ def to_scaled(fixed, body, force, moment):
 
 
 @kernel
-def from_scaled(fixed, body, linear, angular):
-    """U^-1 (linear, angular) of a body."""
-    w = rotate_back(mat(body.A), angular)
-    return add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w
+def put_solution(fixed, body, linear, angular):
+    """acceleration, alpha := U^-1 (linear, angular), the angular part in world and in body axes."""
+    alpha = rotate_back(mat(fixed.whiten), angular)
+    w = rotate(mat(body.R), alpha)
+    put(body.alpha, alpha)
+    put6(body.acceleration, add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w)
 
 
 @kernel
@@ -139,7 +141,7 @@ def solve(m, d, s):
         top = d.body[i].top
         force, moment = pair(top)
         linear, angular = to_scaled(m.body[i], d.body[i], force, moment)
-        put6(top, linear, angular)
+        put6(top, linear, add(angular, rotate(mat(m.body[i].whiten), vec(d.body[i].turn))))
         for e in range(s.body_first[i], s.body_first[i + 1]):
             Y = s.block[e].Y
             s.place[s.block[e].place].rhs += (
@@ -153,8 +155,7 @@ def solve(m, d, s):
             for j in range(6):
                 top[j] -= Y[j] * lam
         linear, angular = pair(top)
-        linear, angular = from_scaled(m.body[i], d.body[i], linear, angular)
-        put6(d.body[i].acceleration, linear, angular)
+        put_solution(m.body[i], d.body[i], linear, angular)
     for i in range(s.place.shape[0]):
         d.row[s.place[i].row].lam = s.place[i].rhs
     return SOLVED
@@ -184,8 +185,11 @@ def solve_dense(m, d, s):
     rhs = np.zeros(n + c, s.skyline.dtype)
     for i in range(m.body.shape[0]):
         mass_block(m.body[i], d.body[i], K, 6 * i)
-        for j in range(6):
-            rhs[6 * i + j] = d.body[i].top[j]
+        force, moment = pair(d.body[i].top)
+        moment = add(moment, rotate(mat(d.body[i].R), vec(d.body[i].turn)))
+        for j in range(3):
+            rhs[6 * i + j] = force[j]
+            rhs[6 * i + 3 + j] = moment[j]
     for i in range(c):
         k = s.place[i].row
         rhs[n + i] = d.row[k].bottom
@@ -202,6 +206,7 @@ def solve_dense(m, d, s):
     for i in range(m.body.shape[0]):
         for j in range(6):
             d.body[i].acceleration[j] = x[6 * i + j]
+        put(d.body[i].alpha, rotate_back(mat(d.body[i].R), (x[6 * i + 3], x[6 * i + 4], x[6 * i + 5])))
     for i in range(c):
         d.row[s.place[i].row].lam = x[n + i]
     return SOLVED
