@@ -1,0 +1,1 @@
+"""Demos: one file per effect that exists only in space, each checked against theory. See `base` for what one is."""

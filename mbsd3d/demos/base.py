@@ -1,0 +1,161 @@
+"""What a demo is, and how demos are found: in this folder and in other packages."""
+
+import pkgutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module, metadata
+from math import inf, isfinite
+from types import MappingProxyType
+from typing import Any
+
+GROUP = "mbsd3d.demos"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a demo's table: a computed number beside its theory.
+
+    Parameters
+    ----------
+    quantity : str
+        What is compared.
+    computed, theory : float
+        In ``unit``.
+    tolerance : float
+        Largest accepted |computed - theory|, in ``unit``.
+    unit : str
+        E.g. "N m"; "" for a pure number.
+
+    Examples
+    --------
+    >>> Row("period", 2.0000001, 2.0, 1e-6, "s").passed
+    True
+    """
+
+    quantity: str
+    computed: float
+    theory: float
+    tolerance: float
+    unit: str = ""
+
+    @property
+    def error(self) -> float:
+        """|computed - theory|; infinite if a number is not finite."""
+        error = abs(float(self.computed) - float(self.theory))
+        return error if isfinite(error) else inf
+
+    @property
+    def passed(self) -> bool:
+        """True if the error is within the tolerance."""
+        return self.error <= self.tolerance
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a demo gives: the table, a figure, and the runs by the name their files get."""
+
+    rows: tuple[Row, ...]
+    figure: Any
+    solutions: Mapping[str, Any]
+
+    @property
+    def passed(self) -> bool:
+        """True if every row is within its tolerance."""
+        return all(row.passed for row in self.rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """One effect with its theory.
+
+    Parameters
+    ----------
+    name : str
+        For the command line and the files.
+    title : str
+        A few words.
+    why : str
+        One sentence: why the effect exists only in space.
+    source : str
+        Where the theory stands.
+    run : callable
+        ``run(**changes) -> Outcome``; without changes every row passes.
+    ablation : mapping
+        Changes under which the demo's own check fails, by at least 100 times a row's tolerance.
+    """
+
+    name: str
+    title: str
+    why: str
+    source: str
+    run: Callable[..., Outcome]
+    ablation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+
+class Demos(dict[str, Demo]):
+    """Demos by name; ``broken`` says of each entry point that could not be loaded why not."""
+
+    def __init__(self, demos: Mapping[str, Demo], broken: Mapping[str, str]) -> None:
+        super().__init__(demos)
+        self.broken = dict(broken)
+
+
+def load_entry(entry: metadata.EntryPoint, kind: type) -> Any:
+    """The object of an entry point.
+
+    Parameters
+    ----------
+    entry : EntryPoint
+        Of any package.
+    kind : type
+        What the object must be an instance of.
+
+    Returns
+    -------
+    object
+        An instance of ``kind``.
+
+    Raises
+    ------
+    ValueError
+        One line: the package, and the error of its import or the type found; a SystemExit of the package included.
+    """
+    package = f"package '{entry.dist.name}'" if entry.dist else f"'{entry.value}'"
+    try:
+        found = entry.load()
+    except (Exception, SystemExit) as error:
+        text = " ".join(str(error).split())
+        raise ValueError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
+    if not isinstance(found, kind):
+        raise ValueError(f"{package} gives a {type(found).__name__}, not a {kind.__name__}; repair or remove it")
+    return found
+
+
+def discover() -> Demos:
+    """All demos: every module of this folder with a ``demo``, and the entry points of the group ``mbsd3d.demos``.
+
+    Returns
+    -------
+    Demos
+        By name, own ones first; entry points that cannot be loaded, or whose name is taken, are in ``broken``.
+    """
+    found = own_demos()
+    broken = {}
+    for entry in metadata.entry_points(group=GROUP):
+        try:
+            demo = load_entry(entry, Demo)
+            if demo.name in found:
+                raise ValueError(f"a demo is already named '{demo.name}'; rename one")
+            found[demo.name] = demo
+        except ValueError as error:
+            broken[entry.name] = str(error)
+    return Demos(found, broken)
+
+
+def own_demos() -> dict[str, Demo]:
+    """The demos of this folder, in the order of their names."""
+    package = __name__.rpartition(".")[0]
+    paths = import_module(package).__path__
+    modules = [import_module(f"{package}.{module.name}") for module in pkgutil.iter_modules(paths)]
+    demos = [module.demo for module in modules if isinstance(getattr(module, "demo", None), Demo)]
+    return {demo.name: demo for demo in sorted(demos, key=lambda demo: demo.name)}

@@ -1,0 +1,77 @@
+"""The look the demos' figures share."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..animation import COLOURS, GREY
+
+LIGHT = "#d9d9d9"
+
+
+def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Any]]:
+    """A figure with panels side by side.
+
+    Parameters
+    ----------
+    title : str
+        Above all panels.
+    panels : sequence of str
+        Titles of the panels; one that starts with "3d:" is drawn in space.
+    widths : sequence of float or None
+        Relative widths.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : list of Axes
+    """
+    count = len(panels)
+    figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08, wspace=0.03)
+    grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
+    axes = []
+    for k, text in enumerate(panels):
+        in_space = text.startswith("3d:")
+        axes.append(figure.add_subplot(grid[0, k], projection="3d" if in_space else None))
+        axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
+        if not in_space:
+            tidy(axes[-1])
+    figure.suptitle(title, fontsize=13, fontweight="bold")
+    return figure, axes
+
+
+def tidy(axes: Any) -> None:
+    """A light grid below the data and no frame at the top and the right."""
+    axes.grid(True, color=LIGHT, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def theory_dots(axes: Any, x: Any, y: Any, label: str | None = "theory", **options: Any) -> None:
+    """Theory as open circles, so that the computed line stays visible through them."""
+    style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": "white"}
+    axes.plot(x, y, **{**style, "markeredgecolor": "black", "markeredgewidth": 1.0, "label": label, **options})
+
+
+def every(count: int, wanted: int) -> np.ndarray:
+    """About ``wanted`` evenly spaced sample numbers out of ``count``."""
+    return np.unique(np.linspace(0, count - 1, min(count, wanted)).round().astype(int))
+
+
+def spectrum_bars(axes: Any, orders: Sequence[int], groups: Sequence[tuple[str, Any]], theory: Any) -> None:
+    """Amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
+    width = 0.8 / len(groups)
+    place = np.arange(len(orders))
+    for k, (label, values) in enumerate(groups):
+        shift = (k - 0.5 * (len(groups) - 1)) * width
+        axes.bar(place + shift, values, width=0.92 * width, color=COLOURS[k], label=label)
+        if k == 0:
+            theory_dots(axes, place + shift, theory, label="theory", zorder=5)
+    axes.set_yscale("log")
+    axes.set_xticks(place, [f"{order}x" for order in orders])
+
+
+__all__ = ["COLOURS", "GREY", "LIGHT", "every", "new_figure", "spectrum_bars", "theory_dots", "tidy"]

@@ -1,0 +1,133 @@
+"""The fast heavy top of the literature: it falls, turns aside, and comes back up."""
+
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import ellipj, ellipk
+
+from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, simulate
+from mbsd3d.rotations import multiply
+
+from .base import Demo, Outcome, Row
+from .drawing import COLOURS, every, new_figure, theory_dots
+
+MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
+SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal
+ABOUT_PIVOT = INERTIA[0] + MASS * DISTANCE**2  # A, transverse [kg m^2]
+AXIAL, WEIGHT_MOMENT = INERTIA[1], MASS * 9.81 * DISTANCE  # C [kg m^2], m g l [N m]
+AT_2_S = (-0.15041682274564178, -0.7241655916368959, -0.673022269560444)  # m, Taylor series of order 24 in 80 bits
+TILT = np.radians(75.0)  # of the steadily precessing tops, from the vertical
+
+
+def steady_rates(tilt: float) -> tuple[float, float]:
+    """Slow and fast steady precession [rad/s]: roots W of A W^2 cos(tilt) - C w3 W + m g l = 0."""
+    larger = AXIAL * SPIN + np.sqrt((AXIAL * SPIN) ** 2 - 4 * ABOUT_PIVOT * np.cos(tilt) * WEIGHT_MOMENT)
+    return 2 * WEIGHT_MOMENT / larger, larger / (2 * ABOUT_PIVOT * np.cos(tilt))
+
+
+def nutation() -> tuple[float, float, float, float]:
+    """Lowest and highest height u, rate and parameter of u = low + (high - low) sn^2(rate t + K | m).
+
+    Roots of (alpha - beta u)(1 - u^2) - (b - a u)^2, with a = C w3 / A, b = W, beta = 2 m g l / A, alpha = W^2 for a
+    start with a horizontal axis (u = 0); u = 0 is the highest point.
+    """
+    a, beta = AXIAL * SPIN / ABOUT_PIVOT, 2 * WEIGHT_MOMENT / ABOUT_PIVOT
+    # u = 0 is a root, so what is left is a quadratic: beta u^2 - (alpha + a^2) u + 2 a b - beta = 0
+    half, rest = 0.5 * (PRECESSION**2 + a**2) / beta, (2 * a * PRECESSION - beta) / beta
+    third = half + np.sqrt(half**2 - rest)
+    low = rest / third
+    return low, 0.0, np.sqrt(beta * (third - low)) / 2, -low / (third - low)
+
+
+def height(t: ArrayLike) -> np.ndarray:
+    """Height of the centre of mass over the pivot [m]; theory."""
+    low, high, rate, m = nutation()
+    sn = ellipj(rate * np.asarray(t, float) + ellipk(m), m)[0]
+    return DISTANCE * (low + (high - low) * sn**2)
+
+
+def top(tilt: float, precession: float) -> System:
+    """The top on its pivot: axis tilted from the vertical towards x, spin ``SPIN`` along it, turning about z."""
+    axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    omega = precession * np.array([0.0, 0.0, 1.0]) + (SPIN - precession * np.cos(tilt)) * axis
+    upright = multiply(rotation("y", tilt), rotation("x", np.pi / 2))
+    body = Body("top", MASS, INERTIA, position=DISTANCE * axis, orientation=upright, omega=omega)
+    return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
+
+
+def falling_top() -> System:
+    """The top of the literature: axis along y at the start."""
+    body = Body("top", MASS, INERTIA, position=(0, DISTANCE, 0), omega=(0, SPIN, PRECESSION))
+    return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
+
+
+def azimuth(solution: Solution) -> np.ndarray:
+    """Angle of the centre of mass about the vertical [rad], unwrapped."""
+    x, y, _ = solution.com("top").T
+    return np.unwrap(np.arctan2(y, x))
+
+
+def run(*, gyroscopic: bool = True) -> Outcome:
+    """Two seconds of the falling top and of both steady precessions."""
+    settings: dict[str, Any] = {"rtol": 1e-11, "gyroscopic": gyroscopic}
+    falling = simulate(falling_top(), 2.0, output=801, **settings)
+    body = falling.system.bodies[0]
+    fall = simulate(falling.system, 1.0, stop_when=measures.velocity(body, axis=(0, 0, 1)) > 0.0, **settings)
+    rates = steady_rates(TILT)
+    steady = [simulate(top(TILT, rate), 2.0, output=201, **settings) for rate in rates]
+    _, _, rate, m = nutation()
+    rows = [
+        Row(f"centre of mass {axis} at 2 s", value, theory, 1e-9, "m")
+        for axis, value, theory in zip("xyz", falling.com(body)[-1], AT_2_S, strict=True)
+    ]
+    rows.append(Row("time of fall (half a nutation)", fall.final.t, ellipk(m) / rate, 1e-9, "s"))
+    for name, solution, theory in zip(("slow", "fast"), steady, rates, strict=True):
+        mean = np.ptp(azimuth(solution)) / solution.t[-1]
+        rows.append(Row(f"{name} steady precession at 75 degrees", mean, theory, 1e-9, "rad/s"))
+    solutions = {"heavy_top": falling, "heavy_top_slow": steady[0], "heavy_top_fast": steady[1]}
+    return Outcome(tuple(rows), draw(falling, steady, rates), solutions)
+
+
+def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) -> Any:
+    """Path of the centre of mass, its height, and the azimuth of the steady precessions."""
+    titles = ("3d:path of the centre of mass, 2 s", "it falls, and comes back up", "steady precession, axis at 75°")
+    figure, (path, rise, turn) = new_figure("Heavy top, 150 rad/s", titles, (1.1, 1.0, 1.0))
+    centre, t = falling.com("top"), falling.t
+    longitude, latitude = np.linspace(0, 2 * np.pi, 73), np.linspace(-np.pi / 2, np.pi / 2, 37)
+    for z in (-0.866, -0.5, 0.0):
+        radius = np.sqrt(1 - z * z)
+        path.plot(radius * np.cos(longitude), radius * np.sin(longitude), z, color="#d0d0d0", linewidth=0.7)
+    for phi in np.arange(0, 2 * np.pi, np.pi / 6):
+        low = latitude[latitude <= 0]
+        path.plot(np.cos(low) * np.cos(phi), np.cos(low) * np.sin(phi), np.sin(low), color="#d0d0d0", linewidth=0.7)
+    path.plot(*centre.T, color=COLOURS[0], linewidth=1.6)
+    path.plot(*centre[:1].T, "o", color=COLOURS[1], label="start")
+    path.plot([0], [0], [0], "^", color="black", label="pivot")
+    path.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", box_aspect=(2, 2, 1.05), zlim=(-1, 0.05))
+    path.legend(loc="upper right", frameon=False)
+    rise.plot(t, centre[:, 2], color=COLOURS[0], label="computed")
+    dots = every(t.size, 41)
+    theory_dots(rise, t[dots], height(t[dots]), label="theory (elliptic functions)")
+    rise.set(xlabel="time [s]", ylabel="height of the centre of mass [m]")
+    for solution, rate, name, tint in zip(steady, rates, ("slow", "fast"), COLOURS, strict=False):
+        turns, dots = azimuth(solution) / (2 * np.pi), every(solution.t.size, 15)
+        turn.plot(solution.t, turns, color=tint, label=f"{name}, {rate:.3f} rad/s")
+        theory_dots(turn, solution.t[dots], rate * solution.t[dots] / (2 * np.pi), "theory" if name == "fast" else None)
+    turn.set(xlabel="time [s]", ylabel="revolutions about the vertical [-]")
+    for axes in (rise, turn):
+        axes.legend(loc="best", frameon=False)
+    return figure
+
+
+demo = Demo(
+    name="heavy_top",
+    title="heavy top: a falling weight that turns aside",
+    why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall; in space its "
+    "moment turns the spin axis sideways.",
+    source="Brüls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137 (case; values at 2 s by Taylor series); "
+    "Landau, Lifshitz, Mechanics, par. 35, problems 1 and 2 (nutation, steady precession)",
+    run=run,
+    ablation=MappingProxyType({"gyroscopic": False}),
+)
