@@ -73,20 +73,21 @@ def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
     return f"{type(joint).__name__} '{compiled.system.name(joint)}'", largest
 
 
-def reference_state(system: Any) -> State:
-    """The reference pose, if all joints close there, with consistent velocities."""
+def reference_state(system: Any, as_built: float | None = None) -> State:
+    """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
     compiled = compile_system(system)
-    pose = reference_pose(system)
-    return with_velocities(compiled, closed_or_error(compiled, pose), {})
+    tolerance = 1e-9 if as_built is None else max(1e-9, as_built / compiled.model.length)
+    pose = closed_or_error(compiled, reference_pose(system), tolerance)
+    return with_velocities(compiled, pose, {}, tolerance=10.0 * tolerance)
 
 
-def closed_or_error(compiled: Compiled, pose: State) -> State:
+def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
     """The pose with its hinge coordinates, or an AssemblyError naming the joint that gapes."""
     data = compiled.data()
     pose = State(pose.t, pose.q, pose.v, pose.z, driven_coordinates(compiled, pose.t))
     load_state(compiled, data, pose)
     size = np.abs(data.row["c"]) * compiled.model.row["scale"]
-    if size.size and size.max() > 1e-9:
+    if size.size and size.max() > tolerance:
         part, gap = worst_joint(compiled, data.row["c"])
         raise AssemblyError(
             "the reference pose does not close (m or rad)",
@@ -135,10 +136,15 @@ def measure_gradient(compiled: Compiled, data: Data, t: float, i: int, y: np.nda
 
 
 def newton(
-    compiled: Compiled, pose: State, targets: list[tuple[int, float]], probes: list[float], pinned: set[int]
-) -> tuple[State, np.ndarray]:
-    """Least-displacement Newton onto c = 0 and the targets; (closest state, residual left in the rows)."""
+    compiled: Compiled, pose: State, targets: list[tuple[int, float]], probes: list[float], pinned: set[int],
+    weights: np.ndarray | None = None,
+) -> tuple[State, np.ndarray]:  # fmt: skip
+    """Least-displacement Newton onto c = 0 and the targets; (closest state, residual left in the rows).
+
+    Where the rows cannot all be met, the sum of squares of the weighted residuals is least.
+    """
     model, data = compiled.model, compiled.data()
+    scale = model.row["scale"] * (1.0 if weights is None else weights)
     y = load_state(compiled, data, pose)
     free = np.repeat([i not in pinned for i in range(model.body.size)], 6)
     columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size) * free
@@ -146,14 +152,14 @@ def newton(
     best, best_y, stalled = np.inf, y.copy(), 0
     for _ in range(200):
         c_extra, J_extra = constraint_extras(compiled, data, pose.t, targets, probes, y)
-        c = np.concatenate([data.row["c"][holonomic] * model.row["scale"][holonomic], c_extra])
+        c = np.concatenate([data.row["c"][holonomic] * scale[holonomic], c_extra])
         size = float(np.abs(c).max()) if c.size else 0.0
         stalled = 0 if size < 0.9 * best else stalled + 1
         if size < best:
             best, best_y = size, y.copy()
         if size < 1e-15 or stalled > (8 if best > 1e-12 else 1):
             break
-        J = dense_jacobian(model, data)[holonomic] * model.row["scale"][holonomic][:, None]
+        J = dense_jacobian(model, data)[holonomic] * scale[holonomic][:, None]
         A = np.concatenate([J, J_extra]) * columns
         dx = columns * scipy.linalg.lstsq(A, -c, cond=1e-9)[0]
         turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
@@ -168,6 +174,24 @@ def newton(
     values = [coordinate(model, data, i, pose.t)[0] for i in range(model.coordinate.size)]
     closed = State(pose.t, best_y[: 7 * model.body.size], pose.v, pose.z, np.array(values, float))
     return closed, np.where(holonomic, data.row["c"], 0.0)
+
+
+def loop_weights(compiled: Compiled) -> np.ndarray:
+    """1 for the rows of a spanning tree of joints, 1e-4 for those that close loops."""
+    weights, group = np.ones(compiled.model.row.size), {}
+
+    def root(i: int) -> int:
+        while group.get(i, i) != i:
+            i = group[i]
+        return i
+
+    for joint in compiled.system.joints:
+        roots = {root(compiled.body_index[id(body)]) for body in joint.bodies()}
+        if len(roots) == 1:
+            weights[compiled.rows[id(joint)]] = 1e-4
+        for i in roots:
+            group[i] = min(roots)
+    return weights
 
 
 def swing(compiled: Compiled, pose: State, targets: list[tuple[Any, float]]) -> State:
@@ -262,6 +286,8 @@ def assemble(
     start = State(t, start.q, start.v, start.z, reference)
     goals = [number(v, f"assemble: {probe.label}") for probe, v in measures.items()]
     closed, residual = newton(compiled, start, targets, goals, fixed)
+    if np.abs(residual * compiled.model.row["scale"]).max(initial=0.0) > 1e-9:  # show the gap where the loop closes
+        residual = newton(compiled, start, targets, goals, fixed, loop_weights(compiled))[1]
     check_closed(compiled, closed, residual, targets, goals)
     return with_velocities(compiled, closed, rates, pose)
 
@@ -312,7 +338,9 @@ def given_velocities(system: Any) -> np.ndarray:
     return v.ravel()
 
 
-def with_velocities(compiled: Compiled, pose: State, rates: Mapping, start: State | None = None) -> State:
+def with_velocities(
+    compiled: Compiled, pose: State, rates: Mapping, start: State | None = None, tolerance: float = 1e-8
+) -> State:
     """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
     system, model, data = compiled.system, compiled.model, compiled.data()
     load_state(compiled, data, pose)
@@ -326,14 +354,15 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, start: Stat
         _, block = constraint_extras(compiled, data, pose.t, [(compiled.coordinate(x), 0.0)], [], np.zeros(0))
         J, b = np.vstack([J, block]), np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
-    v = least_energy(compiled, pose, J, b, given_velocities(system), names)
+    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     moved = moved_report(system, start, pose) if start is not None else {}
     return State(pose.t, pose.q, v, pose.z, pose.coordinates, moved)
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: np.ndarray, b: np.ndarray, given: np.ndarray, names: list[str]
-) -> np.ndarray:
+    compiled: Compiled, pose: State, J: np.ndarray, b: np.ndarray, given: np.ndarray, names: list[str],
+    tolerance: float,
+) -> np.ndarray:  # fmt: skip
     """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
     system, model = compiled.system, compiled.model
     n = len(system.bodies)
@@ -366,7 +395,7 @@ def least_energy(
     residual = J @ v - b
     size = np.abs(residual) * unit_rows
     speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
-    if size.size and size.max() > 1e-8 * speed:
+    if size.size and size.max() > tolerance * speed:
         k = int(np.argmax(size))
         raise AssemblyError(
             "the given velocities contradict a joint (J v - b in m/s or rad/s)",

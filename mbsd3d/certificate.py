@@ -4,7 +4,7 @@ Every check is made from the stored samples with the true equations, whatever th
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -129,64 +129,114 @@ def residual_checks(solution: Any) -> list[Check]:
     ]
 
 
+@dataclass(frozen=True)
+class Scales:
+    """Characteristic sizes of a run that the absolute errors are divided by; never zero."""
+
+    acceleration: float
+    force: float
+    moment: float
+    momentum: float
+    angular_momentum: float
+    energy: float
+
+
+def scales_of(solution: Any) -> Scales:
+    """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
+    arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
+    spin = float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
+    speed = float(np.abs(arrays["v"][..., :3] - arrays["v"][..., :3].mean(axis=1, keepdims=True)).max(initial=0.0))
+    speed = max(speed, length * spin)
+    a = float(np.abs(arrays["acceleration"][..., :3]).max(initial=0.0))
+    a = max(a, float(np.linalg.norm(system.gravity)), length * spin**2) or 1.0
+    mass = system.total_mass() or 1.0
+    reach = float(np.abs(arrays["q"][..., :3]).max(initial=0.0)) + length
+    absolute = float(np.abs(arrays["v"][..., :3]).max(initial=0.0)) + length * spin
+    momentum = mass * max(absolute, 1e-3 * np.sqrt(a * length))
+    return Scales(
+        acceleration=a,
+        force=mass * a,
+        moment=mass * a * length,
+        momentum=momentum,
+        angular_momentum=momentum * reach,
+        energy=mass * max(speed**2, 1e-3 * a * length),
+    )
+
+
 def balance_checks(solution: Any, limit: float) -> list[Check]:
-    """Energy against work, momentum against impulse; relative to the greatest exchanged amount."""
+    """Energy against work, momentum against impulse."""
     model, energy, momentum = solution.compiled.model, solution.energy(), solution.momentum()
     if solution.record.kinematic:
         return []  # no ODE, so nothing was integrated along; the Newton-Euler residuals are the check
-    z = solution.arrays["z"]
-    scale = max(float(energy.kinetic.max(initial=0.0)), float(np.ptp(energy.potential)), 1e-300)
-    gap = energy.total - energy.total[:1] - (energy.work - energy.work[:1])
-    impulse = z[:, model.z_impulse :]
-    checks = [Check("energy balance", float(np.abs(gap).max(initial=0.0)) / scale, limit, "energy appears or vanishes")]
-    sizes = momentum_sizes(solution)
-    for name, value, j, size in (
-        ("momentum balance", momentum.linear, 0, sizes[0]),
-        ("angular momentum", momentum.angular, 3, sizes[1]),
-    ):
-        lost = value - value[:1] - (impulse[:, j : j + 3] - impulse[:1, j : j + 3])
-        checks.append(Check(name, float(np.abs(lost).max(initial=0.0)) / size, limit, "an inertial term is missing"))
-    return checks
+    scale, impulse = scales_of(solution), solution.arrays["z"][:, model.z_impulse :]
+    gap = change(energy.total) - change(energy.work)
+    lost = change(momentum.linear) - change(impulse[:, :3])
+    turned = change(momentum.angular) - change(impulse[:, 3:])
+    return [
+        Check("energy balance", largest(gap) / scale.energy, limit, "energy appears or vanishes"),
+        Check("momentum balance", largest(lost) / scale.momentum, limit, "an inertial term is missing"),
+        Check("angular momentum", largest(turned) / scale.angular_momentum, limit, "an inertial term is missing"),
+    ]
 
 
-def momentum_sizes(solution: Any) -> tuple[float, float]:
-    """Greatest sums of |p| and |L| over bodies: the scales of the balances."""
-    linear, angular = np.zeros(solution.t.size), np.zeros(solution.t.size)
-    for body in solution.system.bodies:
-        p = body.mass * np.linalg.norm(solution.velocity(body), axis=1)
-        linear += p
-        linear += body.mass * np.linalg.norm(body.com) * np.linalg.norm(solution.omega(body), axis=1)
-        spin = np.linalg.norm(solution.omega_body(body) @ body.inertia, axis=1)
-        angular += spin + (np.linalg.norm(solution.position(body), axis=1) + solution.compiled.model.length) * p
-    floor = 1e-300
-    linear_size = max(float(linear.max(initial=0.0)), floor)
-    angular_size = max(float(angular.max(initial=0.0)), linear_size * solution.compiled.model.length, floor)
-    return max(linear_size, angular_size / (1e3 * solution.compiled.model.length)), angular_size
+def change(values: np.ndarray) -> np.ndarray:
+    """Difference from the first sample."""
+    return values - values[:1]
+
+
+def largest(values: np.ndarray) -> float:
+    """Largest absolute value, 0 for none."""
+    return float(np.abs(values).max(initial=0.0))
 
 
 def equation_checks(solution: Any) -> list[Check]:
     """Newton-Euler residual per body, and rows against the accelerations, with the true terms."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
-    data, n = compiled.data(), len(solution.system.bodies)
+    data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
     model = compiled.model._replace(gamma=1.0, stabilisation=0)
-    acceleration = np.ascontiguousarray(arrays["acceleration"])
     out = np.zeros((t.size, n, 4))
-    newton_euler(model, data, t, arrays["state"], acceleration, arrays["lam"], out)
-    # floors: centripetal and gyroscopic terms of the greatest spin, so that free and balanced bodies have a scale too
-    mass, spin = solution.system.total_mass(), float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
-    speed = float(np.abs(arrays["v"][..., :3]).max(initial=0.0))
-    floor = mass * (model.length * spin**2 + speed * spin) + 1e-300
-    force = max(float(out[..., 2].max(initial=0.0)), floor)
-    moment = max(float(out[..., 3].max(initial=0.0)), floor * model.length, 1e-3 * force * model.length)
-    error = max(float(out[..., 0].max(initial=0.0)) / force, float(out[..., 1].max(initial=0.0)) / moment)
-    worst = int(np.argmax((out[..., 0] / force + out[..., 1] / moment).max(axis=0))) if t.size else 0
+    newton_euler(model, data, t, arrays["state"], arrays["acceleration"], arrays["lam"], out)
+    force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
+    relative = np.maximum(out[..., 0] / force, out[..., 1] / moment)
+    worst = int(np.argmax(relative.max(axis=0))) if t.size else 0
     name = solution.system.name(solution.system.bodies[worst])
-    checks = [Check("Newton-Euler", error, 1e-8, f"the equations of body '{name}' are not met")]
+    meaning = f"the equations of body '{name}' are not met"
+    checks = [Check("Newton-Euler", largest(relative), 1e-8, meaning)]
     if model.row.size:
         defect = np.zeros(t.size)
-        row_defects(model, data, t, arrays["state"], acceleration, defect)
-        size = max(float(np.abs(acceleration).max(initial=0.0)), 1e-300)
-        tolerance = max(1e-8, solution.record.tolerance)
-        error = float(defect.max(initial=0.0)) * max(model.length, 1.0) / size
+        row_defects(model, data, t, arrays["state"], arrays["acceleration"], defect)
+        error, tolerance = largest(defect) * model.length / scale.acceleration, max(1e-8, solution.record.tolerance)
         checks.append(Check("acceleration rows", error, tolerance, "accelerations tear the joints apart"))
     return checks
+
+
+def estimate(solution: Any) -> Certificate:
+    """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
+
+    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions (model
+    lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed
+    steps, and the exponent of rtol for adaptive ones.
+    """
+    finer, finest = refined(solution, 1), refined(solution, 2)
+    first, second = distance(solution, finest), distance(finer, finest)
+    factor = 2.0 if getattr(solution.record.method, "dt", None) else 32.0
+    order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
+    return replace(solution.certificate, error=first, order=order)
+
+
+def refined(solution: Any, level: int) -> Any:
+    """The run again, ``level`` times refined."""
+    method = solution.record.method
+    if getattr(method, "dt", None):
+        return solution.again(method=replace(method, dt=method.dt / 2**level))
+    return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-14))
+
+
+def distance(one: Any, other: Any) -> float:
+    """Largest difference of poses at common samples: positions in model lengths, rotation angles in radians."""
+    a, b = one.arrays["q"], other.arrays["q"]
+    shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
+    turn = 2.0 * np.minimum(
+        np.linalg.norm(a[..., 3:] - b[..., 3:], axis=-1), np.linalg.norm(a[..., 3:] + b[..., 3:], axis=-1)
+    )
+    return float(np.maximum(shift, turn).max(initial=0.0))

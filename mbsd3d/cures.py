@@ -63,15 +63,18 @@ def weaker(joint: Joint) -> list[Joint | None]:
     return [*[option for option in options if type(option) is not type(joint)], None]
 
 
-def jacobian_of(system: Any, joint: Joint) -> np.ndarray:
-    """Scaled rows of a single joint at the reference pose, columns of the whole system."""
+def jacobian_of(system: Any, joint: Joint, length: float) -> np.ndarray:
+    """Scaled rows of a single joint at the reference pose, columns of the whole system, in units of ``length``."""
     from .system import System
 
     alone = System(bodies=system.bodies, joints=[joint], gravity=system.gravity)
     compiled = compile_system(alone)
     data = compiled.data()
     load_state(compiled, data, reference_pose(alone))
-    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
+    metres = np.repeat([row.in_metres for row in joint.rows()], [row.n_rows for row in joint.rows()])
+    row = compiled.model.row.copy()
+    row["scale"] = np.where(metres, 1.0 / length, 1.0)
+    return scaled_jacobian(compiled.model._replace(row=row, length=length), dense_jacobian(compiled.model, data))
 
 
 def options_of(compiled: Any, A: np.ndarray, joint: Joint, N: np.ndarray) -> list[tuple[Joint | None, np.ndarray]]:
@@ -84,7 +87,7 @@ def options_of(compiled: Any, A: np.ndarray, joint: Joint, N: np.ndarray) -> lis
             continue
         if sum(row.n_rows for row in option.rows()) >= own.shape[0]:
             continue
-        J = jacobian_of(compiled.system, option)
+        J = jacobian_of(compiled.system, option, compiled.model.length)
         T = scipy.linalg.lstsq(own.T, J.T)[0].T  # J = T own
         if np.abs(T @ own - J).max(initial=0.0) > 1e-8 * max(np.abs(J).max(initial=0.0), 1e-300):
             continue
@@ -107,20 +110,25 @@ def find_cures(compiled: Any, A: np.ndarray, N: np.ndarray, mobility: int) -> li
     involved = [j for j in involved if not isinstance(j, Driver)]
     table = [(j, compiled.rows[id(j)], options_of(compiled, A, j, N)) for j in involved[:40]]
     candidates = [[(j, o, P @ N[rows]) for o, P in options] for j, rows, options in table]
-    sets = [[c] for group in candidates for c in group if redundancy_left([c[2]], k) == 0]
+
+    def cured(chosen: list) -> bool:
+        """No redundancy left, and not one row more than that given up: the mobility stays."""
+        return lost_rows(compiled, chosen) == k and redundancy_left([c[2] for c in chosen], k) == 0
+
+    sets = [[c] for group in candidates for c in group if cured([c])]
     if len(candidates) <= 20:
         sets += [
             [c, d]
             for one, two in combinations(candidates, 2)
             for c in one
             for d in two
-            if c[1] is not None and d[1] is not None and redundancy_left([c[2], d[2]], k) == 0
+            if c[1] is not None and d[1] is not None and cured([c, d])
         ]
     if not sets:
-        greedy = greedy_set(candidates, k)
+        greedy = greedy_set(compiled, candidates, k)
         sets = [greedy] if greedy else []
     cures, before = [], A.shape[0]
-    for chosen in sorted(sets, key=lambda s: (lost_rows(compiled, s) - k, len(s))):
+    for chosen in sorted(sets, key=len):
         if len(cures) == LIMIT:
             break
         if verified(compiled, chosen, mobility):
@@ -134,23 +142,21 @@ def lost_rows(compiled: Any, chosen: list) -> int:
     return own - sum(row.n_rows for _, option, _ in chosen if option is not None for row in option.rows())
 
 
-def greedy_set(candidates: list, k: int) -> list:
-    """Replace joint by joint, each time the one that removes most redundancy for the fewest rows."""
+def greedy_set(compiled: Any, candidates: list, k: int) -> list:
+    """Replace joint by joint, each time the one that removes most redundancy and no other row."""
     chosen, left, remaining = [], k, list(candidates)
     while left > 0 and remaining:
         best = None
         for group in remaining:
             for c in group:
                 after = redundancy_left([x[2] for x in chosen] + [c[2]], k)
-                size = sum(row.n_rows for row in c[1].rows()) if c[1] is not None else 0
-                key = (left - after, size)
-                if after < left and (best is None or key > best[0]):
-                    best = (key, c, group, after)
+                if 0 < left - after == lost_rows(compiled, [c]) and (best is None or after < best[2]):
+                    best = (c, group, after)
         if best is None:
             return []
-        chosen.append(best[1])
-        remaining = [group for group in remaining if group is not best[2]]
-        left = best[3]
+        chosen.append(best[0])
+        remaining = [group for group in remaining if group is not best[1]]
+        left = best[2]
     return chosen
 
 
@@ -164,7 +170,7 @@ def verified(compiled: Any, chosen: list, mobility: int) -> bool:
         if option is joint:
             blocks.append(None)
         elif option is not None:
-            blocks.append(jacobian_of(system, option))
+            blocks.append(jacobian_of(system, option, compiled.model.length))
     compiled_rows = [compiled.rows[id(j)] for j in system.joints if swap.get(id(j), j) is j]
     data = compiled.data()
     load_state(compiled, data, reference_pose(system))

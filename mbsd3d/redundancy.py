@@ -7,13 +7,13 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .assembly import load_state, newton, reference_pose, worst_joint
+from .assembly import driven_coordinates, load_state, loop_weights, newton, reference_pose, worst_joint
 from .cures import Cure, find_cures
 from .drivers import Driver
 from .kernels.kinematics import displace
 from .model import Compiled, compile_system
 from .reactions import left_null_space
-from .selection import RANK_TOLERANCE, dense_jacobian, independent_rows, scaled_jacobian
+from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
 from .state import State
 
 
@@ -148,31 +148,41 @@ def rank_as_built(A: np.ndarray, length: float, as_built: float) -> tuple[int, f
     small = (s > RANK_TOLERANCE * s[0]) & (s * length <= as_built)
     if not small.any():
         return int((s > RANK_TOLERANCE * s[0]).sum()), 0.0
-    return int((s * length > as_built).sum()), row_violation(A, int(np.flatnonzero(small)[0])) * length
+    return int((s * length > as_built).sum()), violation(A, 10.0 * s[small].max()) * length
 
 
-def row_violation(A: np.ndarray, k: int) -> float:
-    """Largest violation of a row (scaled) by the motion of singular value k, per radian of its largest rotation."""
-    with threadpool_limits(1):
-        _, _, Vt = scipy.linalg.svd(A, full_matrices=False)
-    motion = Vt[k]
-    size = max(np.abs(motion.reshape(-1, 6)[:, 3:]).max(), np.abs(motion.reshape(-1, 6)[:, :3]).max())
-    return float(np.abs(A @ (motion / size)).max())
+def violation(A: np.ndarray, tolerance: float) -> float:
+    """Largest violation of the spared rows (scaled), per radian or model length of a motion the kept rows leave free.
+
+    Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
+    """
+    kept, basis = [], np.zeros((0, A.shape[1]))
+    for k, row in enumerate(A):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        if np.linalg.norm(rest) > tolerance:
+            kept.append(k)
+            basis = np.vstack([basis, rest / np.linalg.norm(rest)])
+    spared = np.setdiff1d(np.arange(A.shape[0]), kept)
+    Z = left_null_space(basis.T, 1e-6)
+    if not spared.size or not Z.shape[1]:
+        return 0.0
+    _, _, Vt = scipy.linalg.svd(A[spared] @ Z)
+    motion = (Z @ Vt[0]).reshape(-1, 6)
+    size = np.abs(motion[:, 3:]).max() or np.abs(motion).max()
+    return float(np.abs(A[spared] @ motion.ravel()).max() / size)
 
 
 def misfit_of_lock(A: np.ndarray, rank: int, length: float) -> float:
-    """Misfit [m] that keeps the last freedom of a mechanism without mobility, 0 if it is a plain structure."""
+    """Misfit [m] that takes the last freedom of a mechanism without mobility, 0 if it is a plain structure."""
     if not A.size or rank < A.shape[1]:
         return 0.0
     s = singular_values(A)
-    gap = row_violation(A, rank - 1) * length
-    return gap if s[rank - 1] < 1e-2 * s[0] else 0.0
+    return violation(A, 10.0 * s[rank - 1]) * length if s[rank - 1] < 1e-2 * s[0] else 0.0
 
 
 def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str | None]:
     """(pose, misfit [m] left in rows that could be spared, verdict if the mechanism does not close)."""
-    from .assembly import driven_coordinates
-
     start = reference_pose(compiled.system)
     start = State(start.t, start.q, start.v, start.z, driven_coordinates(compiled, start.t))
     data = compiled.data()
@@ -182,41 +192,20 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     pose, residual = newton(compiled, start, [], [], set())
     if largest(compiled, residual) <= 1e-9:
         return pose, 0.0, None
-    spared = spare_redundant(compiled, start, as_built)
-    if spared is None:
-        part, gap = worst_joint(compiled, residual)
-        return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
-    pose, misfit, part = spared
-    if misfit <= as_built:
-        return pose, misfit, None
-    text = f"locked: redundant joints miss each other by {misfit:.6g} m at {part}, more than {as_built:g} m as built"
-    return pose, misfit, f"{text}; align them or replace one (see cures)"
+    # joints that close loops get little weight, so that the gap stands there and not in every joint
+    pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
+    part, gap = worst_joint(compiled, residual)
+    if gap <= as_built:
+        return pose, gap, None
+    if gap <= 1e-2 * compiled.model.length:
+        text = f"locked: redundant joints miss each other by {gap:.6g} m at {part}, more than {as_built:g} m as built"
+        return pose, gap, f"{text}; align them or replace one (see cures)"
+    return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
 
 
 def largest(compiled: Compiled, residual: np.ndarray) -> float:
     """Largest scaled residual."""
     return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))
-
-
-def spare_redundant(compiled: Compiled, start: State, as_built: float) -> tuple[State, float, str] | None:
-    """Close the independent rows only; (pose, misfit of the others [m], the joint with the largest), None if not."""
-    model, data = compiled.model, compiled.data()
-    load_state(compiled, data, start)
-    A = scaled_jacobian(model, dense_jacobian(model, data))
-    s = singular_values(A)
-    chosen, _ = independent_rows(A, max(1e-2 * as_built, 10.0 * largest(compiled, data.row["c"])) / s[0])
-    keep = np.zeros(model.row.size, bool)
-    keep[chosen] = True
-    rows = model.row.copy()
-    rows["holonomic"] = rows["holonomic"] * keep
-    only = Compiled(**{**compiled.__dict__, "model": model._replace(row=rows)})
-    pose, residual = newton(only, start, [], [], set())
-    if largest(compiled, residual) > 1e-9:
-        return None
-    load_state(compiled, data, pose)
-    part, gap = worst_joint(compiled, data.row["c"])
-    metres = float(np.abs(data.row["c"] * model.row["scale"]).max()) * model.length
-    return pose, max(gap if gap < metres else metres, metres), part
 
 
 def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:

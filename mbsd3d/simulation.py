@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .assembly import driven_coordinates, load_state, pack
+from .assembly import driven_coordinates, load_state, reference_state
 from .drivers import SpeedDriver
 from .errors import IntegrationError
 from .integrators import base
@@ -104,7 +104,7 @@ def simulate(
         With time, part and advice; ``error.solution`` holds what was computed.
     """
     method = method or DOP853()
-    start = state or system.state()
+    start = state or reference_state(system, as_built)
     t_end = number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .certificate import Certificate, certify
+from .certificate import Certificate, certify, estimate
 from .drivers import Driver
 from .joints import RollingDisc
 from .kernels.batch import wrenches
@@ -283,6 +283,8 @@ class Solution:
 
         settings = {**asdict(self.record.switches), "rtol": self.record.rtol, "method": self.record.method}
         settings.update(state=self.state(0), output=self.t)
+        if self.record.tolerance:
+            settings["as_built"] = self.record.tolerance * self.compiled.model.length
         settings.update(changes)
         return simulate(self.system, self.final.t if t_end is None else t_end, **settings)
 
@@ -315,6 +317,10 @@ class Solution:
         from .files import to_csv
 
         return to_csv(self, path)
+
+    def estimate(self) -> Certificate:
+        """The certificate with a global error estimate from two tighter runs; see `certificate.estimate`."""
+        return estimate(self)
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
         """The same solution with another certificate."""

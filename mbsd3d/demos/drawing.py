@@ -56,6 +56,25 @@ def theory_dots(axes: Any, x: Any, y: Any, label: str | None = "theory", **optio
     axes.plot(x, y, **{**style, "markeredgecolor": "black", "markeredgewidth": 1.0, "label": label, **options})
 
 
+def legend_below(axes: Any, columns: int) -> None:
+    """The legend under the panel, never on the data."""
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns, frameon=False, fontsize=9)
+
+
+def space(axes: Any, label: str = "L{} / L [-]") -> None:
+    """The unit sphere as a net, for curves of unit vectors."""
+    turn = np.linspace(0, 2 * np.pi, 73)
+    for z in np.sin(np.radians(np.arange(-60, 61, 30))):
+        radius = np.sqrt(1 - z * z)
+        axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT, linewidth=0.6)
+    for phi in np.arange(0, np.pi, np.pi / 6):
+        axes.plot(np.sin(turn) * np.cos(phi), np.sin(turn) * np.sin(phi), np.cos(turn), color=LIGHT, linewidth=0.6)
+    axes.set_box_aspect((1, 1, 1), zoom=1.05)
+    for k, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
+        axis.set_ticks([-1, 0, 1])
+        axis.set_label_text(label.format(k + 1))
+
+
 def every(count: int, wanted: int) -> np.ndarray:
     """About ``wanted`` evenly spaced sample numbers out of ``count``."""
     return np.unique(np.linspace(0, count - 1, min(count, wanted)).round().astype(int))

@@ -1,0 +1,140 @@
+"""Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
+
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, Cylindrical, PointOnLine, Revolute, Solution, SpeedDriver, System, Universal
+from mbsd3d import rotation, simulate
+
+from .base import Demo, Outcome, Row
+from .drawing import COLOURS, every, legend_below, new_figure, spectrum_bars, theory_dots
+
+BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
+INERTIA = (0.2, 1.0, 1.0)  # kg m^2, the shafts lie along the body's x
+SAMPLES = 256  # of one turn: greatest and least rate are among them
+ORDERS = np.array([2, 4, 6])
+
+
+def ratio(angle: np.ndarray, bend: float) -> np.ndarray:
+    """Output over input rate: cos b / (1 - sin^2 b sin^2(angle)), the yoke on the input in the shafts' plane at 0."""
+    return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
+
+
+def harmonics(bend: float) -> np.ndarray:
+    """Amplitudes over the mean at 2, 4, 6 times shaft speed: 2 tan^(2k)(b/2), the Poisson kernel of `ratio`."""
+    return 2 * np.tan(bend / 2) ** ORDERS
+
+
+def motor_torque(angle: np.ndarray, bend: float) -> np.ndarray:
+    """J2 times output acceleration times ratio [N m]: all power goes into the driven shaft."""
+    n = ratio(angle, bend)
+    slope = -np.sin(bend) ** 2 * np.sin(2 * angle) * n**2 / np.cos(bend)
+    return INERTIA[0] * RATE**2 * n * slope
+
+
+def direction(angle: float) -> np.ndarray:
+    """Unit vector in the xy plane."""
+    return np.array([np.cos(angle), np.sin(angle), 0.0])
+
+
+def input_shaft() -> tuple[Body, list[Any]]:
+    """The driven input along x, ending at the origin."""
+    shaft = Body("drive", 1.0, INERTIA, position=(-0.5, 0, 0))
+    bearing = Revolute(GROUND, shaft, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing")
+    return shaft, [bearing, SpeedDriver(GROUND, shaft, axis=(1, 0, 0), speed=RATE, name="motor")]
+
+
+def shaft_pair(bend: float) -> System:
+    """Two shafts in the xy plane that meet at the origin."""
+    drive, joints = input_shaft()
+    along = direction(bend)
+    driven = Body("driven", 1.0, INERTIA, position=0.5 * along, orientation=rotation("z", bend))
+    joints += [
+        Universal(drive, driven, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross"),
+        PointOnLine(GROUND, driven, at=along, axis=along, name="support"),  # a bearing here would be redundant
+    ]
+    return System([drive, driven], joints, gravity=(0, 0, 0))
+
+
+def double_joint(bend: float) -> System:
+    """Input and output parallel, a middle shaft at the angle ``bend`` with aligned yokes."""
+    drive, joints = input_shaft()
+    along = direction(bend)
+    middle = Body("middle", 1.0, INERTIA, position=0.5 * along, orientation=rotation("z", bend))
+    driven = Body("driven", 1.0, INERTIA, position=along + (0.5, 0, 0))
+    joints += [
+        Universal(drive, middle, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross 1"),
+        Universal(middle, driven, at=along, axis_a=(0, 0, 1), axis_b=(0, 1, 0), name="cross 2"),
+        Cylindrical(GROUND, driven, at=along + (1, 0, 0), axis=(1, 0, 0), name="support"),
+    ]
+    return System([drive, middle, driven], joints, gravity=(0, 0, 0))
+
+
+def one_turn(system: System) -> Solution:
+    """One turn of the input."""
+    return simulate(system, 2 * np.pi / RATE, rtol=1e-12, output=SAMPLES + 1)
+
+
+def output_ratio(solution: Solution) -> np.ndarray:
+    """Output over input rate at the samples."""
+    return solution.omega_body("driven")[:, 0] / RATE
+
+
+def amplitudes(solution: Solution) -> np.ndarray:
+    """Harmonics of the output rate over its mean."""
+    spectrum = np.abs(np.fft.rfft(output_ratio(solution)[:-1]))
+    return 2 * spectrum[ORDERS] / spectrum[0]
+
+
+def run(*, bend_factor: float = 1.0) -> Outcome:
+    """One turn of the single and of the double joint; ``bend_factor`` bends the shafts more than theory knows."""
+    bend = bend_factor * BEND
+    single, double = one_turn(shaft_pair(bend)), one_turn(double_joint(bend))
+    found, even = output_ratio(single), output_ratio(double)
+    rows = [Row("greatest over least output rate", found.max() / found.min(), 1 / np.cos(BEND) ** 2, 1e-10)]
+    rows += [
+        Row(f"{order}x amplitude over the mean rate", value, theory, 1e-10)
+        for order, value, theory in zip(ORDERS, amplitudes(single), harmonics(BEND), strict=True)
+    ]
+    torque = motor_torque(RATE * single.t, BEND)
+    rows.append(Row("greatest motor torque", single.effort("motor").max(), torque.max(), 1e-8, "N m"))
+    rows.append(Row("double joint: greatest output/input rate", even.max(), 1.0, 1e-10))
+    rows.append(Row("double joint: least output/input rate", even.min(), 1.0, 1e-10))
+    return Outcome(tuple(rows), draw(single, double), {"cardan": single, "cardan_double": double})
+
+
+def draw(single: Solution, double: Solution) -> Any:
+    """Ratio over one turn, harmonics, motor torque."""
+    titles = ("the output runs unevenly", "harmonics of the output rate", "torque that an even input takes")
+    figure, (rate, bars, torque) = new_figure("Cardan joint, shafts at 30°", titles)
+    angle = RATE * single.t
+    degrees, dots = np.degrees(angle), every(angle.size, 25)
+    rate.plot(degrees, output_ratio(single), color=COLOURS[0], label="one joint")
+    rate.plot(degrees, output_ratio(double), color=COLOURS[1], label="two joints")
+    theory_dots(rate, degrees[dots], ratio(angle[dots], BEND))
+    rate.set(ylabel="output rate / input rate [-]")
+    spectrum_bars(bars, ORDERS, [("one joint", amplitudes(single))], harmonics(BEND))
+    bars.set(xlabel="multiple of the shaft speed [-]", ylabel="amplitude / mean rate [-]")
+    torque.plot(degrees, single.effort("motor"), color=COLOURS[0], label="one joint")
+    torque.plot(degrees, double.effort("motor"), color=COLOURS[1], label="two joints")
+    theory_dots(torque, degrees[dots], motor_torque(angle[dots], BEND))
+    torque.set(ylabel="motor torque [N m]")
+    for axes in (rate, torque):
+        axes.set(xlabel="input angle [°]", xticks=np.arange(0, 361, 90))
+    for axes in (rate, bars, torque):
+        legend_below(axes, 3)
+    return figure
+
+
+demo = Demo(
+    name="cardan",
+    title="Cardan joint: an uneven ratio between shafts at an angle",
+    why="In a plane all shafts are parallel and a coupling hands every angle on unchanged; two shafts that meet at an "
+    "angle need space, and a cross between them trades speed four times a turn.",
+    source="spherical trigonometry of the cross: tan(out) = cos(bend) tan(in); its Fourier series is the Poisson kernel "
+    "with q = tan^2(bend/2)",
+    run=run,
+    ablation=MappingProxyType({"bend_factor": 1.01}),
+)

@@ -1,0 +1,122 @@
+"""A free body spun about its middle axis turns over, again and again, at the interval the elliptic integral gives."""
+
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipkm1
+
+from mbsd3d import Body, Solution, System, simulate
+from mbsd3d.rotations import matrix
+
+from .base import Demo, Outcome, Row
+from .drawing import COLOURS, GREY, legend_below, new_figure, space
+
+MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
+SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
+MASS, SPEED = 1.5, (1.0, 2.0, 3.0)  # kg, m/s: flying along changes nothing
+DURATION, SAMPLES = 30.0, 1501
+
+
+def spins(axis: int) -> np.ndarray:
+    """Angular velocity at the start, body axes [rad/s]: ``SPIN`` about an axis, ``OFF_AXIS`` about the others."""
+    return np.where(np.arange(3) == axis, SPIN, OFF_AXIS)
+
+
+def flip_interval() -> float:
+    """2 K(m) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - m = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
+
+    p^2 = (I3 - I2)(L^2 - 2 T I1) / (I1 I2 I3); D = L^2 - 2 T I2 = sum of I (I - I2) w^2, written so because the
+    difference of the two large numbers has no digits left.
+    """
+    i = np.array(MOMENTS)
+    w = spins(1)
+    twice_energy, momentum_squared = i @ w**2, i**2 @ w**2
+    excess = (i * (i - i[1])) @ w**2
+    wide = (i[2] - i[1]) * (momentum_squared - twice_energy * i[0])
+    return 2 * ellipkm1((i[2] - i[0]) * excess / wide) / np.sqrt(wide / i.prod())
+
+
+def thrown(axis: int) -> System:
+    """The body without forces, spun about one of its axes."""
+    body = Body("body", MASS, MOMENTS, velocity=SPEED, omega=spins(axis))
+    return System([body], gravity=(0, 0, 0))
+
+
+def flips(solution: Solution) -> np.ndarray:
+    """Times at which the spin about the body's middle axis changes its sign [s]."""
+
+    def spin(t: float) -> float:
+        state = solution.at(t)
+        return float(matrix(state.q[3:7])[:, 1] @ state.v[3:6])
+
+    t, w = solution.t, solution.omega_body("body")[:, 1]
+    found = np.flatnonzero(w[:-1] * w[1:] < 0.0)
+    return np.array([brentq(spin, t[k], t[k + 1], xtol=1e-12) for k in found])
+
+
+def angular_momentum(solution: Solution) -> np.ndarray:
+    """(samples, 3) about the centre of mass, world axes [kg m^2/s]."""
+    return np.einsum("tij,tj->ti", solution.rotation("body"), solution.omega_body("body") * MOMENTS)
+
+
+def tilt(solution: Solution, axis: int) -> np.ndarray:
+    """Angle between a body axis and the angular momentum [degrees]."""
+    L = angular_momentum(solution)
+    cosine = np.einsum("ti,ti->t", solution.rotation("body")[:, :, axis], L) / np.linalg.norm(L, axis=1)
+    return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def run(*, gyroscopic: bool = True) -> Outcome:
+    """30 s of the body spun about each of its axes."""
+    runs = [simulate(thrown(k), DURATION, rtol=1e-12, output=SAMPLES, gyroscopic=gyroscopic) for k in range(3)]
+    middle = runs[1]
+    times, L, energy = flips(middle), angular_momentum(middle), middle.energy().kinetic
+    interval = np.diff(times).mean() if times.size > 1 else np.inf
+    w = spins(1)
+    rows = [
+        Row("interval between flips", interval, flip_interval(), 1e-7, "s"),
+        Row("energy at 30 s", energy[-1], 0.5 * (MOMENTS @ w**2 + MASS * np.dot(SPEED, SPEED)), 1e-10, "J"),
+    ]
+    rows += [
+        Row(f"angular momentum {axis} at 30 s", value, theory, 1e-10, "kg m^2/s")
+        for axis, value, theory in zip("xyz", L[-1], MOMENTS * w, strict=True)
+    ]
+    files = {f"dzhanibekov_{name}": run for name, run in zip(("least", "", "greatest"), runs, strict=True)}
+    files = {name.rstrip("_"): run for name, run in sorted(files.items(), key=lambda item: item[0] != "dzhanibekov_")}
+    return Outcome(tuple(rows), draw(runs, times), files)
+
+
+def draw(runs: list[Solution], times: np.ndarray) -> Any:
+    """Angular velocity, its path on the sphere of constant angular momentum, and the tilt for all three axes."""
+    titles = ("spun about the middle axis", "3d:angular momentum seen from the body", "only the middle axis turns over")
+    figure, (spin, sphere, tilts) = new_figure("Dzhanibekov effect: a free body, no torque at all", titles)
+    middle = runs[1]
+    for k, values in enumerate(middle.omega_body("body").T):
+        spin.plot(middle.t, values, color=COLOURS[k], label=f"about axis {k + 1}", linewidth=1.5)
+    for k in range(-1, 6):
+        instant = times[0] + k * flip_interval() if times.size else -1.0
+        if 0.0 < instant <= DURATION:
+            spin.axvline(instant, color=GREY, linewidth=1.0, linestyle=":", label="flips in theory" if not k else None)
+    spin.set(xlabel="time [s]", ylabel="angular velocity, body axes [rad/s]")
+    for k, (solution, name) in enumerate(zip(runs, ("least", "middle", "greatest"), strict=True)):
+        L = solution.omega_body("body") * MOMENTS
+        sphere.plot(*(L / np.linalg.norm(L, axis=1, keepdims=True)).T, color=COLOURS[k], linewidth=2.0)
+        tilts.plot(solution.t, tilt(solution, k), color=COLOURS[k], label=f"{name} moment", linewidth=1.5)
+    space(sphere)
+    tilts.set(xlabel="time [s]", ylabel="angle from spin axis to angular momentum [°]", yticks=np.arange(0, 181, 45))
+    legend_below(spin, 2)
+    legend_below(tilts, 3)
+    return figure
+
+
+demo = Demo(
+    name="dzhanibekov",
+    title="Dzhanibekov effect: the tumbling of the middle axis",
+    why="In a plane w and I w are parallel, so a free body spins on for ever; in space they are not, w x I w moves the "
+    "spin through the body, and about the middle axis the smallest error grows.",
+    source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
+    run=run,
+    ablation=MappingProxyType({"gyroscopic": False}),
+)

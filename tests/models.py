@@ -1,0 +1,355 @@
+"""Mechanisms that the tests share: seeded, in general position, reference points off the centres of mass."""
+
+import numpy as np
+
+import mbsd3d
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    ConstantVelocity,
+    Cylindrical,
+    Distance,
+    Fixed,
+    Gear,
+    KnifeEdge,
+    Parallel,
+    Perpendicular,
+    Planar,
+    PointOnLine,
+    PointOnPlane,
+    PositionDriver,
+    Prismatic,
+    RackPinion,
+    Revolute,
+    RollingDisc,
+    Screw,
+    Sine,
+    SlideDriver,
+    SpeedDriver,
+    Spherical,
+    State,
+    System,
+    Universal,
+)
+from mbsd3d.kernels.kinematics import kinematics
+from mbsd3d.kernels.rows import rows
+from mbsd3d.model import compile_system
+from mbsd3d.rotations import matrix, multiply
+from mbsd3d.selection import dense_jacobian
+
+
+def direction(rng):
+    """Unit vector without a zero component, (3,)."""
+    axis = rng.normal(size=3) + np.sign(rng.normal(size=3)) * 0.2
+    return axis / np.linalg.norm(axis)
+
+
+def across(rng, axis):
+    """Unit vector at right angles to ``axis``, otherwise general, (3,)."""
+    other = np.cross(axis, direction(rng))
+    return other / np.linalg.norm(other)
+
+
+def random_orientation(rng):
+    """Unit quaternion, (4,)."""
+    e = rng.normal(size=4)
+    return e / np.linalg.norm(e)
+
+
+def random_inertia(rng, mass, size=0.3):
+    """Inertia of six equal point masses at random places: any axes, and the triangle rule holds, (3, 3)."""
+    points = size * rng.normal(size=(6, 3))
+    points -= points.mean(axis=0)
+    return mass / 6 * sum((x @ x) * np.eye(3) - np.outer(x, x) for x in points)
+
+
+def random_body(rng, name="body", **fields):
+    """A body whose every number is general; given fields win."""
+    mass = fields.pop("mass", None) or rng.uniform(0.7, 3.0)
+    general = dict(
+        inertia=random_inertia(rng, mass),
+        com=0.3 * direction(rng),
+        position=rng.normal(size=3),
+        orientation=random_orientation(rng),
+    )
+    return Body(name, mass, **{**general, **fields})
+
+
+def moved_reference(body, shift):
+    """The same body with its reference point moved by ``shift`` (body axes): com, position and velocity follow."""
+    R = matrix(body.orientation)
+    arm = R @ np.asarray(shift, float)
+    omega = np.zeros(3) if body.omega is None else body.omega
+    return Body(
+        body.name,
+        body.mass,
+        body.inertia,
+        com=body.com - shift,
+        position=body.position + arm,
+        orientation=body.orientation,
+        velocity=None if body.velocity is None else body.velocity + np.cross(omega, arm),
+        omega=body.omega,
+    )
+
+
+def signal(rng, offset=0.0):
+    """A sine with f(0) = ``offset`` and no zero derivative."""
+    amplitude, frequency, phase = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.5), rng.uniform(0.2, 1.0)
+    return Sine(amplitude, frequency, phase, offset - amplitude * np.sin(phase))
+
+
+def rolling_plane(rng, centre, axis, radius, crown):
+    """(point, normal) of a plane that a disc in general position touches."""
+    normal = direction(rng)
+    lean = normal @ axis
+    down = -(normal - lean * axis) / np.sqrt(1 - lean**2)
+    along = across(rng, normal)
+    return centre + (radius - crown) * down - crown * normal + 0.7 * along, normal
+
+
+def _rolling(rng, a, b):
+    axis, centre = direction(rng), b.position + 0.2 * direction(rng)
+    return [
+        RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=rolling_plane(rng, centre, axis, 0.5, 0.1))
+    ]  # fmt: skip
+
+
+def _shafts(rng, bend):
+    """Two unit vectors that enclose ``bend``."""
+    first = direction(rng)
+    return first, np.cos(bend) * first + np.sin(bend) * across(rng, first)
+
+
+def _universal(rng, cls, a, b, **at):
+    axis = direction(rng)
+    return [cls(a, b, axis_a=axis, axis_b=across(rng, axis), **at)]
+
+
+def _constant_velocity(rng, a, b):
+    axis_a, axis_b = _shafts(rng, 0.6)
+    return [ConstantVelocity(a, b, at=middle(rng, a, b), axis_a=axis_a, axis_b=axis_b)]
+
+
+def _gear(rng, a, b, c, d):
+    first = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+    second = Cylindrical(c, d, at=middle(rng, c, d), axis=direction(rng))
+    return [first, second, Gear(first, second, ratio=-1.7)]
+
+
+def _rack(rng, a, b, c, d):
+    pinion = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+    rack = Prismatic(c, d, at=middle(rng, c, d), axis=direction(rng))
+    return [pinion, rack, RackPinion(pinion, rack, radius=0.37)]
+
+
+def _angle_driver(rng, a, b):
+    hinge = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+    return [hinge, AngleDriver(hinge, signal(rng))]
+
+
+def _slide_driver(rng, a, b):
+    slider = Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
+    return [slider, SlideDriver(slider, signal(rng))]
+
+
+def _position_driver(rng, a, b):
+    return [PositionDriver(b, at=b.position + direction(rng), signal=(signal(rng), None, signal(rng)))]
+
+
+def middle(rng, a, b):
+    """A general point near the middle of two bodies."""
+    return (a.position + b.position) / 2 + 0.3 * direction(rng)
+
+
+EXAMPLES = {
+    Spherical: lambda rng, a, b, c, d: [Spherical(a, b, at=middle(rng, a, b))],
+    Revolute: lambda rng, a, b, c, d: [Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))],
+    Universal: lambda rng, a, b, c, d: _universal(rng, Universal, a, b, at=middle(rng, a, b)),
+    Prismatic: lambda rng, a, b, c, d: [Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))],
+    Cylindrical: lambda rng, a, b, c, d: [Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))],
+    Planar: lambda rng, a, b, c, d: [Planar(a, b, at=middle(rng, a, b), normal=direction(rng))],
+    Fixed: lambda rng, a, b, c, d: [Fixed(a, b, at=middle(rng, a, b))],
+    PointOnLine: lambda rng, a, b, c, d: [PointOnLine(a, b, at=middle(rng, a, b), axis=direction(rng))],
+    PointOnPlane: lambda rng, a, b, c, d: [PointOnPlane(a, b, at=middle(rng, a, b), normal=direction(rng))],
+    Distance: lambda rng, a, b, c, d: [
+        Distance(a, b, at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    ],
+    Parallel: lambda rng, a, b, c, d: [Parallel(a, b, axis=direction(rng))],
+    Perpendicular: lambda rng, a, b, c, d: _universal(rng, Perpendicular, a, b),
+    ConstantVelocity: lambda rng, a, b, c, d: _constant_velocity(rng, a, b),
+    Screw: lambda rng, a, b, c, d: [Screw(a, b, at=middle(rng, a, b), axis=direction(rng), pitch=0.8)],
+    Gear: _gear,
+    RackPinion: _rack,
+    KnifeEdge: lambda rng, a, b, c, d: [KnifeEdge(a, b, at=middle(rng, a, b), lateral=direction(rng))],
+    RollingDisc: lambda rng, a, b, c, d: _rolling(rng, a, b),
+    AngleDriver: lambda rng, a, b, c, d: _angle_driver(rng, a, b),
+    SlideDriver: lambda rng, a, b, c, d: _slide_driver(rng, a, b),
+    PositionDriver: lambda rng, a, b, c, d: _position_driver(rng, a, b),
+    SpeedDriver: lambda rng, a, b, c, d: [SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
+}
+"""Class -> factory(rng, a, b, c, d) of joints that end with one of that class; couplings use all four bodies."""
+
+NOT_ON_GROUND = (RollingDisc, PositionDriver)
+"""Joints whose body b must be a moving body."""
+
+
+def example_system(cls, seed, ground=None):
+    """Four general bodies with one joint of ``cls``; ``ground`` = "a" or "b" puts GROUND on that side."""
+    rng = np.random.default_rng(seed)
+    bodies = [random_body(rng, name) for name in ("one", "two", "three", "four")]
+    a, b, c, d = bodies
+    a, b = (GROUND if ground == "a" else a), (GROUND if ground == "b" else b)
+    return System(bodies=bodies, joints=EXAMPLES[cls](rng, a, b, c, d), gravity=(0.3, -0.7, -9.6))
+
+
+def rotation_matrix(e):
+    """R = 1 + 2 (e0 [e_v]x + [e_v]x^2) / e'e for real or complex (n, 4)."""
+    skew = np.zeros((len(e), 3, 3), e.dtype)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        skew[:, j, i], skew[:, i, j] = e[:, 1 + k], -e[:, 1 + k]
+    return np.eye(3) + 2 * (e[:, :1, None] * skew + skew @ skew) / (e * e).sum(axis=1)[:, None, None]
+
+
+class Evaluation:
+    """A system compiled for evaluation at arbitrary states, with e_dot = H w / 2 written out once more."""
+
+    def __init__(self, system, dtype=float, switches=None):
+        self.compiled = compile_system(system, switches=switches)
+        self.model = self.compiled.model
+        self.data = self.compiled.data(dtype)
+        self.n = self.model.body.size
+        self.dtype = dtype
+
+    def reference(self):
+        """(q, v) at the reference pose, v = 0."""
+        bodies = self.compiled.system.bodies
+        return np.concatenate([np.concatenate([b.position, b.orientation]) for b in bodies]), np.zeros(6 * self.n)
+
+    def general(self, rng, away=0.4):
+        """(q, v): a pose off the reference pose and general velocities."""
+        q = self.reference()[0].reshape(self.n, 7)
+        q[:, :3] += away * rng.normal(size=(self.n, 3))
+        turn = np.concatenate([np.ones((self.n, 1)), 0.5 * away * rng.normal(size=(self.n, 3))], axis=1)
+        q[:, 3:] = multiply(turn / np.linalg.norm(turn, axis=1)[:, None], q[:, 3:])
+        return q.ravel(), rng.normal(size=6 * self.n)
+
+    def rates(self, v, q):
+        """q_dot from world velocities: e_dot = (-e_v . w, e0 w + w x e_v) / 2."""
+        q, v = q.reshape(self.n, 7), v.reshape(self.n, 6)
+        e, w = q[:, 3:], v[:, 3:]
+        scalar = -np.einsum("bi,bi->b", e[:, 1:], w)
+        vector = e[:, :1] * w + np.cross(w, e[:, 1:])
+        return np.concatenate([v[:, :3], scalar[:, None] / 2, vector / 2], axis=1).ravel()
+
+    def normalised(self, q):
+        """q with unit quaternions (real arithmetic only; R(e) does not need it)."""
+        q = q.reshape(self.n, 7).copy()
+        q[:, 3:] /= np.sqrt((q[:, 3:] ** 2).sum(axis=1))[:, None]
+        return q.ravel()
+
+    def state(self, q, v):
+        """y = (q, u, z), u = (r_dot, R'w)."""
+        e, v = q.reshape(self.n, 7)[:, 3:], v.reshape(self.n, 6)
+        u = np.concatenate([v[:, :3], np.einsum("bji,bj->bi", rotation_matrix(e), v[:, 3:])], axis=1)
+        return np.concatenate([q, u.ravel(), np.zeros(self.model.state.size)]).astype(self.dtype)
+
+    def rows(self, q, v, t):
+        """(c, J, b, gamma) at a state."""
+        kinematics(self.model, self.data, self.state(q, v))
+        rows(self.model, self.data, t)
+        row = self.data.row
+        return row["c"].copy(), dense_jacobian(self.model, self.data), row["b"].copy(), row["gamma"].copy()
+
+    def speed(self, q, v, t):
+        """J v - b at a state."""
+        _, J, b, _ = self.rows(q, v, t)
+        return J @ v - b
+
+
+def consistent_state(system, rng, t=0.0):
+    """The reference pose with general velocities that meet J v = b."""
+    evaluation = Evaluation(system)
+    q, zero = evaluation.reference()
+    _, J, b, _ = evaluation.rows(q, zero, t)
+    v = rng.normal(size=zero.size)
+    for _ in range(2):  # the second solve takes away the rounding of the first
+        v += np.linalg.lstsq(J, b - J @ v, rcond=1e-11)[0]
+    return State(t, q, v)
+
+
+TREE = (
+    Universal, Revolute, Spherical, Prismatic, Cylindrical, Planar, ConstantVelocity, Fixed, Screw, PointOnLine,
+    RollingDisc, Parallel, PointOnPlane, KnifeEdge, Perpendicular, Distance,
+)  # fmt: skip
+
+
+def all_joints_mechanism(seed, *, grounded=True, drivers=True, redundant=True, light=1.0, gravity=(0.4, -0.8, -9.6)):
+    """Sixteen bodies in a zigzag, a joint of every type, all drivers, a loop, and a door of two hinges.
+
+    Parameters
+    ----------
+    grounded : bool
+        False leaves it floating, without gravity unless given.
+    drivers, redundant : bool
+        With a driver of every type (the one of position only on the ground); with a second hinge on one axis.
+    light : float
+        Mass ratio of every second body to the others.
+    """
+    rng = np.random.default_rng(seed)
+    bodies, joints, previous = [], [], GROUND
+    for k, cls in enumerate(TREE):
+        place = np.array([0.9 * k, 0.8 * (-1.0) ** k, 0.3 * k % 0.7]) + 0.2 * rng.normal(size=3)
+        mass = rng.uniform(0.7, 2.0) * (light if k % 2 else 1.0)
+        bodies.append(random_body(rng, f"body{k}", mass=mass, position=place))
+        if k or grounded:
+            joints += EXAMPLES[cls](rng, previous, bodies[-1], None, None)
+        previous = bodies[-1]
+    if not grounded:
+        bodies.append(random_body(rng, "side", position=bodies[5].position + 1.0))
+        joints += EXAMPLES[TREE[0]](rng, bodies[5], bodies[-1], None, None)
+    found = {type(joint): joint for joint in joints}
+    joints.append(Gear(found[Revolute], found[Cylindrical], ratio=-1.7))
+    joints.append(RackPinion(found[Screw], found[Prismatic], radius=0.4))
+    joints.append(Distance(bodies[3], bodies[8], at_a=bodies[3].position + 0.3, at_b=bodies[8].position - 0.2, name="loop"))
+    if redundant:
+        hinge = found[Revolute]
+        joints.append(Revolute(hinge.a, hinge.b, at=hinge.at + 0.6 * hinge.axis, axis=hinge.axis, name="second hinge"))
+    if drivers:
+        joints.append(AngleDriver(found[Planar], signal(rng)))
+        joints.append(SlideDriver(found[Prismatic], signal(rng)))
+        joints.append(SpeedDriver(bodies[10], bodies[11], axis=direction(rng), speed=signal(rng, 0.4)))
+        if grounded:
+            joints.append(PositionDriver(bodies[-1], at=bodies[-1].position + 0.3, signal=(signal(rng), None, None)))
+    return System(bodies=bodies, joints=joints, gravity=gravity)
+
+
+def pendulum(rng=None, *, joint=Revolute, arm=0.6, **fields):
+    """(system, body, joint): a body of general shape on a joint of the ground, hanging about 0.6 m beside it."""
+    rng = rng or np.random.default_rng(11)
+    body = random_body(rng, "bob", **{"position": arm * direction(rng), **fields})
+    at, axis = 0.2 * direction(rng), direction(rng)
+    made = Spherical(GROUND, body, at=at) if joint is Spherical else joint(GROUND, body, at=at, axis=axis)
+    return System(bodies=[body], joints=[made]), body, made
+
+
+def same_rotation(first, second):
+    """Greatest distance of unit quaternions that stand for the same rotation up to sign."""
+    first, second = np.asarray(first, float), np.asarray(second, float)
+    return float(np.minimum(np.abs(first - second).max(axis=-1), np.abs(first + second).max(axis=-1)).max())
+
+
+def public_classes(base):
+    """Concrete public classes below ``base``, by the names the package exports."""
+    found = {getattr(mbsd3d, name) for name in mbsd3d.__all__ if isinstance(getattr(mbsd3d, name), type)}
+    return {cls for cls in found if issubclass(cls, base) and cls is not base}
+
+
+def concrete_subclasses(base):
+    """All classes of the package below ``base`` that have no subclasses of their own, exported or not."""
+    found, queue = set(), [base]
+    while queue:
+        below = [cls for cls in queue.pop().__subclasses__() if cls.__module__.split(".")[0] == "mbsd3d"]
+        queue += below
+        found |= {cls for cls in below if not any(c.__module__.startswith("mbsd3d") for c in cls.__subclasses__())}
+    return found

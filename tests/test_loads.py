@@ -1,0 +1,381 @@
+"""Force elements: power belongs to stored energy, actions equal reactions, and the formulas of their docstrings."""
+
+import numpy as np
+import pytest
+from models import (
+    Evaluation,
+    across,
+    concrete_subclasses,
+    direction,
+    middle,
+    public_classes,
+    random_body,
+    random_orientation,
+    signal,
+)
+
+from mbsd3d import (
+    GROUND,
+    AeroDrag,
+    Bushing,
+    Cylindrical,
+    Force,
+    JointFriction,
+    Polynomial,
+    Prismatic,
+    Revolute,
+    Sine,
+    SpringDamper,
+    System,
+    TorsionSpring,
+    Torque,
+    forces,
+    rotation,
+)
+from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
+from mbsd3d.kernels.kinematics import kinematics
+from mbsd3d.kernels.loads import loads
+from mbsd3d.rotations import exponential, matrix, multiply
+
+STEP = 1e-5
+"""Of central differences: truncation 1e-10 times third derivatives, rounding 1e-11 of the energy."""
+
+T = 0.37
+
+
+def _hinge(rng, a, b):
+    return Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
+
+
+def _slider(rng, a, b):
+    return Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))
+
+
+def _signals(rng):
+    return (signal(rng, 0.5), Polynomial((0.3, -0.8, 1.1)), -0.7)
+
+
+def _spring(rng, a, b):
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    return SpringDamper(a, b, **ends, stiffness=7.0, damping=0.9, length=0.8)
+
+
+def _bushing(rng, a, b):
+    numbers = dict(
+        stiffness=(5.0, 7.0, 3.0), turning_stiffness=(2.0, 1.3, 4.0), damping=(0.4, 0.7, 0.2),
+        turning_damping=(0.3, 0.6, 0.5),
+    )  # fmt: skip
+    return Bushing(a, b, at=middle(rng, a, b), axes=random_orientation(rng), **numbers)
+
+
+def _on(joint, cls, **numbers):
+    return [joint], cls(joint, **numbers)
+
+
+EXAMPLES = {
+    "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),
+    "Force in body axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng), frame="body")),
+    "Torque in world axes": lambda rng, a, b: ([], Torque(b, _signals(rng))),
+    "Torque in body axes": lambda rng, a, b: ([], Torque(b, _signals(rng), frame="body")),
+    "SpringDamper": lambda rng, a, b: ([], _spring(rng, a, b)),
+    "TorsionSpring on a hinge": lambda rng, a, b: _on(
+        _hinge(rng, a, b), TorsionSpring, stiffness=3.0, damping=0.7, angle=0.4
+    ),
+    "TorsionSpring on a slider": lambda rng, a, b: _on(
+        _slider(rng, a, b), TorsionSpring, stiffness=3.0, damping=0.7, angle=0.4
+    ),
+    "JointFriction in a hinge": lambda rng, a, b: _on(
+        _hinge(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
+    ),
+    "JointFriction in a slider": lambda rng, a, b: _on(
+        _slider(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
+    ),
+    "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
+    "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
+}
+"""Name -> factory(rng, a, b) of (joints it needs, element)."""
+
+INTERNAL = [name for name in EXAMPLES if not name.startswith(("Force", "Torque", "AeroDrag"))]
+"""Elements that act between two bodies."""
+
+CONSERVATIVE = ["SpringDamper", "TorsionSpring on a hinge", "TorsionSpring on a slider", "Bushing"]
+
+every_element = pytest.mark.parametrize("name", EXAMPLES)
+on_both = pytest.mark.parametrize("ground", [None, "a"])
+
+
+class Loads(Evaluation):
+    """Applied forces of a system at arbitrary states."""
+
+    def at(self, q, v, t=T):
+        """(Q (n + 1, 6) with the ground last, stored energy, power of the part that stores none)."""
+        self.data.body["Q"] = 0.0
+        kinematics(self.model, self.data, self.state(q, v))
+        loads(self.model, self.data, t)
+        force = self.data.force
+        return self.data.body["Q"].copy(), force["potential"].sum(), force["power"].sum()
+
+
+def element(name, seed, ground=None):
+    """(Loads, element) of two general bodies with one force element and no gravity."""
+    rng = np.random.default_rng(seed)
+    bodies = [random_body(rng, "one"), random_body(rng, "two")]
+    joints, force = EXAMPLES[name](rng, GROUND if ground == "a" else bodies[0], bodies[1])
+    return Loads(System(bodies=bodies, joints=joints, forces=[force], gravity=(0, 0, 0))), force
+
+
+def test_every_force_element_has_an_example():
+    rng = np.random.default_rng(0)
+    bodies = [random_body(rng, "one"), random_body(rng, "two")]
+    covered = {type(make(rng, *bodies)[1]) for make in EXAMPLES.values()}
+    assert covered == concrete_subclasses(forces.ForceElement)
+    assert covered == public_classes(forces.ForceElement)
+
+
+@every_element
+@on_both
+def test_power_is_minus_the_rate_of_energy_plus_the_reported_power(name, ground):
+    on, _ = element(name, 3, ground)
+    q, v = on.general(np.random.default_rng(4))
+    q_dot = on.rates(v, q)
+    Q, energy, power = on.at(q, v)
+    stored = (on.at(q + STEP * q_dot, v)[1] - on.at(q - STEP * q_dot, v)[1]) / (2 * STEP)
+    assert Q[:-1].ravel() @ v == pytest.approx(power - stored, abs=1e-8)  # powers of order ten, differences good to 1e-9
+    assert (energy > 0.01) == (name in CONSERVATIVE)  # the identity is not tested where it is empty
+    assert abs(power) > 1e-3
+
+
+@pytest.mark.parametrize("name", CONSERVATIVE)
+def test_ablation_one_per_cent_of_energy_is_seen(name):
+    on, _ = element(name, 3)
+    q, v = on.general(np.random.default_rng(4))
+    q_dot = on.rates(v, q)
+    stored = (on.at(q + STEP * q_dot, v)[1] - on.at(q - STEP * q_dot, v)[1]) / (2 * STEP)
+    assert abs(0.01 * stored) > 1e-6  # 100 times the tolerance of the identity
+
+
+@pytest.mark.parametrize("name", INTERNAL)
+@on_both
+def test_action_equals_reaction(name, ground):
+    on, _ = element(name, 5, ground)
+    q, v = on.general(np.random.default_rng(6))
+    Q, *_ = on.at(q, v)
+    r = np.vstack([q.reshape(-1, 7)[:, :3], np.zeros(3)])
+    moments = Q[:, 3:] + np.cross(r, Q[:, :3])
+    assert np.abs(Q).max() > 0.1
+    assert np.abs(Q[:, :3].sum(axis=0)).max() < 1e-14  # rounding of forces of order one
+    assert np.abs(moments.sum(axis=0)).max() < 1e-13  # and of arms of a few metres
+
+
+@every_element
+def test_complex_step_equals_central_differences(name):
+    real, _ = element(name, 7)
+    exact = Loads(real.compiled.system, complex)
+    rng = np.random.default_rng(8)
+    q, v = real.general(rng)
+    q_dot, v_dot = real.rates(v, q), rng.normal(size=v.size)
+
+    def functions(on, h):
+        Q, energy, power = on.at(q + h * q_dot, v + h * v_dot)
+        return np.concatenate([Q.ravel(), [energy, power]])
+
+    derivative = functions(exact, 1e-30j).imag / 1e-30
+    difference = (functions(real, STEP) - functions(real, -STEP)) / (2 * STEP)
+    assert np.abs(derivative - difference).max() < 1e-7  # tanh and the wind's polynomial have large third derivatives
+
+
+def test_weight_acts_at_the_centre_of_mass():
+    rng = np.random.default_rng(9)
+    body, g = random_body(rng), np.array([0.4, -1.3, -9.2])
+    on = Loads(System(bodies=[body], gravity=g))
+    q, v = on.general(rng)
+    s = matrix(q[3:]) @ body.com
+    Q = on.at(q, v)[0][0]
+    assert Q == pytest.approx(np.concatenate([body.mass * g, np.cross(s, body.mass * g)]), abs=1e-13)
+
+
+def test_quadratic_velocity_term_is_gyroscopic_plus_centripetal():
+    rng = np.random.default_rng(10)
+    body = random_body(rng)
+    on = Loads(System(bodies=[body]))
+    q, v = on.general(rng)
+    on.at(q, v)
+    R, w = matrix(q[3:]), v[3:]
+    s, inertia = R @ body.com, R @ body.inertia @ R.T
+    pull = body.mass * np.cross(w, np.cross(w, s))
+    h = np.concatenate([pull, np.cross(w, inertia @ w) + np.cross(s, pull)])
+    assert on.data.body["h"][0] == pytest.approx(h, abs=1e-13)  # rounding of numbers of order one
+
+
+def points(on, name_of_point_a, name_of_point_b, element_, q, v):
+    """World positions and velocities of two points of the element in a general pose."""
+    found = []
+    for body, point in ((element_.a, name_of_point_a), (element_.b, name_of_point_b)):
+        k = on.compiled.body_index[id(body)]
+        r, R = q.reshape(-1, 7)[k, :3], matrix(q.reshape(-1, 7)[k, 3:])
+        arm = R @ body.local_point(point)
+        velocity, w = v.reshape(-1, 6)[k, :3], v.reshape(-1, 6)[k, 3:]
+        found.append((r + arm, velocity + np.cross(w, arm)))
+    return found
+
+
+def test_spring_and_damper_pull_along_the_line():
+    on, spring = element("SpringDamper", 11)
+    q, v = on.general(np.random.default_rng(12))
+    (p_a, v_a), (p_b, v_b) = points(on, spring.at_a, spring.at_b, spring, q, v)
+    length = np.linalg.norm(p_b - p_a)
+    n = (p_b - p_a) / length
+    speed = n @ (v_b - v_a)
+    Q, energy, power = on.at(q, v)
+    assert Q[1, :3] == pytest.approx(-(7.0 * (length - 0.8) + 0.9 * speed) * n, abs=1e-13)
+    assert energy == pytest.approx(3.5 * (length - 0.8) ** 2, abs=1e-13)
+    assert power == pytest.approx(-0.9 * speed**2, abs=1e-13)
+
+
+def test_spring_length_defaults_to_the_reference_pose():
+    rng = np.random.default_rng(13)
+    body = random_body(rng)
+    spring = SpringDamper(GROUND, body, at_a=direction(rng), at_b=body.position, stiffness=4.0)
+    assert spring.length == pytest.approx(np.linalg.norm(body.position - spring.at_a), rel=1e-15)
+
+
+@pytest.mark.parametrize("frame", ["world", "body"])
+def test_force_and_torque_have_the_given_components(frame):
+    rng = np.random.default_rng(14)
+    body = random_body(rng)
+    f, m, at = (Sine(0.8, 0.4, 0.3), 1.2, -0.4), (0.2, Sine(0.5, 0.7, 0.9), 0.6), body.position + direction(rng)
+    on = Loads(System(bodies=[body], forces=[Force(body, f, at, frame), Torque(body, m, frame)], gravity=(0, 0, 0)))
+    q, v = on.general(rng)
+    R = matrix(q[3:])
+    turn = R if frame == "body" else np.eye(3)
+    force = turn @ [0.8 * np.sin(0.8 * np.pi * T + 0.3), 1.2, -0.4]
+    moment = turn @ [0.2, 0.5 * np.sin(1.4 * np.pi * T + 0.9), 0.6]
+    s = R @ body.local_point(at)
+    Q = on.at(q, v)[0][0]
+    assert Q == pytest.approx(np.concatenate([force, np.cross(s, force) + moment]), abs=1e-14)
+
+
+def test_force_acts_at_the_centre_of_mass_if_no_point_is_given():
+    rng = np.random.default_rng(15)
+    body = random_body(rng)
+    on = Loads(System(bodies=[body], forces=[Force(body, (1.0, -2.0, 0.5))], gravity=(0, 0, 0)))
+    q, v = on.general(rng)
+    s = matrix(q[3:]) @ body.com
+    assert on.at(q, v)[0][0, 3:] == pytest.approx(np.cross(s, (1.0, -2.0, 0.5)), abs=1e-14)
+
+
+def test_drag_opposes_the_velocity_relative_to_the_wind():
+    rng = np.random.default_rng(16)
+    body, wind = random_body(rng), np.array([3.0, -1.0, 0.7])
+    at = body.position + direction(rng)
+    drag = AeroDrag(body, drag_area=0.6, density=1.1, at=at, wind=wind)
+    on = Loads(System(bodies=[body], forces=[drag], gravity=(0, 0, 0)))
+    q, v = on.general(rng)
+    s = matrix(q[3:]) @ body.local_point(at)
+    u = v[:3] + np.cross(v[3:], s) - wind
+    Q, _, power = on.at(q, v)
+    force = -0.5 * 1.1 * 0.6 * np.linalg.norm(u) * u
+    assert Q[0] == pytest.approx(np.concatenate([force, np.cross(s, force)]), abs=1e-13)
+    assert power == pytest.approx(force @ (u + wind), abs=1e-13)
+
+
+def turned_about_hinge(cls, turn, advance, rng):
+    """(system, hinge, q, axis): body b turned by ``turn`` about and moved by ``advance`` along its hinge."""
+    a, b = random_body(rng, "one"), random_body(rng, "two")
+    hinge = cls(a, b, at=middle(rng, a, b), axis=direction(rng))
+    q, e = np.concatenate([a.position, a.orientation, b.position, b.orientation]), exponential(turn * hinge.axis)
+    q[7:10] = hinge.at + matrix(e) @ (b.position - hinge.at) + advance * hinge.axis
+    q[10:] = multiply(e, b.orientation)
+    return (a, b), hinge, q
+
+
+@pytest.mark.parametrize("turn", [0.7, -2.9])
+def test_torsion_spring_and_friction_turn_about_the_hinge(turn):
+    rng = np.random.default_rng(17)
+    bodies, hinge, q = turned_about_hinge(Revolute, turn, 0.0, rng)
+    elements = [
+        TorsionSpring(hinge, stiffness=3.0, damping=0.7, angle=0.4),
+        JointFriction(hinge, coulomb=0.8, viscous=0.3, transition=0.5),
+    ]
+    on = Loads(System(bodies=bodies, joints=[hinge], forces=elements, gravity=(0, 0, 0)))
+    v = rng.normal(size=12)
+    rate = hinge.axis @ (v[9:] - v[3:6])
+    load = -3.0 * (turn - 0.4) - 0.7 * rate - 0.8 * np.tanh(rate / 0.5) - 0.3 * rate
+    Q, energy, power = on.at(q, v)
+    assert Q[1] == pytest.approx(np.concatenate([np.zeros(3), load * hinge.axis]), abs=1e-13)
+    assert Q[0] == pytest.approx(-Q[1], abs=1e-13)
+    assert energy == pytest.approx(1.5 * (turn - 0.4) ** 2, abs=1e-13)
+    assert power == pytest.approx((load + 3.0 * (turn - 0.4)) * rate, abs=1e-13)
+
+
+def test_torsion_spring_on_a_slider_pushes_along_it():
+    rng = np.random.default_rng(18)
+    bodies, slider, q = turned_about_hinge(Prismatic, 0.0, 0.6, rng)
+    on = Loads(
+        System(
+            bodies=bodies,
+            joints=[slider],
+            forces=[TorsionSpring(slider, stiffness=3.0, angle=0.1)],
+            gravity=(0, 0, 0),
+        )
+    )
+    Q, energy, _ = on.at(q, np.zeros(12))
+    assert Q[1, :3] == pytest.approx(-3.0 * 0.5 * slider.axis, abs=1e-13)
+    assert energy == pytest.approx(1.5 * 0.5**2, abs=1e-13)
+
+
+def test_torsion_spring_counts_turns():
+    rng = np.random.default_rng(19)
+    bodies, hinge, q = turned_about_hinge(Cylindrical, 5.5 - 2 * np.pi, 0.2, rng)  # the pose does not show the turn
+    on = Loads(System(bodies=bodies, joints=[hinge], forces=[TorsionSpring(hinge, stiffness=2.0)], gravity=(0, 0, 0)))
+    i = on.compiled.coordinate(hinge.angle())
+    on.data.coordinate["value"][i] = 5.0  # the last accepted state
+    Q, energy, _ = on.at(q, np.zeros(12))
+    assert coordinate(on.model, on.data, i, T)[0] == pytest.approx(5.5, abs=1e-13)
+    assert Q[1, 3:] == pytest.approx(-2.0 * 5.5 * hinge.axis, abs=1e-12)
+    assert energy == pytest.approx(5.5**2, abs=1e-12)
+
+
+def test_hinge_rate_is_the_rate_of_the_angle():
+    rng = np.random.default_rng(20)
+    bodies, hinge, q = turned_about_hinge(Cylindrical, 1.1, 0.2, rng)
+    on = Loads(System(bodies=bodies, joints=[hinge]))
+    q, v = on.general(rng)
+    i, q_dot, values = on.compiled.coordinate(hinge.angle()), on.rates(v, q), []
+    for h in (STEP, -STEP, 0.0):
+        kinematics(on.model, on.data, on.state(q + h * q_dot, v))
+        values.append(coordinate(on.model, on.data, i, T)[0])
+    assert coordinate_rate(on.model, on.data, i, T) == pytest.approx((values[0] - values[1]) / (2 * STEP), abs=1e-8)
+
+
+def test_bushing_is_linear_for_small_displacements():
+    rng = np.random.default_rng(21)
+    body, axes = random_body(rng), random_orientation(rng)
+    K, K_turn = np.array([5.0, 7.0, 3.0]), np.array([2.0, 1.3, 4.0])
+    at = body.position + 0.4 * direction(rng)
+    bushing = Bushing(GROUND, body, at=at, stiffness=K, turning_stiffness=K_turn, axes=axes)
+    on = Loads(System(bodies=[body], forces=[bushing], gravity=(0, 0, 0)))
+    shift, turn = 1e-5 * direction(rng), 1e-5 * across(rng, direction(rng))
+    e = exponential(turn)
+    q = np.concatenate([at + shift + matrix(e) @ (body.position - at), multiply(e, body.orientation)])
+    Q, energy, _ = on.at(q, np.zeros(6))
+    F = matrix(axes)
+    force = -F @ (K * (F.T @ shift))
+    moment = -F @ (K_turn * (F.T @ turn)) + np.cross(at + shift - q[:3], force)
+    # second-order terms of displacements of 1e-5
+    assert Q[0] == pytest.approx(np.concatenate([force, moment]), abs=1e-9)
+    assert energy == pytest.approx(0.5 * (shift @ -force + turn @ (F @ (K_turn * (F.T @ turn)))), rel=1e-4)
+
+
+def test_bushing_moment_of_a_large_turn_about_one_axis():
+    rng = np.random.default_rng(22)
+    body, angle = random_body(rng), 2.2
+    at = body.position + 0.4 * direction(rng)
+    bushing = Bushing(GROUND, body, at=at, stiffness=9.0, turning_stiffness=(2.0, 1.3, 4.0))
+    on = Loads(System(bodies=[body], forces=[bushing], gravity=(0, 0, 0)))
+    e = rotation("y", angle)
+    q = np.concatenate([at + matrix(e) @ (body.position - at), multiply(e, body.orientation)])
+    Q, energy, _ = on.at(q, np.zeros(6))
+    # U = 2 k sin^2(angle/2), M = -dU/dangle = -k sin(angle)
+    assert Q[0] == pytest.approx([0, 0, 0, 0, -1.3 * np.sin(angle), 0], abs=1e-13)
+    assert energy == pytest.approx(2.6 * np.sin(angle / 2) ** 2, abs=1e-13)

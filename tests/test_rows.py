@@ -1,0 +1,126 @@
+"""Rows of every joint and driver: residual, Jacobian and right sides belong together, on and off the manifold."""
+
+import numpy as np
+import pytest
+from models import EXAMPLES, NOT_ON_GROUND, Evaluation, concrete_subclasses, example_system, public_classes
+
+from mbsd3d import Joint
+from mbsd3d.model import Switches
+
+STEP = 1e-5
+"""Of central differences: truncation 1e-10 times third derivatives, rounding 1e-11."""
+
+VARIANTS = [
+    (cls, ground)
+    for cls in EXAMPLES
+    for ground in (None, "a", "b")
+    if not (ground == "b" and cls in NOT_ON_GROUND)
+]
+NAMES = [f"{cls.__name__}-{ground or 'two bodies'}" for cls, ground in VARIANTS]
+every_joint = pytest.mark.parametrize(("cls", "ground"), VARIANTS, ids=NAMES)
+
+
+def test_every_joint_and_driver_has_an_example():
+    exported = {cls for cls in public_classes(Joint) if cls.__name__ != "Driver"}
+    assert concrete_subclasses(Joint) == set(EXAMPLES)
+    assert exported == set(EXAMPLES)
+
+
+@pytest.mark.parametrize("cls", EXAMPLES, ids=lambda cls: cls.__name__)
+def test_examples_end_with_their_class_and_are_general(cls):
+    system = example_system(cls, 1)
+    assert type(system.joints[-1]) is cls
+    for body in system.bodies:
+        assert np.abs(body.com).min() > 1e-3 and np.abs(body.orientation).min() > 1e-3
+
+
+@every_joint
+def test_residual_is_zero_at_the_reference_pose(cls, ground):
+    evaluation = Evaluation(example_system(cls, 2, ground))
+    q, v = evaluation.reference()
+    c, *_ = evaluation.rows(q, v, 0.0)
+    assert np.abs(c).max() < 1e-14  # differences of numbers of order one
+
+
+@every_joint
+def test_residual_changes_by_J_v_minus_b(cls, ground):
+    evaluation = Evaluation(example_system(cls, 3, ground))
+    q, v = evaluation.general(np.random.default_rng(4))
+    t, q_dot = 0.37, evaluation.rates(v, q)
+    c, J, b, _ = evaluation.rows(q, v, t)
+    after, before = (evaluation.rows(evaluation.normalised(q + h * q_dot), v, t + h)[0] for h in (STEP, -STEP))
+    holonomic = evaluation.model.row["holonomic"] == 1
+    rate = (after - before) / (2 * STEP)
+    # velocities and lengths of order one, differences good to 1e-9
+    assert np.abs(rate - (J @ v - b))[holonomic].max(initial=0.0) < 1e-8
+    assert holonomic.all() == (cls.__name__ not in ("KnifeEdge", "RollingDisc", "SpeedDriver"))
+
+
+@every_joint
+def test_off_the_manifold_the_residual_and_its_rate_are_not_zero(cls, ground):
+    evaluation = Evaluation(example_system(cls, 3, ground))
+    q, v = evaluation.general(np.random.default_rng(4))
+    c, J, b, _ = evaluation.rows(q, v, 0.37)
+    own = evaluation.compiled.rows[id(evaluation.compiled.system.joints[-1])]
+    holonomic = evaluation.model.row["holonomic"][own] == 1
+    # else the identities above would be tested where terms vanish
+    assert np.abs(c[own][holonomic]).min(initial=1.0) > 1e-4
+    assert np.abs((J @ v - b)[own]).min() > 1e-3
+
+
+@every_joint
+def test_row_speed_changes_by_J_v_dot_minus_gamma(cls, ground):
+    evaluation = Evaluation(example_system(cls, 5, ground))
+    rng = np.random.default_rng(6)
+    q, v = evaluation.general(rng)
+    v_dot, t = rng.normal(size=v.size), 0.37
+    q_dot = evaluation.rates(v, q)
+    _, J, _, gamma = evaluation.rows(q, v, t)
+    after, before = (
+        evaluation.speed(evaluation.normalised(q + h * q_dot), v + h * v_dot, t + h) for h in (STEP, -STEP)
+    )
+    # accelerations of order ten, differences good to 1e-9
+    assert np.abs((after - before) / (2 * STEP) - (J @ v_dot - gamma)).max() < 1e-8
+
+
+@pytest.mark.parametrize("cls", EXAMPLES, ids=lambda cls: cls.__name__)
+def test_ablation_without_gamma_both_rates_part(cls):
+    """The check on d(J v - b)/dt must see a missing J_dot v, and the one on c_dot one per cent on J."""
+    evaluation = Evaluation(example_system(cls, 5), switches=Switches(gamma=False))
+    rng = np.random.default_rng(6)
+    q, v = evaluation.general(rng)
+    v_dot, t = rng.normal(size=v.size), 0.37
+    q_dot = evaluation.rates(v, q)
+    _, J, _, gamma = evaluation.rows(q, v, t)
+    after, before = (evaluation.speed(q + h * q_dot, v + h * v_dot, t + h) for h in (STEP, -STEP))
+    own = evaluation.compiled.rows[id(evaluation.compiled.system.joints[-1])]
+    # 100 times the tolerance of the checks above
+    assert np.abs((after - before) / (2 * STEP) - (J @ v_dot - gamma))[own].min() > 1e-6
+    assert np.abs(0.01 * J @ v)[own].min() > 1e-6
+
+
+@pytest.mark.parametrize("cls", [cls for cls in EXAMPLES if cls.__name__.endswith("Driver")])
+def test_drivers_move(cls):
+    evaluation = Evaluation(example_system(cls, 7))
+    q, v = evaluation.reference()
+    _, _, b, gamma = evaluation.rows(q, v, 0.37)
+    own = evaluation.compiled.rows[id(evaluation.compiled.system.joints[-1])]
+    assert np.abs(b[own]).min() > 0.01 and np.abs(gamma[own]).min() > 0.01
+
+
+@pytest.mark.parametrize("cls", EXAMPLES, ids=lambda cls: cls.__name__)
+def test_complex_step_equals_central_differences(cls):
+    system = example_system(cls, 8)
+    real, exact = Evaluation(system), Evaluation(system, complex)
+    rng = np.random.default_rng(9)
+    q, v = real.general(rng)
+    q_dot, v_dot, t = real.rates(v, q), rng.normal(size=v.size), 0.37
+
+    def functions(evaluation, h):
+        c, J, b, _ = evaluation.rows(q + h * q_dot, v + h * v_dot, t)
+        return np.concatenate([c, J @ (v + h * v_dot) - b])
+
+    derivative = functions(exact, 1e-30j).imag / 1e-30
+    difference = (functions(real, STEP) - functions(real, -STEP)) / (2 * STEP)
+    assert np.abs(derivative - difference).max() < 1e-8  # error of the central difference
+    assert np.abs(functions(exact, 0.0) - functions(real, 0.0)).max() < 1e-14  # the same terms, rounding apart
