@@ -38,7 +38,8 @@ def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
     """Fill kinematics and rows of ``data`` at a state; returns y."""
     y = pack(compiled, state)
     if state.coordinates is not None:
-        data.coordinate["value"] = state.coordinates
+        known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
+        data.coordinate["value"][:known] = state.coordinates[: data.coordinate.size]
     data.coordinate["rate"] = 0.0
     data.unwrap_time[0] = state.t
     kinematics(compiled.model, data, y)

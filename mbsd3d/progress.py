@@ -4,7 +4,7 @@ import sys
 import time
 from typing import Any
 
-from .kernels.jit import is_warm, mark_warm
+from .kernels.jit import is_warm
 
 DELAY = 2.0  # s before a bar appears
 
@@ -14,7 +14,6 @@ def announce_compilation() -> None:
     if not is_warm():
         sys.stderr.write("mbsd3d: compiling kernels, once after installation (up to 45 s) ...\n")
         sys.stderr.flush()
-        mark_warm()
 
 
 class Progress:

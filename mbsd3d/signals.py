@@ -1,39 +1,21 @@
 """Functions of time for drivers and forces: sums of polynomials, sines and cubic splines.
 
-A signal is lowered to `Term` s, rows of numbers. `evaluate` is their meaning in Python, ``kernels/signals.py`` the
-compiled one; a signal has no other evaluation, so what a user plots is what the model is driven by.
+A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
+so what a user plots is what the model is driven by.
 """
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
-from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-POLYNOMIAL, SINE, SPLINE = 0, 1, 2
+from .terms import POLYNOMIAL, SINE, SPLINE, Term, evaluate, scaled
+
 EVERYWHERE = (-np.inf, np.inf)
-
-
-class Term(NamedTuple):
-    """One summand of a signal.
-
-    ======================= ==================================================================================
-    kind                    data, (k,) float array
-    ======================= ==================================================================================
-    ``POLYNOMIAL``          c0, c1, ...: ``c0 + c1 t + ...``
-    ``SINE``                A, omega [rad/s], phase [rad]: ``A sin(omega t + phase)``
-    ``SPLINE``              number of pieces n, breaks (n + 1) [s], then c3, c2, c1, c0 of each piece:
-                            ``c3 s^3 + c2 s^2 + c1 s + c0`` with ``s = t - break_i``; the end pieces go on outside
-    ======================= ==================================================================================
-    """
-
-    kind: int
-    data: np.ndarray
 
 
 class Signal(ABC):
@@ -299,7 +281,7 @@ class Scaled(Signal):
 
     def terms(self) -> list[Term]:
         """The terms of the signal with the numbers that are linear in f multiplied."""
-        return [_scaled(term, self.factor) for term in self.signal.terms()]
+        return [scaled(term, self.factor) for term in self.signal.terms()]
 
 
 def as_signal(value: "Signal | float", what: str) -> Signal:
@@ -356,68 +338,6 @@ def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
             f"{what}: the table covers {first:.9g} s to {last:.9g} s and is asked for {start:.9g} s to {end:.9g} s; "
             f"extend the table or stay inside it"
         )
-
-
-def evaluate(terms: list[Term], t: ArrayLike, order: int = 0) -> np.ndarray:
-    """Sum of terms or its derivative, ``d^order f / dt^order``.
-
-    Parameters
-    ----------
-    terms : list of Term
-        Summands.
-    t : (...) array_like
-        Times [s].
-    order : int
-        0, 1 or 2.
-
-    Returns
-    -------
-    (...) ndarray
-        In the unit of f per s^order.
-
-    Raises
-    ------
-    ValueError
-        If ``order`` is not 0, 1 or 2.
-    """
-    if order not in (0, 1, 2):
-        raise ValueError(f"evaluate: order is {order!r}; give 0, 1 or 2")
-    t = np.asarray(t, dtype=float)
-    return sum((_EVALUATE[term.kind](term.data, t, order) for term in terms), np.zeros(t.shape))
-
-
-def _polynomial(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of c0 + c1 t + ..."""
-    return polynomial.polyval(t, polynomial.polyder(data, order))
-
-
-def _sine(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of A sin(omega t + phase)."""
-    amplitude, omega, phase = data
-    wave = np.cos if order == 1 else np.sin
-    return (amplitude, amplitude * omega, -amplitude * omega**2)[order] * wave(omega * t + phase)
-
-
-def _spline(data: np.ndarray, t: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of the cubic piece that holds t, the first or last one outside."""
-    n = int(data[0])
-    breaks, pieces = data[1 : n + 2], data[n + 2 :].reshape(n, 4)
-    i = np.clip(np.searchsorted(breaks, t, side="right") - 1, 0, n - 1)
-    s, (c3, c2, c1, c0) = t - breaks[i], np.moveaxis(pieces[i], -1, 0)
-    if order == 0:
-        return ((c3 * s + c2) * s + c1) * s + c0
-    return (3.0 * c3 * s + 2.0 * c2) * s + c1 if order == 1 else 6.0 * c3 * s + 2.0 * c2
-
-
-_EVALUATE = {POLYNOMIAL: _polynomial, SINE: _sine, SPLINE: _spline}
-
-
-def _scaled(term: Term, factor: float) -> Term:
-    """Factor times a term; frequency, phase and breaks stay."""
-    first, last = {POLYNOMIAL: (0, None), SINE: (0, 1), SPLINE: (int(term.data[0]) + 2, None)}[term.kind]
-    data = term.data.copy()
-    data[first:last] *= factor
-    return Term(term.kind, data)
 
 
 def _store_finite(signal: Signal, *names: str) -> None:

@@ -16,6 +16,8 @@ from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic, follow
 from .integrators.runge_kutta import advance
 from .kernels.dynamics import arrive
+from .kernels.jit import is_warm, mark_warm
+from .kernels.probes import measure
 from .measures import Condition
 from .model import Compiled, Switches, compile_system
 from .parts import number
@@ -200,7 +202,10 @@ class Job:
             with progress:
                 self.choose("start")
                 self.first_step()
+                self.check_condition()
                 self.loop(progress)
+                if not is_warm():
+                    mark_warm()
         except KeyboardInterrupt:
             self.record.stopped_by = f"interrupted at t = {self.memory.clock[base.T]:.6g} s"
         self.record.seconds = time.perf_counter() - began
@@ -285,6 +290,17 @@ class Job:
         rate = max(rate, 1.0 / horizon)
         run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
         run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** 0.125 / rate)
+
+    def check_condition(self) -> None:
+        """A condition that holds already at the start would never come true."""
+        if self.stop_when is None:
+            return
+        value = measure(self.model, self.data, 0, float(self.memory.clock[base.T]))
+        if self.stop_when.direction * (value - self.stop_when.value) >= 0.0:
+            raise ValueError(
+                f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
+                "give another value or another start"
+            )
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""

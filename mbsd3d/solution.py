@@ -308,13 +308,13 @@ class Solution:
 
     def to_xarray(self) -> Any:
         """An xarray Dataset with named bodies and joints, units and frames in the attributes."""
-        from .files import to_xarray
+        from .tables import to_xarray
 
         return to_xarray(self)
 
     def to_csv(self, path: str | Path) -> Path:
         """A table with one column per component, names and units in the header."""
-        from .files import to_csv
+        from .tables import to_csv
 
         return to_csv(self, path)
 

@@ -89,6 +89,12 @@ class System:
                         "add it to bodies"
                     )
         joints = {id(joint) for joint in self.joints}
+        for force in self.forces:
+            if hasattr(force, "hinge") and id(force.hinge) not in joints:
+                raise ValueError(
+                    f"{type(force).__name__} '{self.name(force)}': its joint '{force.hinge.name}' is not in the system; "
+                    "add it to joints"
+                )
         for joint in self.joints:
             if isinstance(joint, Coupling):
                 pair = {Gear: ("hinge_a", "hinge_b"), RackPinion: ("pinion", "rack")}.get(type(joint))

@@ -31,7 +31,8 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.files import TYPES, describe, rebuild, write_atomically
+from mbsd3d.description import TYPES, describe, rebuild
+from mbsd3d.files import write_atomically
 from mbsd3d.model import compile_system
 
 UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"

@@ -8,6 +8,7 @@ import pytest
 
 from mbsd3d import signals
 from mbsd3d.kernels import signals as kernels
+from mbsd3d.model import Signals
 from mbsd3d.signals import (
     POLYNOMIAL,
     SINE,
@@ -146,18 +147,17 @@ def test_interval_is_what_all_tables_share():
 
 def test_compiled_meaning_is_the_same(signal):
     """The kernel on the lowered terms, packed as the model packs them; beyond the ends of a table too."""
-    terms = signal.terms()
-    model = SimpleNamespace(
-        signal_first=np.array([0, len(terms)]),
-        term_kind=np.array([term.kind for term in terms]),
-        term_first=np.cumsum([0, *(len(term.data) for term in terms)]),
-        term_data=np.concatenate([term.data for term in terms]),
-    )
+    terms, tables = signal.terms(), Signals()
+    tables.add(Constant(7.0))  # the signal is not the first one in the tables
+    tables.add(signal)
+    arrays = tables.arrays()
+    model = SimpleNamespace(**{name: array.view(np.recarray) for name, array in arrays.items() if name != "term_data"})
+    model.term_data = arrays["term_data"]
     kernel = getattr(kernels.signal, "py_func", kernels.signal)
     for t in (*INSIDE, *TIMES, -0.3, 2.9):
         expected = [evaluate(terms, t, order) for order in (0, 1, 2)]
         # other order of the operations: rounding of numbers up to 1e2
-        np.testing.assert_allclose(kernel(model, 0, t), expected, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(kernel(model, 1, t), expected, rtol=1e-12, atol=1e-12)
 
 
 def test_as_signal():

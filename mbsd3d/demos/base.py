@@ -52,11 +52,12 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a demo gives: the table, a figure, and the runs by the name their files get."""
+    """What a demo gives: the table, a figure, the runs by the name their files get, and lines to print below."""
 
     rows: tuple[Row, ...]
     figure: Any
     solutions: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:

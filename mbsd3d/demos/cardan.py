@@ -116,9 +116,9 @@ def draw(single: Solution, double: Solution) -> Any:
     theory_dots(rate, degrees[dots], ratio(angle[dots], BEND))
     rate.set(ylabel="output rate / input rate [-]")
     spectrum_bars(bars, ORDERS, [("one joint", amplitudes(single))], harmonics(BEND))
-    bars.set(xlabel="multiple of the shaft speed [-]", ylabel="amplitude / mean rate [-]")
+    bars.set(xlabel="multiple of the shaft speed [-]", ylabel="amplitude / mean rate [-]", ylim=(2e-4, 0.5))
     torque.plot(degrees, single.effort("motor"), color=COLOURS[0], label="one joint")
-    torque.plot(degrees, double.effort("motor"), color=COLOURS[1], label="two joints")
+    torque.plot(degrees, double.effort("motor"), "--", color=COLOURS[1], label="two joints")
     theory_dots(torque, degrees[dots], motor_torque(angle[dots], BEND))
     torque.set(ylabel="motor torque [N m]")
     for axes in (rate, torque):

@@ -27,6 +27,7 @@ RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm
 RADIUS, ROD, OFFSET = 1.0, 2.0, 0.5  # crank radius, rod length, centre of mass of the crank from its axis [m]
 AHEAD = 0.1  # distance of the cylinder's plane from the bearing, along the crank axis [m]
 CRANK_MASS, ROD_MASS, PISTON_MASS = 2.0, 4.0, 5.0  # kg; the rod's centre of mass at mid length
+ACROSS = RATE**2 * (CRANK_MASS * OFFSET + 0.5 * ROD_MASS * RADIUS)  # amplitude at right angles to the bore [N]
 ORDERS = (1, 2, 4, 6)
 SAMPLES = 256  # of one turn
 
@@ -91,6 +92,7 @@ def run(*, centripetal: bool = True) -> Outcome:
         Row(f"block force along the bore, {order}x", value, expected, 1e-9, "N")
         for order, value, expected in zip(ORDERS, amplitudes(force[:, 2]), theory, strict=True)
     ]
+    rows.append(Row("block force across the bore, 1x", amplitudes(force[:, 0])[0], ACROSS, 1e-9, "N"))
     rocking = amplitudes(moment[:, 0])
     rows.append(Row("rocking moment across the bore, 1x", rocking[0], AHEAD * theory[0], 1e-9, "N m"))
     missing = amplitudes(block_load(without)[0][:, 2])[0]
@@ -99,31 +101,30 @@ def run(*, centripetal: bool = True) -> Outcome:
     return Outcome(tuple(rows), draw(true, without), solutions)
 
 
-def series(angle: np.ndarray) -> np.ndarray:
-    """Force along the bore [N] from the first harmonics; what is left out is 1e-3 N."""
-    return np.cos(np.multiply.outer(angle, ORDERS)) @ harmonics()
+def shaking(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Theory of the force on the block along and across the bore [N]; the harmonics left out make 1e-3 N."""
+    return np.cos(np.multiply.outer(angle, ORDERS)) @ harmonics(), ACROSS * np.sin(angle)
 
 
 def draw(true: Solution, without: Solution) -> Any:
-    """Force along the bore, its harmonics, the rocking moment."""
-    titles = ("force on the block along the bore", "its harmonics", "moment that rocks the block")
+    """Force along the bore, its harmonics, and the moment the block feels about axes in the mechanism's plane."""
+    titles = ("force on the block along the bore", "its harmonics", "moment on the block about the bearing")
     figure, (along, bars, rocking) = new_figure("Crank with an offset centre of mass, 10 rpm", titles)
     names = ("all terms", "without m w × (w × s)")
     loads = [block_load(solution) for solution in (true, without)]
     angle, dots = RATE * true.t, every(true.t.size, 25)
     for (force, moment), name, tint, line in zip(loads, names, COLOURS, ("-", "--"), strict=False):
         along.plot(np.degrees(angle), force[:, 2], line, color=tint, label=name)
-        rocking.plot(np.degrees(angle), moment[:, 0], line, color=tint, label=name)
-    theory_dots(along, np.degrees(angle[dots]), series(angle[dots]))
-    theory_dots(rocking, np.degrees(angle[dots]), AHEAD * series(angle[dots]))
-    rocking.axhline(0.0, color="black", linewidth=1.0, linestyle=":", label="a plane model")
+        rocking.plot(moment[:, 2], moment[:, 0], line, color=tint, label=name)
+    force_along, force_across = shaking(angle[dots])
+    theory_dots(along, np.degrees(angle[dots]), force_along)
+    theory_dots(rocking, -AHEAD * force_across, AHEAD * force_along)
+    rocking.plot([0.0], [0.0], "+", color="black", markersize=10, label="plane model")
     groups = [(name, amplitudes(force[:, 2])) for (force, _), name in zip(loads, names, strict=True)]
     spectrum_bars(bars, ORDERS, groups, np.abs(harmonics()))
-    along.set(ylabel="force [N]")
-    rocking.set(ylabel="moment about the bearing, across the bore [N m]")
-    bars.set(xlabel="multiple of the crank speed [-]", ylabel="amplitude [N]")
-    for axes in (along, rocking):
-        axes.set(xlabel="crank angle [°]", xticks=np.arange(0, 361, 90))
+    along.set(xlabel="crank angle [°]", ylabel="force [N]", xticks=np.arange(0, 361, 90))
+    rocking.set(xlabel="about the bore [N m]", ylabel="across the bore [N m]", xlim=(-0.6, 0.6))
+    bars.set(xlabel="multiple of the crank speed [-]", ylabel="amplitude [N]", ylim=(1e-2, 40))
     for axes in (along, bars, rocking):
         legend_below(axes, 2)
     return figure

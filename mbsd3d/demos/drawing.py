@@ -56,23 +56,35 @@ def theory_dots(axes: Any, x: Any, y: Any, label: str | None = "theory", **optio
     axes.plot(x, y, **{**style, "markeredgecolor": "black", "markeredgewidth": 1.0, "label": label, **options})
 
 
-def legend_below(axes: Any, columns: int) -> None:
-    """The legend under the panel, never on the data."""
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=columns, frameon=False, fontsize=9)
+def legend_below(axes: Any, columns: int, twin: Any = None) -> None:
+    """The legend under the panel, never on the data; with the lines of its twin."""
+    found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
+    handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
+    style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
+    axes.legend(handles, labels, ncols=columns, **style)
 
 
-def space(axes: Any, label: str = "L{} / L [-]") -> None:
-    """The unit sphere as a net, for curves of unit vectors."""
+def sphere_net(axes: Any, lowest: float = -1.0, highest: float = 1.0) -> None:
+    """Parallels and meridians of the unit sphere between two heights."""
     turn = np.linspace(0, 2 * np.pi, 73)
     for z in np.sin(np.radians(np.arange(-60, 61, 30))):
-        radius = np.sqrt(1 - z * z)
-        axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT, linewidth=0.6)
-    for phi in np.arange(0, np.pi, np.pi / 6):
-        axes.plot(np.sin(turn) * np.cos(phi), np.sin(turn) * np.sin(phi), np.cos(turn), color=LIGHT, linewidth=0.6)
-    axes.set_box_aspect((1, 1, 1), zoom=1.05)
-    for k, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis)):
-        axis.set_ticks([-1, 0, 1])
-        axis.set_label_text(label.format(k + 1))
+        if lowest <= z <= highest:
+            radius = np.sqrt(1 - z * z)
+            axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT, linewidth=0.7)
+    rise = np.linspace(np.arcsin(lowest), np.arcsin(highest), 37)
+    for phi in np.arange(0, 2 * np.pi, np.pi / 6):
+        axes.plot(np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise), color=LIGHT, linewidth=0.7)
+
+
+def space(axes: Any, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:
+    """Few ticks and labels with units for a panel in space."""
+    axes.set_box_aspect(box, zoom=1.15)
+    for axis, label in zip((axes.xaxis, axes.yaxis, axes.zaxis), labels, strict=True):
+        axis.set_ticks([-1, 1])
+        axis.set_label_text(label)
+        axis.labelpad = -4
+        axis.pane.set_visible(False)
+    axes.grid(False)
 
 
 def every(count: int, wanted: int) -> np.ndarray:
@@ -82,15 +94,13 @@ def every(count: int, wanted: int) -> np.ndarray:
 
 def spectrum_bars(axes: Any, orders: Sequence[int], groups: Sequence[tuple[str, Any]], theory: Any) -> None:
     """Amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
-    width = 0.8 / len(groups)
+    width = 0.85 / max(len(groups), 2)
     place = np.arange(len(orders))
     for k, (label, values) in enumerate(groups):
         shift = (k - 0.5 * (len(groups) - 1)) * width
-        axes.bar(place + shift, values, width=0.92 * width, color=COLOURS[k], label=label)
+        bars = axes.bar(place + shift, values, width=0.92 * width, color=COLOURS[k], label=label)
+        axes.bar_label(bars, [f"{value:#.3g}" for value in values], padding=6, fontsize=8.5)
         if k == 0:
             theory_dots(axes, place + shift, theory, label="theory", zorder=5)
     axes.set_yscale("log")
     axes.set_xticks(place, [f"{order}x" for order in orders])
-
-
-__all__ = ["COLOURS", "GREY", "LIGHT", "every", "new_figure", "spectrum_bars", "theory_dots", "tidy"]

@@ -11,7 +11,7 @@ from mbsd3d import Body, Solution, System, simulate
 from mbsd3d.rotations import matrix
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, GREY, legend_below, new_figure, space
+from .drawing import COLOURS, GREY, LIGHT, legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
@@ -88,6 +88,39 @@ def run(*, gyroscopic: bool = True) -> Outcome:
     return Outcome(tuple(rows), draw(runs, times), files)
 
 
+def polhodes() -> list[np.ndarray]:
+    """Paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
+    i, turn, paths = 1 / np.array(MOMENTS), np.linspace(0, 2 * np.pi, 121), []
+    for share in (0.03, 0.25, 0.6, 0.999):
+        for around, sign in ((0, 1), (0, -1), (2, 1), (2, -1)):
+            other = 2 - around
+            c = i[around] + share * (i[1] - i[around])
+            path = np.zeros((turn.size, 3))
+            path[:, 1] = np.sqrt((c - i[around]) / (i[1] - i[around])) * np.cos(turn)
+            path[:, other] = np.sqrt((c - i[around]) / (i[other] - i[around])) * np.sin(turn)
+            path[:, around] = sign * np.sqrt(1 - path[:, 1] ** 2 - path[:, other] ** 2)
+            paths.append(path)
+    return paths
+
+
+def view_of(axes: Any) -> np.ndarray:
+    """Unit vector towards the eye."""
+    up, turn = np.radians(axes.elev), np.radians(axes.azim)
+    return np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
+
+
+def in_front(axes: Any, path: np.ndarray) -> np.ndarray:
+    """The path with the far side of the sphere left out."""
+    return np.where((path @ view_of(axes) > 0.0)[:, None], path, np.nan)
+
+
+def rim(axes: Any) -> np.ndarray:
+    """(73, 3) the sphere's outline."""
+    view, turn = view_of(axes), np.linspace(0, 2 * np.pi, 73)
+    side = np.cross([0.0, 0.0, 1.0], view) / np.hypot(*view[:2])
+    return np.outer(np.cos(turn), side) + np.outer(np.sin(turn), np.cross(view, side))
+
+
 def draw(runs: list[Solution], times: np.ndarray) -> Any:
     """Angular velocity, its path on the sphere of constant angular momentum, and the tilt for all three axes."""
     titles = ("spun about the middle axis", "3d:angular momentum seen from the body", "only the middle axis turns over")
@@ -95,19 +128,26 @@ def draw(runs: list[Solution], times: np.ndarray) -> Any:
     middle = runs[1]
     for k, values in enumerate(middle.omega_body("body").T):
         spin.plot(middle.t, values, color=COLOURS[k], label=f"about axis {k + 1}", linewidth=1.5)
-    for k in range(-1, 6):
-        instant = times[0] + k * flip_interval() if times.size else -1.0
-        if 0.0 < instant <= DURATION:
-            spin.axvline(instant, color=GREY, linewidth=1.0, linestyle=":", label="flips in theory" if not k else None)
+    for k in range(4 if times.size else 0):
+        label = None if k else "flips in theory"
+        spin.axvline(times[0] + k * flip_interval(), color=GREY, linewidth=1.0, linestyle=":", label=label)
     spin.set(xlabel="time [s]", ylabel="angular velocity, body axes [rad/s]")
-    for k, (solution, name) in enumerate(zip(runs, ("least", "middle", "greatest"), strict=True)):
+    sphere.view_init(elev=25, azim=55)
+    sphere.plot(*rim(sphere).T, color=GREY, linewidth=0.7)
+    for path in polhodes():
+        sphere.plot(*in_front(sphere, path).T, color=LIGHT, linewidth=0.9)
+    names = ("least", "middle", "greatest")
+    for k, (solution, name, line) in enumerate(zip(runs, names, ("-", "-", "--"), strict=True)):
         L = solution.omega_body("body") * MOMENTS
-        sphere.plot(*(L / np.linalg.norm(L, axis=1, keepdims=True)).T, color=COLOURS[k], linewidth=2.0)
-        tilts.plot(solution.t, tilt(solution, k), color=COLOURS[k], label=f"{name} moment", linewidth=1.5)
-    space(sphere)
-    tilts.set(xlabel="time [s]", ylabel="angle from spin axis to angular momentum [°]", yticks=np.arange(0, 181, 45))
+        path = in_front(sphere, L / np.linalg.norm(L, axis=1, keepdims=True))
+        sphere.plot(*path.T, color=COLOURS[k], linewidth=1.8)
+        sphere.plot(*path[:1].T, "o", color=COLOURS[k])
+        sphere.text(*path[0], f"   axis {k + 1}", color=COLOURS[k], fontsize=9)
+        tilts.plot(solution.t, tilt(solution, k), line, color=COLOURS[k], label=f"{name} moment", linewidth=1.5)
+    space(sphere, [f"$L_{k}/L$ [-]" for k in (1, 2, 3)])
+    tilts.set(xlabel="time [s]", ylabel="spin axis to angular momentum [°]", yticks=np.arange(0, 181, 45))
     legend_below(spin, 2)
-    legend_below(tilts, 3)
+    legend_below(tilts, 2)
     return figure
 
 

@@ -11,7 +11,7 @@ from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation
 from mbsd3d.rotations import multiply
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, every, new_figure, theory_dots
+from .drawing import COLOURS, every, legend_below, new_figure, space, sphere_net, theory_dots
 
 MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
 SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal
@@ -71,7 +71,7 @@ def azimuth(solution: Solution) -> np.ndarray:
 
 def run(*, gyroscopic: bool = True) -> Outcome:
     """Two seconds of the falling top and of both steady precessions."""
-    settings: dict[str, Any] = {"rtol": 1e-11, "gyroscopic": gyroscopic}
+    settings: dict[str, Any] = {"rtol": 1e-12, "gyroscopic": gyroscopic}
     falling = simulate(falling_top(), 2.0, output=801, **settings)
     body = falling.system.bodies[0]
     fall = simulate(falling.system, 1.0, stop_when=measures.velocity(body, axis=(0, 0, 1)) > 0.0, **settings)
@@ -95,18 +95,13 @@ def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) 
     titles = ("3d:path of the centre of mass, 2 s", "it falls, and comes back up", "steady precession, axis at 75°")
     figure, (path, rise, turn) = new_figure("Heavy top, 150 rad/s", titles, (1.1, 1.0, 1.0))
     centre, t = falling.com("top"), falling.t
-    longitude, latitude = np.linspace(0, 2 * np.pi, 73), np.linspace(-np.pi / 2, np.pi / 2, 37)
-    for z in (-0.866, -0.5, 0.0):
-        radius = np.sqrt(1 - z * z)
-        path.plot(radius * np.cos(longitude), radius * np.sin(longitude), z, color="#d0d0d0", linewidth=0.7)
-    for phi in np.arange(0, 2 * np.pi, np.pi / 6):
-        low = latitude[latitude <= 0]
-        path.plot(np.cos(low) * np.cos(phi), np.cos(low) * np.sin(phi), np.sin(low), color="#d0d0d0", linewidth=0.7)
-    path.plot(*centre.T, color=COLOURS[0], linewidth=1.6)
+    sphere_net(path, highest=0.0)
+    path.plot(*centre.T, color=COLOURS[0], linewidth=1.8)
     path.plot(*centre[:1].T, "o", color=COLOURS[1], label="start")
     path.plot([0], [0], [0], "^", color="black", label="pivot")
-    path.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", box_aspect=(2, 2, 1.05), zlim=(-1, 0.05))
-    path.legend(loc="upper right", frameon=False)
+    space(path, ("x [m]", "y [m]", "z [m]"), (2, 2, 1.1))
+    path.set(zlim=(-1, 0.1), zticks=[-1, 0])
+    path.legend(loc="upper left", bbox_to_anchor=(-0.1, 1.02), frameon=False, fontsize=9)
     rise.plot(t, centre[:, 2], color=COLOURS[0], label="computed")
     dots = every(t.size, 41)
     theory_dots(rise, t[dots], height(t[dots]), label="theory (elliptic functions)")
@@ -116,8 +111,8 @@ def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) 
         turn.plot(solution.t, turns, color=tint, label=f"{name}, {rate:.3f} rad/s")
         theory_dots(turn, solution.t[dots], rate * solution.t[dots] / (2 * np.pi), "theory" if name == "fast" else None)
     turn.set(xlabel="time [s]", ylabel="revolutions about the vertical [-]")
-    for axes in (rise, turn):
-        axes.legend(loc="best", frameon=False)
+    legend_below(rise, 2)
+    legend_below(turn, 3)
     return figure
 
 
@@ -126,7 +121,7 @@ demo = Demo(
     title="heavy top: a falling weight that turns aside",
     why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall; in space its "
     "moment turns the spin axis sideways.",
-    source="Brüls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137 (case; values at 2 s by Taylor series); "
+    source="Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137 (case; values at 2 s by Taylor series); "
     "Landau, Lifshitz, Mechanics, par. 35, problems 1 and 2 (nutation, steady precession)",
     run=run,
     ablation=MappingProxyType({"gyroscopic": False}),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.coordinates import coordinate, remember
 from ..kernels.dynamics import PROJECTED, arrive, skipped_residual
-from ..kernels.jit import kernel
+from ..kernels.jit import inner_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.probes import measure
 from ..kernels.rows import row_speed
@@ -42,7 +42,7 @@ class Run(NamedTuple):
     # power of the forces, largest |c| and |J v - b| over all rows
 
 
-@kernel
+@inner_kernel
 def write(m, d, run, t, y):
     """Store the sample whose evaluation is in d."""
     out = run.out[run.count[WRITTEN]]
@@ -71,7 +71,7 @@ def write(m, d, run, t, y):
     run.count[WRITTEN] += 1
 
 
-@kernel
+@inner_kernel
 def start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     status, result = arrive(m, d, s, run.clock[T], run.y, run.dy)
@@ -89,7 +89,7 @@ def start(m, d, s, run):
     return RUNNING
 
 
-@kernel
+@inner_kernel
 def interpolate(run, x, y):
     """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
     clear(y)
@@ -102,7 +102,7 @@ def interpolate(run, x, y):
     add_scaled(y, 1.0, run.y)
 
 
-@kernel
+@inner_kernel
 def sample(m, d, s, run, t_old, h, t):
     """Project and evaluate the dense output at t, and store it; False if that fails."""
     interpolate(run, (t - t_old) / h, run.work)
@@ -113,14 +113,14 @@ def sample(m, d, s, run, t_old, h, t):
     return True
 
 
-@kernel
+@inner_kernel
 def condition(m, d, run, t, y):
     """Signed distance of the stop condition: it holds when this is >= 0."""
     kinematics(m, d, y)
     return run.clock[SIGN] * (measure(m, d, run.count[CONDITION], t) - run.clock[STOP])
 
 
-@kernel
+@inner_kernel
 def locate(m, d, run, t_old, h):
     """Time in the last step at which the stop condition starts to hold, by bisection on the dense output."""
     low, high = 0.0, 1.0
@@ -136,7 +136,7 @@ def locate(m, d, run, t_old, h):
     return t_old + high * h
 
 
-@kernel
+@inner_kernel
 def references(m, d, run):
     """Greatest speed relative to the mean and greatest angular velocity so far: the scales of velocity errors."""
     n = m.body.shape[0]
@@ -152,7 +152,7 @@ def references(m, d, run):
         run.clock[TURN] = max(run.clock[TURN], turn)
 
 
-@kernel
+@inner_kernel
 def rows_hold(m, d, s, run):
     """True while the chosen rows are well independent and the skipped ones are satisfied."""
     run.clock[RESIDUAL] = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import PROJECTED, arrive
-from ..kernels.jit import kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
 from .base import (
@@ -43,7 +43,7 @@ class Kinematic:
     order = 0
 
 
-@kernel
+@inner_kernel
 def predict(m, run, h):
     """Trial pose from the last one: y + h dy + h^2/2 d2y for positions, the rotation by its angular velocity."""
     n = m.body.shape[0]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import PROJECTED, arrive, evaluate
-from ..kernels.jit import kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from .base import (
@@ -67,7 +67,7 @@ class Table(NamedTuple):
     steps: int  # number of equal steps, 0 = adaptive
 
 
-@kernel
+@inner_kernel
 def stages(m, d, s, table, run, h):
     """Stage rates K and the trial state; False where a stage has no solution.
 
@@ -99,7 +99,7 @@ def stages(m, d, s, table, run, h):
     return True
 
 
-@kernel
+@inner_kernel
 def body_error(m, run, weights, h):
     """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw| and audit states in scale."""
     n = m.body.shape[0]
@@ -124,7 +124,7 @@ def body_error(m, run, weights, h):
     return worst
 
 
-@kernel
+@inner_kernel
 def error_norm(m, table, run, h):
     """Estimated local error in units of rtol (DOP853: the fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, run, table.error[0], h)
@@ -136,7 +136,7 @@ def error_norm(m, table, run, h):
     return e5 / np.sqrt(e5 + 0.01 * e3) / run.clock[RTOL]
 
 
-@kernel
+@inner_kernel
 def dense(m, d, s, table, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     n = table.c.shape[0]
@@ -162,7 +162,7 @@ def dense(m, d, s, table, run, h):
     return True
 
 
-@kernel
+@inner_kernel
 def outputs(m, d, s, table, run, t_new, h):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_old, t_last, stopped = run.clock[T], t_new, False
@@ -195,7 +195,7 @@ def outputs(m, d, s, table, run, t_new, h):
     return RUNNING
 
 
-@kernel
+@inner_kernel
 def end_of_step(table, run):
     """(t_new, h): the next step, landing exactly on t_end."""
     t, t_end = run.clock[T], run.clock[T_END]
@@ -208,7 +208,7 @@ def end_of_step(table, run):
     return t_new, t_new - t
 
 
-@kernel
+@inner_kernel
 def step(m, d, s, table, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     n = table.c.shape[0]

@@ -6,7 +6,7 @@
 `evaluate` is the right side of the ODE; `project` puts q on c = 0 and v on J v = b in the metric of M.
 """
 
-from .jit import kernel
+from .jit import inner_kernel, kernel
 from .kinds import PROJECTION
 from .kinematics import displace, kinematics, normalise, push_velocities, rates
 from .loads import loads
@@ -17,7 +17,7 @@ from .vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
 
 
-@kernel
+@inner_kernel
 def constraint_forces(m, d):
     """constraint = -J' lam on every body (ground included)."""
     for i in range(d.body.shape[0]):
@@ -35,7 +35,7 @@ def constraint_forces(m, d):
                         f[j] -= d.row[k].J[slot, j] * lam
 
 
-@kernel
+@inner_kernel
 def audit_rates(m, d, dy):
     """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin."""
     z = 13 * m.body.shape[0]
@@ -73,7 +73,7 @@ def accelerate(m, d, s, t):
     return solve(m, d, s)
 
 
-@kernel
+@inner_kernel
 def finish(m, d, s, t, dy):
     """Accelerations and all state rates from the rows and the factor at hand."""
     status = accelerate(m, d, s, t)
@@ -94,7 +94,7 @@ def evaluate(m, d, s, t, y, dy):
     return status
 
 
-@kernel
+@inner_kernel
 def largest_residual(m, d, s):
     """Largest scaled |c| of the chosen rows (units of the model's length, radians)."""
     largest = 0.0
@@ -106,7 +106,7 @@ def largest_residual(m, d, s):
     return largest
 
 
-@kernel
+@inner_kernel
 def rounding(m, y):
     """Rounding level of a scaled residual: 1e-15 of the farthest coordinate in units of the model's length."""
     reach = 0.0
@@ -116,7 +116,7 @@ def rounding(m, y):
     return 1e-15 * (1.0 + reach / m.length)
 
 
-@kernel
+@inner_kernel
 def correction(m, d, s):
     """Solve for the smallest displacement (in the metric of M) with J dx = bottom."""
     for i in range(m.body.shape[0]):
@@ -158,7 +158,7 @@ def close(m, d, s, t, y):
     return PROJECTED if residual <= 1e3 * floor else NOT_CLOSED
 
 
-@kernel
+@inner_kernel
 def settle(m, d, s, y):
     """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
     for k in range(m.row.shape[0]):
@@ -191,7 +191,7 @@ def arrive(m, d, s, t, y, dy):
     return PROJECTED, finish(m, d, s, t, dy)
 
 
-@kernel
+@inner_kernel
 def skipped_residual(m, d, s):
     """Largest scaled |c| and |J v - b| of the rows left out, after projection."""
     position, speed = 0.0, 0.0

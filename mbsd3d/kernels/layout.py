@@ -153,7 +153,7 @@ def schur_records(dtype: type) -> dict[str, list]:
             ("first", int),
             ("line", int),
             ("slot_block", int, 4),  # block of Y a slot adds to, -1 = ground or unused
-            ("diagonal", dtype),  # of S before factoring
+            ("s_ii", dtype),  # diagonal of S before factoring
             ("rhs", dtype),
         ],
         "block": [("place", int), ("Y", dtype, 6)],

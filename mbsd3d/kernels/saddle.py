@@ -11,19 +11,19 @@ Models with a body without mass or with a singular inertia go through the dense 
 
 import numpy as np
 
-from .jit import allocating_kernel, kernel
+from .jit import allocating_kernel, inner_kernel, kernel
 from .vectors import add, clear, cross, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
 
 SOLVED, BAD_PIVOT, NOT_FINITE = 0, 1, 2
 
 
-@kernel
+@inner_kernel
 def to_scaled(fixed, body, force, moment):
     """U^-T (force, moment about O) of a body."""
     return scale(fixed.whiten_mass, force), rotate(mat(body.A), add(moment, cross(force, vec(body.s))))
 
 
-@kernel
+@inner_kernel
 def put_solution(fixed, body, linear, angular):
     """acceleration, alpha := U^-1 (linear, angular), the angular part in world and in body axes."""
     alpha = rotate_back(mat(fixed.whiten), angular)
@@ -32,7 +32,7 @@ def put_solution(fixed, body, linear, angular):
     put6(body.acceleration, add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w)
 
 
-@kernel
+@inner_kernel
 def scaled_rows(m, d, s):
     """Y = J U^-1 of the chosen rows; slots of one body add up in one block."""
     for e in range(s.block.shape[0]):
@@ -53,7 +53,7 @@ def scaled_rows(m, d, s):
                     Y[3 + j] += angular[j]
 
 
-@kernel
+@inner_kernel
 def assemble_schur(s):
     """Lower triangle of S = Y Y' into the skyline."""
     clear(s.skyline)
@@ -68,7 +68,7 @@ def assemble_schur(s):
                 )
 
 
-@kernel
+@inner_kernel
 def factor_skyline(s):
     """Cholesky factor L of S in place (S = L L', symmetric also for complex steps); False on a pivot <= 0 or NaN."""
     L = s.skyline
@@ -81,7 +81,7 @@ def factor_skyline(s):
                 total -= L[line_i + k] * L[line_j + k]
             L[line_i + j] = total / L[line_j + j]
         total = L[line_i + i]
-        s.place[i].diagonal = total
+        s.place[i].s_ii = total
         limit = 1e-15 * total.real
         for k in range(first_i, i):
             total -= L[line_i + k] * L[line_i + k]
@@ -97,11 +97,11 @@ def smallest_pivot(s):
     smallest = 1.0
     for i in range(s.place.shape[0]):
         pivot = s.skyline[s.place[i].line + i]
-        smallest = min(smallest, (pivot * pivot / s.place[i].diagonal).real)
+        smallest = min(smallest, (pivot * pivot / s.place[i].s_ii).real)
     return smallest
 
 
-@kernel
+@inner_kernel
 def solve_skyline(s):
     """rhs := S^-1 rhs by L and L'."""
     L = s.skyline
@@ -161,7 +161,7 @@ def solve(m, d, s):
     return SOLVED
 
 
-@kernel
+@inner_kernel
 def mass_block(fixed, body, K, i):
     """K[i:i+6, i:i+6] = [[m 1, -m [s]x], [m [s]x, I_O]], I_O = R I_G R' + m [s]x[s]x'."""
     R, s, mass = mat(body.R), vec(body.s), fixed.mass

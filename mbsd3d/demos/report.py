@@ -1,0 +1,52 @@
+"""A demo on paper: its table as text, and its files."""
+
+import textwrap
+from pathlib import Path
+
+from .base import Demo, Outcome, Row
+
+WIDTH = 100
+HEAD = ("quantity", "computed", "theory", "error")
+
+
+def table(rows: tuple[Row, ...]) -> str:
+    """The rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their tolerance."""
+    cells = [HEAD]
+    for row in rows:
+        quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
+        cells.append((quantity, f"{row.computed:.12g}", f"{row.theory:.12g}", f"{row.error:.1e}"))
+    widths = [max(len(line[k]) for line in cells) for k in range(len(HEAD))]
+    lines = []
+    for line in cells:
+        first, *others = (text.ljust(w) if k == 0 else text.rjust(w) for k, (text, w) in enumerate(zip(line, widths, strict=True)))
+        lines.append(" | ".join([first, *others]))
+    marks = ["" if row.passed else f"  FAIL, limit {row.tolerance:.0e}" for row in rows]
+    lines[1:] = [line + mark for line, mark in zip(lines[1:], marks, strict=True)]
+    lines.insert(1, "-+-".join("-" * width for width in widths))
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def report(demo: Demo, outcome: Outcome) -> str:
+    """Title, why, source, table and notes of a demo."""
+    lines = [f"{demo.name}: {demo.title}"]
+    for label, text in (("why", demo.why), ("source", demo.source)):
+        lines += textwrap.wrap(text, WIDTH, initial_indent=f"  {label:8}", subsequent_indent=" " * 10)
+    lines += ["", table(outcome.rows)]
+    lines += [line for note in outcome.notes for line in textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")]
+    return "\n".join(lines)
+
+
+def write(demo: Demo, outcome: Outcome, folder: Path) -> list[Path]:
+    """Write the figure as <demo>.png and <demo>.svg, and every run as <run>.npz and <run>.csv.
+
+    Raises
+    ------
+    ValueError
+        If the folder cannot be written.
+    """
+    from ..plots import save_figure
+
+    written = save_figure(outcome.figure, folder / demo.name)
+    for name, solution in outcome.solutions.items():
+        written += [solution.save(folder / name), solution.to_csv(folder / name)]
+    return written

@@ -1,0 +1,156 @@
+"""Assembling: tree joints by forward kinematics, loops by Newton, targets, pinned bodies, least-energy velocities."""
+
+import numpy as np
+import pytest
+
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    AssemblyError,
+    Body,
+    Constant,
+    Prismatic,
+    Revolute,
+    Spherical,
+    System,
+    Universal,
+    accelerations,
+    measures,
+    rotation,
+    simulate,
+)
+from mbsd3d.rotations import matrix
+
+INERTIA = (0.02, 0.05, 0.06)
+AXIS = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
+
+
+def arm(n=3):
+    """An open chain of hinges with general axes and r_G != 0."""
+    bodies, joints, before = [], [], GROUND
+    for k in range(n):
+        axis = matrix(rotation((1.0, 2.0, 3.0), 0.7 * k)) @ AXIS
+        at = np.array([0.4 * k, 0.1 * k**2, -0.2 * k])
+        body = Body(f"link {k}", mass=1.0 + k, inertia=INERTIA, com=(0.05, -0.03, 0.02), position=at + (0.2, 0.1, 0.05))
+        joints.append(Revolute(before, body, at=at, axis=axis, name=f"hinge {k}"))
+        bodies.append(body)
+        before = body
+    return System(bodies=bodies, joints=joints)
+
+
+def four_bar():
+    """A spatial crank-rocker: revolute, spherical, universal, revolute."""
+    crank = Body("crank", mass=1.0, inertia=INERTIA, com=(0.02, 0.01, 0.03), position=(0.1, 0.0, 0.0))
+    coupler = Body("coupler", mass=1.5, inertia=INERTIA, com=(0.03, 0.01, -0.02), position=(0.5, 0.05, -0.05))
+    rocker = Body("rocker", mass=2.0, inertia=INERTIA, com=(0.01, -0.02, 0.04), position=(0.72, 0.1, 0.08))
+    joints = [
+        Revolute(GROUND, crank, at=(0, 0, 0), axis=(0, 0, 1), name="drive"),
+        Spherical(crank, coupler, at=(0.2, 0, 0)),
+        Universal(coupler, rocker, at=(0.85, 0.1, -0.13), axis_a=(0.2, 0, 1.0), axis_b=(0, 1, 0)),
+        Revolute(GROUND, rocker, at=(0.6, 0.1, 0.3), axis=(0, 1, 0), name="output"),
+    ]
+    return System(bodies=[crank, coupler, rocker], joints=joints)
+
+
+def test_tree_takes_any_angles_exactly():
+    system = arm()
+    wanted = {"hinge 0": 2.5, "hinge 1": -1.9, "hinge 2": 7.0}  # more than a turn keeps its count
+    state = system.assemble(angles=wanted)
+    found = accelerations(system, state)
+    for name, value in wanted.items():
+        assert found.angle(name)[0] == pytest.approx(value, abs=1e-12)  # rounding of a rotation chain
+    assert found.drift().position[0] < 1e-14
+
+
+def test_forward_kinematics_matches_composed_rotations():
+    system = arm(2)
+    a, b = 0.8, -1.3
+    state = system.assemble(angles={"hinge 0": a, "hinge 1": b})
+    first = matrix(rotation(AXIS, a))
+    second = first @ matrix(rotation(system.joints[1].axis, b))
+    expected = first @ system.joints[1].at + second @ (system.bodies[1].position - system.joints[1].at)
+    np.testing.assert_allclose(state.q[7:10], expected, atol=1e-13)
+
+
+def test_loop_closes_at_a_driven_angle_and_reports_what_moved():
+    system = four_bar()
+    state = system.assemble(angles={"drive": 0.9})
+    found = accelerations(system, state)
+    assert found.angle("drive")[0] == pytest.approx(0.9, abs=1e-12)
+    assert found.drift().position[0] < 1e-13
+    distance, angle = state.moved["crank"]
+    assert angle == pytest.approx(0.9, abs=1e-12)
+    assert distance == pytest.approx(2 * 0.1 * np.sin(0.45), abs=1e-12)  # chord of the crank's reference point
+    assert state.moved["rocker"][1] > 0.1
+
+
+def test_slide_and_measure_targets():
+    block = Body("block", mass=2.0, inertia=INERTIA, com=(0.1, 0.02, 0.03), position=(0.3, -0.2, 0.5))
+    rail = Prismatic(GROUND, block, at=(0.3, -0.2, 0.5), axis=AXIS, name="rail")
+    system = System(bodies=[block], joints=[rail])
+    assert accelerations(system, system.assemble(slides={rail: 0.37})).slide(rail)[0] == pytest.approx(0.37, abs=1e-14)
+    height = measures.position(block, axis=(0, 0, 1))
+    state = system.assemble(measures={height: 1.1})
+    assert accelerations(system, state).com(block)[0, 2] == pytest.approx(1.1, abs=1e-9)
+
+
+def test_pinned_bodies_stay():
+    system = four_bar()
+    state = system.assemble(pinned=[system.part("rocker")])
+    np.testing.assert_array_equal(state.q[14:], np.r_[system.bodies[2].position, system.bodies[2].orientation])
+
+
+def test_near_stays_on_the_branch():
+    system = four_bar()
+    start = system.assemble(angles={"drive": 0.5})
+    state = system.assemble(angles={"drive": 0.52}, near=start)
+    assert np.abs(state.q - start.q).max() < 0.05  # a small step of the crank is a small step of all
+
+
+def test_rates_give_consistent_velocities():
+    system = four_bar()
+    state = system.assemble(angles={"drive": 0.4}, rates={"drive": 3.0})
+    found = accelerations(system, state)
+    assert found.rate("drive")[0] == pytest.approx(3.0, abs=1e-12)
+    assert found.drift().velocity[0] < 1e-12
+    ahead = system.assemble(angles={"drive": 0.4 + 3e-5}, near=state)
+    behind = system.assemble(angles={"drive": 0.4 - 3e-5}, near=state)
+    difference = (ahead.q[14:17] - behind.q[14:17]) / 2e-5  # the rocker's velocity by differences of poses
+    np.testing.assert_allclose(found.velocity("rocker")[0], difference, atol=1e-8)
+
+
+def test_unknown_velocities_take_least_kinetic_energy():
+    system = arm(2)
+    spun = System(
+        bodies=[
+            system.bodies[0],
+            Body("tip", mass=2.0, inertia=INERTIA, com=(0.05, -0.03, 0.02), position=system.bodies[1].position,
+                 omega=1.5 * system.joints[1].axis),
+        ],
+        joints=[],
+        gravity=(0, 0, 0),
+    )  # fmt: skip
+    tip = spun.bodies[1]
+    free = System(bodies=[tip], gravity=(0, 0, 0))
+    found = accelerations(free, free.state())
+    # with omega given and velocity free, the centre of mass stays at rest: least energy
+    np.testing.assert_allclose(found.velocity(tip)[0] + np.cross(tip.omega, tip.com), 0.0, atol=1e-14)
+
+
+def test_driver_gives_the_start_velocity():
+    system = four_bar()
+    drive = AngleDriver(system.joints[0], Constant(0.0))
+    state = System(bodies=system.bodies, joints=[*system.joints, drive]).state()
+    assert np.abs(state.v).max() == 0.0
+
+
+def test_what_cannot_close_names_the_gap():
+    system = four_bar()
+    with pytest.raises(AssemblyError, match="cannot close|misses"):
+        system.assemble(angles={"drive": 0.4, "output": 2.5})
+
+
+def test_assembled_state_runs():
+    system = four_bar()
+    solution = simulate(system, 0.2, state=system.assemble(angles={"drive": 0.6}, rates={"drive": -2.0}))
+    assert solution.certificate.passed, solution.certificate.failures

@@ -1,0 +1,228 @@
+"""Time integration: observed orders, landing on times, repeatability, stopping, and reading between samples."""
+
+import numpy as np
+import pytest
+from models import all_joints_mechanism, consistent_state, pendulum, same_rotation
+from scipy.optimize import brentq
+
+from mbsd3d import DOP853, GROUND, RK4, Body, Revolute, System, measures, simulate
+from validation import cases, theory
+
+T = 0.1
+"""s: sixteen radians of spin of the fast top, so that errors stay above rounding."""
+
+
+def top_rotation(t):
+    """Rotation of the top of the literature at a time, by Taylor series."""
+    raw = cases.read("heavy_top_fast")["bodies"][0]
+    about_pivot = np.diag(raw["inertia"]) + raw["mass"] * np.diag([1.0, 0.0, 1.0])
+    weight = raw["mass"] * 9.81 * np.array([0.0, 1.0, 0.0])
+    return theory.spinning_body([t], about_pivot, raw["w0"], weight_moment=weight).rotation[0].astype(float)
+
+
+def errors(make, counts, shift):
+    """Errors of the top's rotation at T with fixed steps."""
+    system, exact = cases.load("heavy_top_fast", shift).system, top_rotation(T)
+    runs = [simulate(system, T, method=make(T / n), output=2) for n in counts]
+    assert [run.certificate.steps for run in runs] == list(counts)
+    return np.array([np.abs(run.rotation("top")[-1] - exact).max() for run in runs])
+
+
+@pytest.mark.parametrize("shift", [None, 7])
+def test_rk4_is_of_fourth_order(shift):
+    found = errors(RK4, (128, 256, 512, 1024), shift)
+    assert np.log2(found[:-1] / found[1:]) == pytest.approx([4.0] * 3, abs=0.1)  # of the issue
+    assert found[-1] > 1e-11  # far above rounding
+
+
+@pytest.mark.parametrize("shift", [None, 7])
+def test_dop853_with_fixed_steps_is_of_eighth_order(shift):
+    found = errors(lambda dt: DOP853(dt=dt), (8, 16, 32), shift)
+    slopes = np.log2(found[:-1] / found[1:])
+    assert (slopes > 7.5).all() and (slopes < 9.0).all()  # of the issue
+    assert found[-1] > 1e-12  # above rounding
+
+
+def test_ablation_landing_beside_the_end_spoils_the_order():
+    """A run that ends one part in a thousand of a step late would not be of fourth order."""
+    system, late = cases.load("heavy_top_fast", 7).system, []
+    for n in (128, 256, 512):
+        run = simulate(system, T, method=RK4(T / n), output=2)
+        late.append(np.abs(run.rotation("top")[-1] - top_rotation(T * (1 + 1e-3 / n))).max())
+    assert abs(np.log2(late[-2] / late[-1]) - 4.0) > 0.5
+
+
+@pytest.mark.parametrize("method", [DOP853(), RK4(0.01), DOP853(dt=0.07)])
+def test_tighter_tolerance_or_smaller_steps_are_better(method):
+    system, body, hinge = pendulum()
+    start = system.assemble(rates={hinge: 3.0})
+    exact = simulate(system, 1.0, state=start, rtol=1e-13, output=2).com(body)[-1]
+    coarse = simulate(system, 1.0, state=start, method=method, rtol=1e-6, output=2)
+    finer = {"method": type(method)(dt=method.dt / 2)} if method.dt else {"rtol": 1e-9} if not method.dt else {}
+    fine = simulate(system, 1.0, state=start, **{"method": method, "rtol": 1e-6, "output": 2, **finer})
+    first, second = (np.abs(run.com(body)[-1] - exact).max() for run in (coarse, fine))
+    assert second < 0.2 * first < 1e-4
+
+
+@pytest.mark.parametrize("method", [RK4(0.03), DOP853(dt=0.03)])
+def test_steps_that_do_not_divide_the_end_are_made_to(method):
+    system, *_ = pendulum()
+    solution = simulate(system, 0.1, method=method)
+    assert solution.t[-1] == 0.1 and solution.final.t == 0.1
+    assert np.diff(solution.t) == pytest.approx([0.025] * 4, rel=1e-14)  # never longer than asked for
+
+
+@pytest.mark.parametrize("method", [None, RK4(0.01)])
+def test_adaptive_and_fixed_steps_end_exactly(method):
+    system, *_ = pendulum()
+    t_end = 0.1 + 1 / 3
+    solution = simulate(system, t_end, method=method)
+    assert solution.t[0] == 0.0 and solution.t[-1] == t_end
+    assert (np.diff(solution.t) > 0).all()
+
+
+@pytest.mark.parametrize("method", [None, RK4(0.01), DOP853(dt=0.05)])
+def test_reruns_are_the_same_to_the_last_bit(method):
+    system = all_joints_mechanism(21)
+    start = consistent_state(system, np.random.default_rng(21))
+    first, second = (simulate(system, 0.3, state=start, method=method, output=7) for _ in range(2))
+    again = simulate(all_joints_mechanism(21), 0.3, state=start, method=method, output=7)
+    for name, array in first.arrays.items():
+        assert np.array_equal(array, second.arrays[name])
+        assert np.array_equal(array, again.arrays[name])
+    assert np.array_equal(first.final.q, second.final.q) and np.array_equal(first.final.v, second.final.v)
+
+
+def test_without_output_every_accepted_step_is_kept():
+    system, *_ = pendulum()
+    solution = simulate(system, 1.0)
+    assert solution.t.size == solution.certificate.steps + 1
+
+
+def test_a_count_gives_equally_spaced_samples():
+    system, *_ = pendulum()
+    solution = simulate(system, 1.3, output=14)
+    assert np.array_equal(solution.t, np.linspace(0.0, 1.3, 14))
+
+
+@pytest.mark.parametrize("times", [[0.3], [0.0, 0.011, 0.7, 1.3], np.linspace(0.1, 1.2, 300)])
+def test_an_array_of_times_is_hit_exactly(times):
+    system, *_ = pendulum()
+    solution = simulate(system, 1.3, output=times)
+    assert np.array_equal(solution.t, times)
+    assert solution.final.t == 1.3
+
+
+def test_more_samples_than_a_buffer_holds():
+    system, body, _ = pendulum()
+    dense, sparse = (simulate(system, 1.0, output=n) for n in (5001, 11))
+    assert dense.t.size == 5001
+    assert np.array_equal(dense.position(body)[::500], sparse.position(body))  # the same steps, the same samples
+
+
+def test_output_does_not_change_the_motion():
+    system, *_ = pendulum()
+    runs = [simulate(system, 1.0, output=output) for output in (None, 3, 977)]
+    assert all(np.array_equal(run.final.q, runs[0].final.q) for run in runs)
+
+
+def swinging(rate=2.4, start=0.6):
+    """(system, hinge, state, angle(t)) of a pendulum of general shape with its closed form."""
+    rng = np.random.default_rng(22)
+    system, body, hinge = pendulum(rng)
+    upright = system.gravity / np.linalg.norm(system.gravity)
+    frame = cases._rotation(body.orientation)
+    arm = body.position + frame @ body.com - hinge.at
+    arm = arm - hinge.axis * (hinge.axis @ arm)
+    pull = upright - hinge.axis * (hinge.axis @ upright)
+    offset = np.arctan2(hinge.axis @ np.cross(pull, arm), pull @ arm)
+    inertia = hinge.axis @ frame @ body.inertia @ frame.T @ hinge.axis + body.mass * arm @ arm
+    weight = 9.81 * np.linalg.norm(pull)
+    frequency = theory.pendulum_frequency(inertia, body.mass, np.linalg.norm(arm), weight)
+    state = system.assemble(angles={hinge: start - offset}, rates={hinge: rate})
+    return system, hinge, state, lambda t: theory.pendulum_motion(t, frequency, start, rate)[0] - offset
+
+
+def test_general_pendulum_follows_its_closed_form():
+    system, hinge, state, angle = swinging()
+    solution = simulate(system, 5.0, state=state, rtol=1e-11, output=101)
+    assert solution.angle(hinge) == pytest.approx(angle(solution.t), abs=1e-9)  # 100 rtol over five swings
+
+
+@pytest.mark.parametrize("down", [False, True])
+def test_stop_is_located(down):
+    system, hinge, state, angle = swinging()
+    measure, start = measures.angle(hinge), float(angle(0.0))
+    value = start + (-0.4 if down else 0.3)
+    condition = measure < value if down else measure > value
+    solution = simulate(system, 5.0, state=state, rtol=1e-12, stop_when=condition)
+    crossing = brentq(lambda t: float(angle(t)) - value, 0.4 if down else 0.0, 1.2 if down else 0.3, xtol=1e-14)
+    assert 0.0 < solution.t[-1] < 5.0
+    assert solution.t[-1] == pytest.approx(crossing, abs=1e-10)  # of the issue
+    assert solution.angle(hinge)[-1] == pytest.approx(value, abs=1e-10)
+    assert solution.final.t == solution.t[-1]
+    assert "angle" in solution.certificate.stopped_by and solution.certificate.passed
+
+
+@pytest.mark.parametrize("output", [None, 51, [0.01, 0.02, 4.0]])
+def test_stop_ends_the_samples(output):
+    system, hinge, state, angle = swinging()
+    value = float(angle(0.0)) + 0.3
+    solution = simulate(system, 5.0, state=state, rtol=1e-10, stop_when=measures.angle(hinge) > value, output=output)
+    assert solution.angle(hinge)[-1] == pytest.approx(value, abs=1e-9)
+    assert (solution.angle(hinge)[:-1] < value).all()
+
+
+def test_a_stop_that_never_comes_does_nothing():
+    system, hinge, state, _ = swinging()
+    with_stop = simulate(system, 2.0, state=state, stop_when=measures.angle(hinge) > 50.0, output=5)
+    without = simulate(system, 2.0, state=state, output=5)
+    assert with_stop.final.t == 2.0 and with_stop.certificate.stopped_by is None
+    assert np.array_equal(with_stop.final.q, without.final.q)
+
+
+def test_any_measure_can_stop_a_run():
+    body = Body("stone", 1.3, (0.1, 0.2, 0.15), com=(0.1, -0.2, 0.3), velocity=(0.4, 0.1, 3.0), omega=(0.0, 0.0, 0.0))
+    system = System(bodies=[body])
+    highest = simulate(system, 5.0, stop_when=measures.velocity(body, axis=(0, 0, 1)) < 0.0)
+    assert highest.t[-1] == pytest.approx(3.0 / 9.81, abs=1e-12)  # rounding
+    fallen = simulate(system, 5.0, stop_when=measures.position(body, axis=(0, 0, 1)) < -1.0)
+    expected = (3.0 + np.sqrt(9.0 + 2 * 9.81 * 1.3)) / 9.81
+    assert fallen.t[-1] == pytest.approx(expected, abs=1e-12)
+
+
+def test_states_between_the_samples():
+    system, hinge, state, angle = swinging()
+    solution = simulate(system, 2.0, state=state, rtol=1e-11, output=4)
+    for t in (0.123, 1.0, 1.999):
+        again = simulate(system, 2.0, state=state, rtol=1e-11, output=[t])
+        between = solution.at(t)
+        assert between.t == t
+        # one error of the run, one of the start at a sample
+        assert between.coordinates[0] == pytest.approx(float(angle(t)), abs=1e-9)
+        assert same_rotation(between.q[3:], again.orientation("bob")[0]) < 1e-9
+
+
+def test_state_at_a_sample_is_that_sample():
+    system, *_ = pendulum()
+    solution = simulate(system, 1.0, output=4)
+    for k, t in enumerate(solution.t):
+        assert np.array_equal(solution.at(t).q, solution.arrays["q"][k].ravel())
+
+
+def test_a_run_goes_on_from_any_of_its_states():
+    system, body, _ = pendulum()
+    whole = simulate(system, 2.0, rtol=1e-11, output=[1.0, 2.0])
+    first = simulate(system, 1.0, rtol=1e-11)
+    second = simulate(system, 2.0, state=first.final, rtol=1e-11)
+    assert second.t[0] == 1.0
+    assert second.position(body)[-1] == pytest.approx(whole.position(body)[-1], abs=1e-9)  # 100 rtol
+
+
+def test_angles_stay_unwrapped_over_a_restart():
+    wheel = Body("wheel", 1.0, (0.1, 0.2, 0.15), omega=(0.0, 0.0, 40.0))
+    hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0, 0, 1))
+    system = System(bodies=[wheel], joints=[hinge])
+    first = simulate(system, 1.0)
+    second = simulate(system, 2.0, state=first.final)
+    assert second.angle(hinge)[-1] == pytest.approx(80.0, abs=1e-10)  # rounding of 13 turns
