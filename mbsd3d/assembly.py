@@ -1,12 +1,14 @@
 """Consistent states: poses by forward kinematics and Newton, velocities by least kinetic energy."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
 from .errors import AssemblyError
+from .evaluation import coordinate_row, driven_coordinates, load_state
 from .joints import coordinate_of
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import displace, displace_body, kinematics
@@ -14,53 +16,19 @@ from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
 from .measures import Measure
-from .model import Compiled, compile_system, inertia_about_origin
+from .model import Compiled, compile_system
 from .parts import number
-from .rotations import conjugate, exponential, logarithm, matrix, multiply
+from .rotations import conjugate, logarithm, multiply
 from .selection import dense_jacobian
 from .state import State
-
-
-def pack(compiled: Compiled, state: State) -> np.ndarray:
-    """y = (q, u, z) with u = (r_dot, R'w), audit states zero."""
-    n = len(compiled.system.bodies)
-    if state.q.size != 7 * n:
-        raise ValueError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
-    v = state.v.reshape(n, 6)
-    R = matrix(state.q.reshape(n, 7)[:, 3:])
-    u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
-    z = np.zeros(compiled.model.state.size)
-    z[: compiled.model.z_work] = state.z
-    return np.concatenate([state.q, u.ravel(), z])
-
-
-def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
-    """Fill kinematics and rows of ``data`` at a state; returns y."""
-    y = pack(compiled, state)
-    if state.coordinates is not None:
-        known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
-        data.coordinate["value"][:known] = state.coordinates[: data.coordinate.size]
-    data.coordinate["rate"] = 0.0
-    data.unwrap_time[0] = state.t
-    kinematics(compiled.model, data, y)
-    rows(compiled.model, data, state.t)
-    return y
+from .tree import loop_weights, swing
+from .velocities import with_velocities
 
 
 def reference_pose(system: Any, t: float = 0.0) -> State:
     """Poses as described; velocities zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
     return State(t, q, np.zeros(6 * len(system.bodies)))
-
-
-def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
-    """Unwrapping references at a start: the signal where a coordinate is driven, else zero."""
-    reference = np.zeros(compiled.model.coordinate.size)
-    for joint, _ in compiled.drives:
-        for row in joint.rows():
-            if len(row.coordinates) == 1:
-                reference[compiled.coordinate(row.coordinates[0])] = float(row.signal(t)) / row.values[0]
-    return reference
 
 
 def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
@@ -105,13 +73,9 @@ def constraint_extras(
     model, n = compiled.model, compiled.model.body.size
     residual, blocks = [], []
     for i, value in targets:
-        x, _, la, ta, lb, tb = coordinate(model, data, i, t)
-        row = np.zeros((n + 1, 6))
-        a, b = model.coordinate["body"][i]
-        row[a] += np.concatenate([la, ta])
-        row[b] += np.concatenate([lb, tb])
+        x, row = coordinate_row(compiled, data, i, t)
         residual.append(x - value)
-        blocks.append(row[:n].ravel())
+        blocks.append(row)
     for i, value in enumerate(probes):
         residual.append(measure(model, data, i, t) - value)
         blocks.append(measure_gradient(compiled, data, t, i, y))
@@ -177,89 +141,6 @@ def newton(
     return closed, np.where(holonomic, data.row["c"], 0.0)
 
 
-def loop_weights(compiled: Compiled) -> np.ndarray:
-    """1 for the rows of a spanning tree of joints, 1e-4 for those that close loops."""
-    weights, group = np.ones(compiled.model.row.size), {}
-
-    def root(i: int) -> int:
-        while group.get(i, i) != i:
-            i = group[i]
-        return i
-
-    for joint in compiled.system.joints:
-        roots = {root(compiled.body_index[id(body)]) for body in joint.bodies()}
-        if len(roots) == 1:
-            weights[compiled.rows[id(joint)]] = 1e-4
-        for i in roots:
-            group[i] = min(roots)
-    return weights
-
-
-def swing(compiled: Compiled, pose: State, targets: list[tuple[Any, float]]) -> State:
-    """Forward kinematics: everything beyond a joint in the spanning tree moves by the asked-for angle or slide."""
-    from .kernels import kinds
-
-    system, index = compiled.system, compiled.body_index
-    n = len(system.bodies)
-    poses = pose.q.reshape(n, 7).copy()
-    for x, value in targets:
-        beyond = bodies_beyond(system, index, x)
-        if beyond is None:
-            continue  # the joint closes a loop: Newton's task
-        side = next(body for body in (x.b, x.a) if index[id(body)] in beyond)
-        sign = 1.0 if side is x.b else -1.0
-        fixed = x.a if side is x.b else x.b
-        i = index[id(fixed)]
-        e, r = (fixed.orientation, fixed.position) if i == n else (poses[i, 3:], poses[i, :3])
-        own = x.axis if fixed is x.a else x.axis_b
-        axis = matrix(e) @ fixed.local_axis(own)
-        point_of = x.point_a if fixed is x.a else x.point_b
-        pivot = r + matrix(e) @ fixed.local_point(hinge_point(system, x, point_of))
-        for k in beyond:
-            if x.kind == kinds.SLIDE:
-                poses[k, :3] += sign * value * axis
-                continue
-            turn = exponential(sign * value * axis)
-            poses[k, :3] = pivot + matrix(turn) @ (poses[k, :3] - pivot)
-            poses[k, 3:] = multiply(turn, poses[k, 3:])
-    return State(pose.t, poses.ravel(), pose.v, pose.z)
-
-
-def hinge_point(system: Any, x: Any, default: np.ndarray) -> np.ndarray:
-    """A point on the hinge line, world at the reference pose."""
-    for joint in system.joints:
-        own = joint.angle()
-        if own is not None and own.a is x.a and own.b is x.b and np.array_equal(own.axis, x.axis):
-            return getattr(joint, "at", default)
-    return default
-
-
-def bodies_beyond(system: Any, index: dict[int, int], x: Any) -> set[int] | None:
-    """Bodies that hang on the ground through this hinge only; None where the hinge is part of a loop."""
-    ground = len(system.bodies)
-    links: dict[int, set[int]] = {i: set() for i in range(ground + 1)}
-    pair = {index[id(x.a)], index[id(x.b)]}
-    for joint in system.joints:
-        ends = [index[id(body)] for body in joint.bodies()]
-        for i in ends:
-            links[i].update(j for j in ends if j != i and {i, j} != pair)
-    reached, queue = {ground}, [ground]
-    while queue:
-        for j in links[queue.pop()] - reached:
-            reached.add(j)
-            queue.append(j)
-    inside = pair & reached
-    if len(inside) != 1:
-        return None
-    start = (pair - inside).pop()
-    beyond, queue = {start}, [start]
-    while queue:
-        for j in links[queue.pop()] - beyond:
-            beyond.add(j)
-            queue.append(j)
-    return beyond
-
-
 def assemble(
     system: Any, angles: Mapping, slides: Mapping, rates: Mapping, measures: Mapping, pinned: tuple, near: Any, t: float
 ) -> State:
@@ -290,7 +171,8 @@ def assemble(
     if np.abs(residual * compiled.model.row["scale"]).max(initial=0.0) > 1e-9:  # show the gap where the loop closes
         residual = newton(compiled, start, targets, goals, fixed, loop_weights(compiled))[1]
     check_closed(compiled, closed, residual, targets, goals)
-    return with_velocities(compiled, closed, rates, pose)
+    moved = moved_report(system, pose, closed)
+    return replace(with_velocities(compiled, closed, rates), moved=moved)
 
 
 def check_closed(
@@ -326,97 +208,3 @@ def moved_report(system: Any, start: State, end: State) -> dict[str, tuple[float
         turn = float(np.linalg.norm(logarithm(multiply(b[i, 3:], conjugate(a[i, 3:])))))
         report[system.name(body)] = (float(np.linalg.norm(b[i, :3] - a[i, :3])), turn)
     return report
-
-
-def given_velocities(system: Any) -> np.ndarray:
-    """(6 n,) velocities the user gave, NaN where they are to be solved."""
-    v = np.full((len(system.bodies), 6), np.nan)
-    for i, body in enumerate(system.bodies):
-        if body.velocity is not None:
-            v[i, :3] = body.velocity
-        if body.omega is not None:
-            v[i, 3:] = body.omega
-    return v.ravel()
-
-
-def with_velocities(
-    compiled: Compiled, pose: State, rates: Mapping, start: State | None = None, tolerance: float = 1e-8
-) -> State:
-    """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
-    system, model, data = compiled.system, compiled.model, compiled.data()
-    load_state(compiled, data, pose)
-    J, b = dense_jacobian(model, data), data.row["b"].copy()
-    names = [f"{type(system.joints[j]).__name__} '{system.name(system.joints[j])}'" for j in compiled.row_joint]
-    for key, value in rates.items():
-        joint = system.part(key, "joints")
-        x = joint.angle() or joint.slide()
-        if x is None:
-            raise ValueError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
-        _, block = constraint_extras(compiled, data, pose.t, [(compiled.coordinate(x), 0.0)], [], np.zeros(0))
-        J, b = np.vstack([J, block]), np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
-        names.append(f"rate of '{system.name(joint)}'")
-    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
-    moved = moved_report(system, start, pose) if start is not None else {}
-    return State(pose.t, pose.q, v, pose.z, pose.coordinates, moved)
-
-
-def least_energy(
-    compiled: Compiled, pose: State, J: np.ndarray, b: np.ndarray, given: np.ndarray, names: list[str],
-    tolerance: float,
-) -> np.ndarray:  # fmt: skip
-    """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
-    system, model = compiled.system, compiled.model
-    n = len(system.bodies)
-    known = ~np.isnan(given)
-    v = np.where(known, given, 0.0)
-    scale = np.tile(np.repeat([model.length, 1.0], 3), n)
-    unit_rows = np.array([1.0 / max(np.abs(row * scale).max(), 1e-300) for row in J])
-    A, rhs = (J[:, ~known] * scale[~known]) * unit_rows[:, None], (b - J @ v) * unit_rows
-    M = scipy.linalg.block_diag(
-        *[
-            inertia_about_origin(pose.q[7 * i + 3 : 7 * i + 7], body.com, body.mass, body.inertia)
-            for i, body in enumerate(system.bodies)
-        ]
-    )
-    free = ~known
-    x, null = np.zeros(free.sum()), np.eye(int(free.sum()))
-    if A.shape[0] and A.shape[1]:
-        U, s, Vt = scipy.linalg.svd(A)
-        rank = int((s > 1e-10 * s[0]).sum()) if s.size and s[0] > 0 else 0
-        x = Vt[:rank].T @ ((U[:, :rank].T @ rhs) / s[:rank])
-        null = Vt[rank:].T
-    N = scale[free, None] * null
-    if N.shape[1]:
-        momentum = M @ v
-        momentum += M[:, free] @ (scale[free] * x)
-        reduced = N.T @ M[np.ix_(free, free)] @ N
-        check_determined(system, reduced, N, free)
-        x = x - null @ np.linalg.solve(reduced, N.T @ momentum[free])
-    v[free] += scale[free] * x
-    residual = J @ v - b
-    size = np.abs(residual) * unit_rows
-    speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
-    if size.size and size.max() > tolerance * speed:
-        k = int(np.argmax(size))
-        raise AssemblyError(
-            "the given velocities contradict a joint (J v - b in m/s or rad/s)",
-            part=names[k], residual=float(residual[k]), time=pose.t,
-            advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
-        )  # fmt: skip
-    return v
-
-
-def check_determined(system: Any, reduced: np.ndarray, N: np.ndarray, free: np.ndarray) -> None:
-    """A motion without kinetic energy has an undetermined velocity: an error that names the massless body."""
-    values, vectors = np.linalg.eigh(reduced)
-    if values[0] > 1e-14 * max(values[-1], 1e-300):
-        return
-    motion = np.zeros(free.size)
-    motion[free] = N @ vectors[:, 0]
-    i = int(np.argmax(np.abs(motion))) // 6
-    name = system.name(system.bodies[i])
-    raise AssemblyError(
-        f"the velocity of body '{name}' is not determined: a motion the constraints allow moves no mass",
-        part=f"body '{name}'",
-        advice="give the body a mass or an inertia, its velocity and omega, or a joint that determines its motion",
-    )

@@ -80,7 +80,8 @@ class Certificate:
             text = ", ".join(f"without {k}" for k in dropped)
             lines.append(f"  teaching: {text or 'all terms'}; stabilisation {self.switches.stabilisation}")
         lines += [
-            f"  {'ok  ' if c.passed else 'FAIL'} {c.name:<22} {c.error:9.2e}  (limit {c.limit:.0e})" for c in self.checks
+            f"  {'ok  ' if c.passed else 'FAIL'} {c.name:<22} {c.error:9.2e}  (limit {c.limit:.0e})"
+            for c in self.checks
         ]
         lines += [f"  {text}" for text in (*self.notes, *((self.stopped_by,) if self.stopped_by else ()))]
         if self.error is not None:
@@ -125,7 +126,9 @@ def residual_checks(solution: Any) -> list[Check]:
     scale = max(model.length, 1.0)
     return [
         Check("joint gaps", float(drift.position.max(initial=0.0)) / scale, floor, "joints drift apart"),
-        Check("joint velocities", float(drift.velocity.max(initial=0.0)) / (scale * speed), floor, "J v = b is violated"),
+        Check(
+            "joint velocities", float(drift.velocity.max(initial=0.0)) / (scale * speed), floor, "J v = b is violated"
+        ),
     ]
 
 

@@ -3,10 +3,11 @@
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import click
@@ -92,7 +93,10 @@ out_option = click.option("--out", default="out", show_default=True, help="Folde
 @click.option("--list", "listing", is_flag=True, help="List the demos (as without arguments).")
 @out_option
 def demo(name: str | None, everything: bool, listing: bool, out: str) -> None:
-    """Show an effect that exists only in space, beside its theory; figure and data go to --out."""
+    """Show an effect that exists only in space.
+
+    Prints computed numbers beside their theory; figure and data go to --out.
+    """
     from .demos.base import discover
     from .demos.report import report, write
 
@@ -130,7 +134,10 @@ def summary(paths: list[Path]) -> list[str]:
 @main.command()
 @click.argument("file")
 def check(file: str) -> None:
-    """Rank, freedoms, redundant joints and cures of the mechanism that build() in FILE returns; 1 if it is locked."""
+    """Find the freedoms and redundant joints of a mechanism.
+
+    FILE is a Python file with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
+    """
     diagnosis = load_model(file).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
@@ -144,10 +151,10 @@ def check(file: str) -> None:
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
 @out_option
 def run(file: str, t_end: float, rtol: float, output: int | None, out: str) -> None:
-    """Simulate the mechanism that build() in FILE returns; exit code 1 if the certificate fails.
+    """Simulate a mechanism.
 
-    Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C keeps what was
-    computed.
+    FILE is a Python file with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table
+    (.csv) and a figure of the energies. Ctrl-C keeps what was computed. The exit code is 1 if the certificate fails.
     """
     system = load_model(file)
     target = ready_folder(out) / Path(file).stem
@@ -193,17 +200,46 @@ def undisturbed() -> Iterator[None]:
 
 @main.command()
 def warmup() -> None:
-    """Compile all kernels, once after installation, so that nothing else has to wait."""
-    from .demos.warm import compile_all
-
+    """Compile all kernels, so that nothing else has to wait."""
     began = time.perf_counter()
     compile_all()
     click.echo(f"all kernels are compiled ({time.perf_counter() - began:.1f} s)")
 
 
+def compile_all() -> None:
+    """Run a pendulum through every method and every check: each kernel is called once."""
+    from . import (
+        DOP853,
+        GROUND,
+        RK4,
+        AngleDriver,
+        Body,
+        Kinematic,
+        Ramp,
+        Revolute,
+        System,
+        accelerations,
+        measures,
+        simulate,
+    )
+
+    arm = Body("arm", 1.0, (0.1, 0.2, 0.2), position=(0.5, 0, 0))
+    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0))
+    driver = AngleDriver(hinge, Ramp(1.0))
+    free, driven = System([arm], [hinge]), System([arm], [hinge, driver])
+    free.assemble(measures={measures.position(arm, axis=(0, 0, 1)): -0.05})
+    free.check()
+    for system, method in ((free, DOP853()), (free, RK4(1e-3)), (driven, Kinematic())):
+        stop = measures.rate(hinge) > 1e3 if system is free else None
+        solution = simulate(system, 1e-2, method=method, stop_when=stop)
+        str(solution.certificate)
+        solution.reaction(hinge)
+    accelerations(driven).effort(driver)
+
+
 @main.command()
 def version() -> None:
-    """Version of mbsd3d."""
+    """Print the version."""
     from . import __version__
 
     click.echo(f"mbsd3d {__version__}")
@@ -223,13 +259,15 @@ def ready_folder(out: str) -> Path:
 
 
 def load_model(file: str) -> Any:
-    """The System that ``build()`` of a Python file returns.
+    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
 
     Raises
     ------
     Failure
         Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
     """
+    from types import ModuleType
+
     from .system import System
 
     path = Path(file)
@@ -237,38 +275,40 @@ def load_model(file: str) -> Any:
         source = path.read_bytes()
     except OSError as error:
         raise Failure(f"'{file}': {error.strerror}; give a Python file with build()") from error
-    build = guarded(file, lambda: namespace(path, source)).get("build")
-    if not callable(build):
-        raise Failure(f"'{file}' has no function build(); define build() and let it return a System")
-    system = guarded(file, build)
+    module = ModuleType(f"model {path.stem}")
+    module.__file__ = str(path)
+    with importable(module, path.parent):
+        guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
+        build = getattr(module, "build", None)
+        if not callable(build):
+            raise Failure(f"'{file}' has no function build(); define build() and let it return a System")
+        system = guarded(file, build)
     if not isinstance(system, System):
         raise Failure(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
     return system
 
 
-def namespace(path: Path, source: bytes) -> dict[str, Any]:
-    """What a Python file defines; modules beside it can be imported, nothing is written there."""
-    from types import ModuleType
+@contextmanager
+def importable(module: Any, folder: Path) -> Iterator[None]:
+    """Inside, the module is known to Python (dataclasses ask for it) and its folder is searched for imports."""
+    place = str(folder.resolve())
+    sys.modules[module.__name__] = module
+    sys.path.insert(0, place)
+    try:
+        yield
+    finally:
+        sys.path.remove(place)
+        del sys.modules[module.__name__]
 
-    module = ModuleType(path.stem)
-    module.__file__ = str(path)
-    sys.modules[f"mbsd3d model {path.stem}"] = module  # dataclasses look their module up
-    module.__name__ = f"mbsd3d model {path.stem}"
-    sys.path.insert(0, str(path.parent.resolve()))
-    exec(compile(source, str(path), "exec"), module.__dict__)
-    return module.__dict__
 
-
-def guarded(file: str, function: Any) -> Any:
+def guarded(file: str, function: Callable[[], Any]) -> Any:
     """Call code of the user; its errors become a `Failure` with file and line."""
     try:
         return function()
     except SyntaxError as error:
-        raise Failure(f"'{error.filename or file}', line {error.lineno}: {error.msg}") from error
+        raise Failure(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
     except (Exception, SystemExit) as error:
-        line, trace = None, error.__traceback__
-        while trace is not None:
-            line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == str(Path(file)) else line
-            trace = trace.tb_next
-        kind = "" if isinstance(error, (ValueError, Mbsd3dError)) else f"{type(error).__name__}: "
-        raise Failure(f"'{file}'{f', line {line}' if line else ''}: {kind}{error}") from error
+        lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
+        where = f", line {lines[-1]}" if lines else ""
+        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
+        raise Failure(f"'{file}'{where}: {kind}{error}") from error

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .assembly import load_state, reference_pose
+from .assembly import reference_pose
 from .drivers import Driver
+from .evaluation import load_state
 from .joints import (
     AxisJoint,
     Cylindrical,

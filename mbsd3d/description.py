@@ -18,13 +18,13 @@ from .forces import ForceElement
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
 from .integrators.rk4 import RK4
+from .job import Record
 from .joints import Joint
 from .measures import Condition, Measure
 from .model import Switches
 from .parts import GROUND, Body, Ground
 from .primitives import Coordinate
 from .signals import Signal
-from .simulation import Record
 from .state import State
 from .system import System
 

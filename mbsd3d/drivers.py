@@ -113,7 +113,5 @@ class SpeedDriver(Driver):
 
     def rows(self) -> list[Primitive]:
         return [
-            Primitive(
-                kinds.TURN_RATE, (self.a, self.b), axes=(self.axis, ZERO), signal=self.speed, in_metres=False
-            )
+            Primitive(kinds.TURN_RATE, (self.a, self.b), axes=(self.axis, ZERO), signal=self.speed, in_metres=False)
         ]

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from .description import FORMAT, Writer, check_format, describe, read_system
+from .job import Record
 from .model import Compiled, Switches, compile_system
-from .simulation import Record
 from .solution import Solution
 from .state import State
 

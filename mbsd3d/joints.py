@@ -336,9 +336,7 @@ class ConstantVelocity(PointJoint):
         bend = np.linalg.norm(normal)
         n = normal / bend if bend > 1e-9 else perpendiculars(self.axis_a)[0]
         y_a, y_b = np.cross(self.axis_a, n), np.cross(self.axis_b, n)
-        turn = Primitive(
-            kinds.DOT_DIFFERENCE, (self.a, self.b), axes=(n, n), second_axes=(y_a, y_b), in_metres=False
-        )
+        turn = Primitive(kinds.DOT_DIFFERENCE, (self.a, self.b), axes=(n, n), second_axes=(y_a, y_b), in_metres=False)
         return [coincide(self.a, self.b, self.at, self.at_b), turn]
 
 
@@ -444,9 +442,7 @@ class KnifeEdge(PointJoint):
         self.set(lateral=unit(self.lateral, f"{what}: lateral"))
 
     def rows(self) -> list[Primitive]:
-        return [
-            Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))
-        ]
+        return [Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,19 @@ import numpy as np
 from .drivers import Driver
 from .kernels import kinds
 from .kernels.layout import (
-    BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, Data, Model, data_records, table,
+    BODY,
+    COORDINATE,
+    FORCE,
+    MEASURE,
+    PRIMITIVE,
+    ROW,
+    SIGNAL,
+    STATE,
+    TERM,
+    Data,
+    Model,
+    data_records,
+    table,
 )  # fmt: skip
 from .measures import Measure
 from .parts import GROUND

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .assembly import load_state
+from .evaluation import load_state
 from .kernels.loads import loads
 from .model import Compiled, compile_system, inertia_about_origin
 from .rotations import matrix
@@ -22,9 +22,7 @@ from .state import State
 def mass_matrix(system: Any, state: State) -> np.ndarray:
     """(6 n, 6 n) dense reference-point mass matrix."""
     e = state.q.reshape(-1, 7)[:, 3:]
-    blocks = [
-        inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)
-    ]
+    blocks = [inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)]
     return scipy.linalg.block_diag(*blocks)
 
 

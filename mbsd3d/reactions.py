@@ -11,10 +11,9 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .kernels.kinematics import kinematics
-from .kernels.rows import rows
+from .evaluation import jacobian_at
 from .model import Compiled
-from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
+from .selection import RANK_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -35,13 +34,6 @@ def left_null_space(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndar
         U, s, _ = scipy.linalg.svd(A, full_matrices=True)
     rank = int((s > tolerance * s[0]).sum()) if s.size and s[0] > 0.0 else 0
     return U[:, rank:]
-
-
-def jacobian_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> np.ndarray:
-    """Scaled J at a sample."""
-    kinematics(compiled.model, data, y)
-    rows(compiled.model, data, t)
-    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
 
 
 def may_be_redundant(compiled: Compiled, data: Any, t: np.ndarray, states: np.ndarray) -> np.ndarray:

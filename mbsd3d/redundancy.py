@@ -7,14 +7,16 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .assembly import driven_coordinates, load_state, loop_weights, newton, reference_pose, worst_joint
+from .assembly import newton, reference_pose, worst_joint
 from .cures import Cure, find_cures
 from .drivers import Driver
+from .evaluation import driven_coordinates, load_state
 from .kernels.kinematics import displace
 from .model import Compiled, compile_system
 from .reactions import left_null_space
 from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
 from .state import State
+from .tree import loop_weights
 
 
 @dataclass(frozen=True)
@@ -95,9 +97,11 @@ def diagnose(system: Any, as_built: float) -> Diagnosis:
     cures = tuple(find_cures(compiled, A, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(A, exact, compiled.model.length) if not misaligned else 0.0
     verdict = stuck or verdict_text(compiled, A.shape[0], rank, n, misfit, as_built, offset)
-    notes = [f"a position away from here the rank is {max(neighbours)}: this pose is singular"] if neighbours and (
-        max(neighbours) > exact
-    ) else []
+    notes = (
+        [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
+        if neighbours and (max(neighbours) > exact)
+        else []
+    )
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,

@@ -1,54 +1,22 @@
 """`simulate` and `accelerations`: from a system and a state to a `Solution`."""
 
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from .assembly import driven_coordinates, load_state, reference_state
-from .drivers import SpeedDriver
-from .errors import IntegrationError
+from .assembly import reference_state
 from .integrators import base
-from .integrators.base import Run
 from .integrators.dop853 import DOP853
-from .integrators.driven import Kinematic, follow
-from .integrators.runge_kutta import advance
-from .kernels.dynamics import arrive
-from .kernels.jit import is_warm, mark_warm
-from .kernels.probes import measure
+from .integrators.driven import Kinematic
+from .job import Job
 from .measures import Condition
 from .model import Compiled, Switches, compile_system
 from .parts import number
 from .progress import Progress, announce_compilation
-from .selection import choose_rows
 from .signals import check_interval
 from .solution import Solution
 from .state import State
-
-CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
-CAPACITY = 1024  # samples a buffer holds
-
-OUTPUTS = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power", "residual")
-
-
-@dataclass
-class Record:
-    """What a run did, for the certificate."""
-
-    method: Any
-    rtol: float
-    switches: Switches
-    tolerance: float = 0.0
-    kinematic: bool = False
-    steps: int = 0
-    rejected: int = 0
-    evaluations: int = 0
-    svd_calls: int = 0
-    rank_events: list = field(default_factory=list)
-    seconds: float = 0.0
-    stopped_by: str | None = None
 
 
 def simulate(
@@ -109,11 +77,15 @@ def simulate(
     start = state or reference_state(system, as_built)
     t_end = number(t_end, "simulate: t_end")
     if not t_end > start.t:
-        raise ValueError(f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time")
+        raise ValueError(
+            f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
+        )
     if not 1e-14 <= number(rtol, "simulate: rtol") <= 0.1:
         raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-14 ... 0.1; give a number in this range")
     if stop_when is not None and not isinstance(stop_when, Condition):
-        raise ValueError(f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2")
+        raise ValueError(
+            f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
+        )
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
     compiled = compile_system(system, (stop_when.measure,) if stop_when else (), switches)
     check_signals(compiled, start.t, t_end)
@@ -144,220 +116,10 @@ def output_times(output: Any, t_start: float, t_end: float, method: Any) -> np.n
     if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("simulate: output: give a count, or finite times in strictly increasing order")
     if times[0] < t_start or times[-1] > t_end:
-        raise ValueError(f"simulate: output times {times[0]:g} ... {times[-1]:g} s leave the run {t_start:g} ... {t_end:g} s")
+        raise ValueError(
+            f"simulate: output times {times[0]:g} ... {times[-1]:g} s leave the run {t_start:g} ... {t_end:g} s"
+        )
     return times
-
-
-class Job:
-    """One run: the compiled time loop is called in chunks; between them rows are chosen and samples collected."""
-
-    def __init__(
-        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Any, rtol: float,
-        stop_when: Condition | None, as_built: float | None,
-    ) -> None:  # fmt: skip
-        self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
-        self.stop_when = stop_when
-        self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
-        self.data = compiled.data()
-        kinematic = isinstance(method, Kinematic)
-        own = 0.0 if as_built is None else self.tolerance
-        self.record = Record(method, rtol, compiled.switches, own, kinematic)
-        steps = int(np.ceil((t_end - start.t) / method.dt - 1e-9)) if getattr(method, "dt", None) else 0
-        self.table = method.table(max(steps, 1) if getattr(method, "dt", None) else 0) if method.order else None
-        coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
-        y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
-        self.schur = None
-        self.memory = self.new_run(y, start.t, t_end, times, rtol)
-        self.chunks: list[dict[str, np.ndarray]] = []
-        self.last_event = -1
-
-    def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
-        """Memory of the time loop."""
-        m, ny, n = self.model, y.size, self.model.body.size
-        capacity = (CAPACITY if times is None else min(CAPACITY, times.size + 1)) + 2
-        width = 1 + ny + 6 * n + m.row.size + m.coordinate.size + 2 * m.force.size + 2
-        stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
-        terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(16), np.zeros(9, np.int64)
-        clock[base.T] = clock[base.T_START] = t
-        clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
-        clock[base.SMALLEST] = 1.0
-        clock[base.MAX_STEP] = getattr(self.method, "max_step", np.inf)
-        clock[base.MIN_STEP] = 1e-13 * max(abs(t_end), t_end - t)
-        count[base.FRESH], count[base.EVERY], count[base.CONDITION] = 1, times is None, -1
-        if self.stop_when:
-            clock[base.STOP], clock[base.SIGN] = self.stop_when.value, self.stop_when.direction
-            count[base.CONDITION] = 0
-        return Run(
-            y=y, dy=np.zeros(ny), trial=np.zeros(ny), work=np.zeros(ny), work_rate=np.zeros(ny),
-            carry=np.zeros(ny), trial_carry=np.zeros(ny),
-            K=np.zeros((stages, ny)), F=np.zeros((terms, ny)), clock=clock, count=count,
-            times=np.zeros(0) if times is None else times, out=np.zeros((capacity, width)),
-        )  # fmt: skip
-
-    def run(self, progress: Progress) -> Solution:
-        """Call the time loop until the end, a stop, an error or Ctrl-C."""
-        began = time.perf_counter()
-        try:
-            with progress:
-                self.choose("start")
-                self.first_step()
-                self.check_condition()
-                self.loop(progress)
-                if not is_warm():
-                    mark_warm()
-        except KeyboardInterrupt:
-            self.record.stopped_by = f"interrupted at t = {self.memory.clock[base.T]:.6g} s"
-        self.record.seconds = time.perf_counter() - began
-        return self.solution()
-
-    def loop(self, progress: Progress) -> None:
-        """Chunks of about CHUNK seconds."""
-        run, budget = self.memory, 16
-        while True:
-            began = time.perf_counter()
-            status = self.call(budget)
-            spent = time.perf_counter() - began
-            progress.update(run.clock[base.T])
-            if status == base.RUNNING:
-                budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
-            elif status == base.FULL:
-                self.drain()
-            elif status == base.PASSED:
-                self.event("singular position passed", False)
-            elif status == base.CHOOSE_ROWS:
-                self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
-            elif status == base.STOPPED:
-                self.record.stopped_by = f"{self.stop_when} at t = {run.clock[base.T]:.9g} s"
-                return
-            elif status == base.DONE:
-                return
-            else:
-                self.fail(status)
-
-    def call(self, budget: int) -> int:
-        """The compiled loop of the method."""
-        if self.table is None:
-            return follow(self.model, self.data, self.schur, self.memory, budget)
-        return advance(self.model, self.data, self.schur, self.table, self.memory, budget)
-
-    def choose(self, why: str) -> None:
-        """Choose the independent rows at the present state; a change after the start is a rank event."""
-        run, model = self.memory, self.model
-        before = None if self.schur is None else np.sort(self.schur.place["row"])
-        if before is not None and run.count[base.STEPS] == self.last_event:
-            self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
-        load_rows(self.compiled, self.data, run.y, run.clock[base.T])
-        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
-        self.record.svd_calls += 1
-        self.last_event = int(run.count[base.STEPS]) if before is not None else -1
-        # a row set that is as good as can be had is kept until its pivots fall a hundredfold
-        run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
-        run.count[base.FRESH] = 1
-        if before is not None:
-            self.event(why, not np.array_equal(np.sort(self.schur.place["row"]), before))
-        elif model.stabilisation and isinstance(self.method, Kinematic):
-            self.check_driven()
-
-    def event(self, why: str, changed: bool) -> None:
-        """Note a rank event: time, rows kept, reason, whether the row set changed."""
-        time_now = float(self.memory.clock[base.T])
-        self.record.rank_events.append((time_now, self.schur.place.size, why, changed))
-
-    def check_driven(self) -> None:
-        """Kinematic() needs rows that determine everything, at position level."""
-        need = 6 * self.model.body.size
-        holonomic = int(self.model.row["holonomic"][self.schur.place["row"]].sum())
-        if holonomic < need:
-            speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
-            hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
-            raise ValueError(
-                f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at position "
-                f"level; {hint}"
-            )
-
-    def first_step(self) -> None:
-        """Scales of the velocity errors and the first step from the accelerations at the start."""
-        run, model, n = self.memory, self.model, self.model.body.size
-        horizon = run.clock[base.T_END] - run.clock[base.T]
-        arrive(model, self.data, self.schur, run.clock[base.T], run.y.copy(), run.dy)
-        v = run.y[7 * n : 13 * n].reshape(n, 6)
-        a = run.dy[7 * n : 13 * n].reshape(n, 6)
-        spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
-        relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / model.length
-        rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
-        rate = rate if np.isfinite(rate) else 1.0
-        rate = max(rate, 1.0 / horizon)
-        run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
-        run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** 0.125 / rate)
-
-    def check_condition(self) -> None:
-        """A condition that holds already at the start would never come true."""
-        if self.stop_when is None:
-            return
-        value = measure(self.model, self.data, 0, float(self.memory.clock[base.T]))
-        if self.stop_when.direction * (value - self.stop_when.value) >= 0.0:
-            raise ValueError(
-                f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
-                "give another value or another start"
-            )
-
-    def drain(self) -> None:
-        """Move the samples of the full buffer away."""
-        self.chunks.append(self.memory.out[: int(self.memory.count[base.WRITTEN])].copy())
-        self.memory.count[base.WRITTEN] = 0
-
-    def solution(self) -> Solution:
-        """The samples so far."""
-        self.drain()
-        run, record, m = self.memory, self.record, self.model
-        record.steps, record.rejected = int(run.count[base.STEPS]), int(run.count[base.REJECTED])
-        record.evaluations = int(run.count[base.EVALUATIONS])
-        widths = (1, run.y.size, 6 * m.body.size, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
-        parts = np.split(np.concatenate(self.chunks), np.cumsum(widths)[:-1], axis=1)
-        arrays = {name: np.ascontiguousarray(part) for name, part in zip(OUTPUTS, parts, strict=True)}
-        arrays["t"] = arrays["t"][:, 0].copy()
-        return Solution.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
-
-    def fail(self, status: int) -> None:
-        """IntegrationError with time, the part to blame, advice and what was computed."""
-        t = float(self.memory.clock[base.T])
-        solution = self.solution()
-        part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.clock[base.STEP]))
-        what, advice = {
-            base.STEP_TOO_SMALL: ("the step became too small", "stiff: use GeneralizedAlpha; or the motion has a singularity here"),
-            base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
-            base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
-        }[status]  # fmt: skip
-        if part:
-            what, advice = "a part returns values that are not finite", "correct its parameters or end the run earlier"
-        raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
-
-
-def load_rows(compiled: Compiled, data: Any, y: np.ndarray, t: float) -> None:
-    """Kinematics and rows at y."""
-    from .kernels.kinematics import kinematics
-    from .kernels.rows import rows
-
-    kinematics(compiled.model, data, y)
-    rows(compiled.model, data, t)
-
-
-def blame(compiled: Compiled, data: Any, y: np.ndarray, t: float, h: float) -> str | None:
-    """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
-    from .kernels.loads import loads
-
-    for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
-        load_rows(compiled, data, y, time_of)
-        loads(compiled.model, data, time_of)
-        for joint in compiled.system.joints:
-            rows = compiled.rows[id(joint)]
-            if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
-                return f"joint '{compiled.system.name(joint)}'"
-        for k, force in enumerate(compiled.system.forces):
-            if not np.isfinite(data.force["power"][k]) or not np.isfinite(data.force["potential"][k]):
-                return f"force '{compiled.system.name(force)}'"
-    return None
 
 
 def accelerations(system: Any, state: State | None = None) -> Solution:

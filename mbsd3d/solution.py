@@ -54,9 +54,7 @@ class Solution:
     final: State
 
     @classmethod
-    def from_run(
-        cls, compiled: Compiled, arrays: dict, record: Any, y: np.ndarray, t: float, data: Any
-    ) -> "Solution":
+    def from_run(cls, compiled: Compiled, arrays: dict, record: Any, y: np.ndarray, t: float, data: Any) -> "Solution":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
         states = arrays.pop("y")
@@ -265,7 +263,9 @@ class Solution:
         """The state at a sample, to start another run from."""
         a = self.arrays
         own = a["z"][sample, : self.compiled.model.z_work]
-        return State(float(self.t[sample]), a["q"][sample].ravel(), a["v"][sample].ravel(), own, a["coordinate"][sample])
+        return State(
+            float(self.t[sample]), a["q"][sample].ravel(), a["v"][sample].ravel(), own, a["coordinate"][sample]
+        )
 
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
@@ -334,5 +334,3 @@ def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
     u = states[:, 7 * n : 13 * n].reshape(-1, n, 6)
     R = matrix(states[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
     return np.concatenate([u[..., :3], np.einsum("tbij,tbj->tbi", R, u[..., 3:])], axis=2)
-
-

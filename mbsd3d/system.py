@@ -164,9 +164,7 @@ class System:
         """
         from .assembly import assemble
 
-        return assemble(
-            self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t
-        )
+        return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
 
     def show(self) -> Any:
         """Draw the reference pose: bodies, joints with their axes, centres of mass; returns a matplotlib figure."""

@@ -5,11 +5,23 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Cylindrical, PointOnLine, Revolute, Solution, SpeedDriver, System, Universal
-from mbsd3d import rotation, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Cylindrical,
+    PointOnLine,
+    Revolute,
+    Solution,
+    SpeedDriver,
+    System,
+    Universal,
+    rotation,
+    simulate,
+)
+from mbsd3d.animation import COLOURS
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, every, legend_below, new_figure, spectrum_bars, theory_dots
+from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
 INERTIA = (0.2, 1.0, 1.0)  # kg m^2, the shafts lie along the body's x
@@ -30,7 +42,7 @@ def harmonics(bend: float) -> np.ndarray:
 def motor_torque(angle: np.ndarray, bend: float) -> np.ndarray:
     """J2 times output acceleration times ratio [N m]: all power goes into the driven shaft."""
     n = ratio(angle, bend)
-    slope = -np.sin(bend) ** 2 * np.sin(2 * angle) * n**2 / np.cos(bend)
+    slope = -(np.sin(bend) ** 2) * np.sin(2 * angle) * n**2 / np.cos(bend)
     return INERTIA[0] * RATE**2 * n * slope
 
 
@@ -133,8 +145,8 @@ demo = Demo(
     title="Cardan joint: an uneven ratio between shafts at an angle",
     why="In a plane all shafts are parallel and a coupling hands every angle on unchanged; two shafts that meet at an "
     "angle need space, and a cross between them trades speed four times a turn.",
-    source="spherical trigonometry of the cross: tan(out) = cos(bend) tan(in); its Fourier series is the Poisson kernel "
-    "with q = tan^2(bend/2)",
+    source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
+    "Poisson kernel with q = tan^2(bend/2)",
     run=run,
     ablation=MappingProxyType({"bend_factor": 1.01}),
 )

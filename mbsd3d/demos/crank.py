@@ -19,9 +19,10 @@ from mbsd3d import (
     Universal,
     simulate,
 )
+from mbsd3d.animation import COLOURS
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, every, legend_below, new_figure, spectrum_bars, theory_dots
+from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm
 RADIUS, ROD, OFFSET = 1.0, 2.0, 0.5  # crank radius, rod length, centre of mass of the crank from its axis [m]

@@ -7,10 +7,11 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, simulate
+from mbsd3d.animation import COLOURS
 from mbsd3d.rotations import matrix
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, every, legend_below, new_figure, theory_dots
+from .drawing import every, legend_below, new_figure, theory_dots
 
 MASS, WIDTH, THICKNESS, HEIGHT = 20.0, 0.9, 0.04, 2.0  # kg, m
 LEAN, START = np.radians(5.0), np.radians(60.0)  # of the hinge axis from the vertical; of the door from its rest

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..animation import COLOURS, GREY
+from ..animation import COLOURS
 
 LIGHT = "#d9d9d9"
 

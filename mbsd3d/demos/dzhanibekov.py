@@ -8,10 +8,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
 from mbsd3d import Body, Solution, System, simulate
+from mbsd3d.animation import COLOURS, GREY
 from mbsd3d.rotations import matrix
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, GREY, LIGHT, legend_below, new_figure, space
+from .drawing import LIGHT, legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s

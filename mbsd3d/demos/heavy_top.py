@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, simulate
+from mbsd3d.animation import COLOURS
 from mbsd3d.rotations import multiply
 
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, every, legend_below, new_figure, space, sphere_net, theory_dots
+from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
 
 MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
 SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal

@@ -16,14 +16,11 @@ def table(rows: tuple[Row, ...]) -> str:
         quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
         cells.append((quantity, f"{row.computed:.12g}", f"{row.theory:.12g}", f"{row.error:.1e}"))
     widths = [max(len(line[k]) for line in cells) for k in range(len(HEAD))]
-    lines = []
-    for line in cells:
-        first, *others = (text.ljust(w) if k == 0 else text.rjust(w) for k, (text, w) in enumerate(zip(line, widths, strict=True)))
-        lines.append(" | ".join([first, *others]))
+    lines = [" | ".join([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]) for line in cells]
+    rule = "-+-".join("-" * width for width in widths)
     marks = ["" if row.passed else f"  FAIL, limit {row.tolerance:.0e}" for row in rows]
-    lines[1:] = [line + mark for line, mark in zip(lines[1:], marks, strict=True)]
-    lines.insert(1, "-+-".join("-" * width for width in widths))
-    return "\n".join(f"  {line}" for line in lines)
+    marked = [line + mark for line, mark in zip(lines[1:], marks, strict=True)]
+    return "\n".join(f"  {line}" for line in [lines[0], rule, *marked])
 
 
 def report(demo: Demo, outcome: Outcome) -> str:
@@ -32,7 +29,8 @@ def report(demo: Demo, outcome: Outcome) -> str:
     for label, text in (("why", demo.why), ("source", demo.source)):
         lines += textwrap.wrap(text, WIDTH, initial_indent=f"  {label:8}", subsequent_indent=" " * 10)
     lines += ["", table(outcome.rows)]
-    lines += [line for note in outcome.notes for line in textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")]
+    for note in outcome.notes:
+        lines += textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 
 

@@ -4,13 +4,15 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
+from mbsd3d.animation import COLOURS, GREY
 from mbsd3d.rotations import H
 
 from . import crank
 from .base import Demo, Outcome, Row
-from .drawing import COLOURS, GREY, every, legend_below, new_figure, theory_dots
+from .drawing import every, legend_below, new_figure, theory_dots
 
 TURN = 2 * np.pi  # rad/s: one revolution per second
 MOMENTS, SPIN = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])  # of the free body [kg m^2, rad/s]
@@ -100,6 +102,11 @@ def rotation_angle(e: np.ndarray) -> np.ndarray:
     return np.degrees(2 * np.arctan2(e[:, 3], e[:, 0]))
 
 
+def ghost_angle(turns: ArrayLike) -> np.ndarray:
+    """Angle of e = (1, w t / 2), what a constant e_dot leads to [degrees]: 2 atan(pi turns)."""
+    return np.degrees(2 * np.arctan(np.pi * np.asarray(turns)))
+
+
 def run(*, gyroscopic: bool = False, centripetal: bool = False, gamma: bool = False, h_dot: bool = False) -> Outcome:
     """What goes wrong without each term; a term set to True is kept, and the theory of its loss is not met."""
     free = simulate(free_body(), np.pi / 3, rtol=1e-12, output=51, gyroscopic=gyroscopic)
@@ -118,7 +125,7 @@ def run(*, gyroscopic: bool = False, centripetal: bool = False, gamma: bool = Fa
             Row(f"1 mm gap after 1 s, {name}", hinge_gap(solution)[-1], theory, 1e-12, "m")
             for (name, solution), theory in zip(opened_by.items(), (GAP, closing(1.0), 0.0), strict=True)
         ),
-        Row("no H_dot: angle of one turn (true: 360)", rotation_angle(e)[-1], np.degrees(2 * np.arctan(np.pi)), 1e-9, "deg"),
+        Row("no H_dot: angle of one turn (true: 360)", rotation_angle(e)[-1], ghost_angle(1.0), 1e-9, "deg"),
         Row("no H_dot: length of e (true: 1)", np.linalg.norm(e[-1]), np.hypot(1, np.pi), 1e-9),
     ]
     tops = {name: simulate(top(), 2.0, output=201, **changes) for name, changes in SWITCHES.items()}
@@ -146,7 +153,7 @@ def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solut
     turn.plot(time, 360 * time, color=GREY, linestyle="--", label="true angle")
     turn.plot(time, rotation_angle(e), color=COLOURS[0], label="angle without $\\dot H$")
     some = every(time.size, 13)
-    theory_dots(turn, time[some], np.degrees(2 * np.arctan(np.pi * time[some])))
+    theory_dots(turn, time[some], ghost_angle(time[some]))
     turn.set(xlabel="time [s]", ylabel="rotation angle [°]", ylim=(0, 400), yticks=np.arange(0, 361, 90))
     length = turn.twinx()
     length.plot(time, np.linalg.norm(e, axis=1), color=COLOURS[1], label="|e| without $\\dot H$")

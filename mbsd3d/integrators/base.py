@@ -166,5 +166,7 @@ def rows_hold(m, d, s, run):
     if s.skipped.shape[0] > 0:
         position, speed = skipped_residual(m, d, s)
         run.clock[RESIDUAL] = position
-        return position <= run.clock[TOLERANCE] and speed <= run.clock[TOLERANCE] * max(run.clock[SPEED], run.clock[TURN])
+        return position <= run.clock[TOLERANCE] and speed <= run.clock[TOLERANCE] * max(
+            run.clock[SPEED], run.clock[TURN]
+        )
     return True

@@ -100,7 +100,11 @@ def data_records(dtype: type) -> dict[str, list]:
             ("s", dtype, 3),  # m, R r_G
             ("velocity", dtype, 3),  # m/s, of O
             ("w", dtype, 3),  # rad/s
-        ("w_body", dtype, 3),  # rad/s, body axes: straight from the state, so that Euler's term sees no R'R rounding
+            (
+                "w_body",
+                dtype,
+                3,
+            ),  # rad/s, body axes: straight from the state, so that Euler's term sees no R'R rounding
             ("A", dtype, 9),  # whiten R': takes a moment about G to mass-scaled body axes
             ("Q", dtype, 6),  # applied force and moment about O, gravity included      } computed by loads
             ("h", dtype, 6),  # velocity-quadratic term

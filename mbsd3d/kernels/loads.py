@@ -13,7 +13,21 @@ from .jit import kernel
 from .kinds import BUSHING, COORDINATE_SPRING, DRAG, FORCE, FRICTION, SPRING, TORQUE
 from .signals import signal
 from .vectors import (
-    add, add6, arm, cross, dot, mat, point, point_velocity, put, put6, rotate, scale, sub, turning, vec,
+    add,
+    add6,
+    arm,
+    cross,
+    dot,
+    mat,
+    point,
+    point_velocity,
+    put,
+    put6,
+    rotate,
+    scale,
+    sub,
+    turning,
+    vec,
 )  # fmt: skip
 
 

@@ -1,0 +1,73 @@
+"""Kernels called from Python at one state: kinematics, rows and the scaled Jacobian."""
+
+from typing import Any
+
+import numpy as np
+
+from .kernels.coordinates import coordinate
+from .kernels.kinematics import kinematics
+from .kernels.layout import Data
+from .kernels.rows import rows
+from .model import Compiled
+from .rotations import matrix
+from .selection import dense_jacobian, scaled_jacobian
+from .state import State
+
+
+def pack(compiled: Compiled, state: State) -> np.ndarray:
+    """y = (q, u, z) with u = (r_dot, R'w), audit states zero."""
+    n = len(compiled.system.bodies)
+    if state.q.size != 7 * n:
+        raise ValueError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
+    v = state.v.reshape(n, 6)
+    R = matrix(state.q.reshape(n, 7)[:, 3:])
+    u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
+    z = np.zeros(compiled.model.state.size)
+    z[: compiled.model.z_work] = state.z
+    return np.concatenate([state.q, u.ravel(), z])
+
+
+def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
+    """Fill kinematics and rows of ``data`` at a state; returns y."""
+    y = pack(compiled, state)
+    if state.coordinates is not None:
+        known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
+        data.coordinate["value"][:known] = state.coordinates[: data.coordinate.size]
+    data.coordinate["rate"] = 0.0
+    data.unwrap_time[0] = state.t
+    kinematics(compiled.model, data, y)
+    rows(compiled.model, data, state.t)
+    return y
+
+
+def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
+    """Unwrapping references at a start: the signal where a coordinate is driven, else zero."""
+    reference = np.zeros(compiled.model.coordinate.size)
+    for joint, _ in compiled.drives:
+        for row in joint.rows():
+            if len(row.coordinates) == 1:
+                reference[compiled.coordinate(row.coordinates[0])] = float(row.signal(t)) / row.values[0]
+    return reference
+
+
+def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[float, np.ndarray]:
+    """(value, gradient with respect to the world velocities (6 n,)) of hinge coordinate i."""
+    n = compiled.model.body.size
+    x, _, linear_a, angular_a, linear_b, angular_b = coordinate(compiled.model, data, i, t)
+    row = np.zeros((n + 1, 6))
+    a, b = compiled.model.coordinate["body"][i]
+    row[a] += np.concatenate([linear_a, angular_a])
+    row[b] += np.concatenate([linear_b, angular_b])
+    return x, row[:n].ravel()
+
+
+def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float) -> None:
+    """Kinematics and rows at y."""
+    kinematics(compiled.model, data, y)
+    rows(compiled.model, data, t)
+
+
+def jacobian_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> np.ndarray:
+    """Scaled J at y."""
+    load_rows(compiled, data, y, t)
+    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
