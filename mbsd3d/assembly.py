@@ -8,7 +8,7 @@ import numpy as np
 import scipy.linalg
 
 from .errors import AssemblyError
-from .evaluation import coordinate_row, driven_coordinates, load_state
+from .evaluation import coordinate_row, driven_coordinates, load_state, pack
 from .joints import coordinate_of
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import displace, displace_body, kinematics
@@ -55,8 +55,7 @@ def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
     data = compiled.data()
     pose = State(pose.t, pose.q, pose.v, pose.z, driven_coordinates(compiled, pose.t))
     load_state(compiled, data, pose)
-    size = np.abs(data.row["c"]) * compiled.model.row["scale"]
-    if size.size and size.max() > tolerance:
+    if gap_size(compiled, data.row["c"]) > tolerance:
         part, gap = worst_joint(compiled, data.row["c"])
         raise AssemblyError(
             "the reference pose does not close (m or rad)",
@@ -141,6 +140,33 @@ def newton(
     return closed, np.where(holonomic, data.row["c"], 0.0)
 
 
+def close_pose(
+    compiled: Compiled, start: State, targets: list[tuple[int, float]], probes: list[float], pinned: set[int]
+) -> tuple[State, np.ndarray]:
+    """Newton from the start and, where that sticks (a stretched chain that must buckle), from seeded poses nearby."""
+    first = newton(compiled, start, targets, probes, pinned)
+    if gap_size(compiled, first[1]) <= 1e-9:
+        return first
+    random, model = np.random.default_rng(0), compiled.model
+    for size in (0.05, 0.2, 0.5):
+        y, data = pack(compiled, start), compiled.data()
+        moves = size * random.normal(size=(model.body.size, 6))
+        moves[:, :3] *= model.length
+        moves[sorted(pinned)] = 0.0
+        data.body["acceleration"][:-1] = moves
+        displace(model, data, y)
+        nearby = State(start.t, y[: 7 * model.body.size], start.v, start.z, start.coordinates)
+        again = newton(compiled, nearby, targets, probes, pinned)
+        if gap_size(compiled, again[1]) <= 1e-9:
+            return again
+    return first
+
+
+def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
+    """Largest residual in units of the model (lengths, radians)."""
+    return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))
+
+
 def assemble(
     system: Any, angles: Mapping, slides: Mapping, rates: Mapping, measures: Mapping, pinned: tuple, near: Any, t: float
 ) -> State:
@@ -167,8 +193,8 @@ def assemble(
         reference[i] = value
     start = State(t, start.q, start.v, start.z, reference)
     goals = [number(v, f"assemble: {probe.label}") for probe, v in measures.items()]
-    closed, residual = newton(compiled, start, targets, goals, fixed)
-    if np.abs(residual * compiled.model.row["scale"]).max(initial=0.0) > 1e-9:  # show the gap where the loop closes
+    closed, residual = close_pose(compiled, start, targets, goals, fixed)
+    if gap_size(compiled, residual) > 1e-9:  # show the gap where the loop closes
         residual = newton(compiled, start, targets, goals, fixed, loop_weights(compiled))[1]
     check_closed(compiled, closed, residual, targets, goals)
     moved = moved_report(system, pose, closed)
@@ -179,8 +205,7 @@ def check_closed(
     compiled: Compiled, closed: State, residual: np.ndarray, targets: list[tuple[int, float]], goals: list[float]
 ) -> None:
     """AssemblyError with the gap and the joint where the pose does not close or misses a target."""
-    size = np.abs(residual) * compiled.model.row["scale"]
-    if size.size and size.max() > 1e-9:
+    if gap_size(compiled, residual) > 1e-9:
         part, gap = worst_joint(compiled, residual)
         raise AssemblyError(
             "the mechanism cannot close, a gap remains (m or rad)",

@@ -181,8 +181,8 @@ class Job:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
             raise ValueError(
-                f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at position "
-                f"level; {hint}"
+                f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
+                f"position level; {hint}"
             )
 
     def first_step(self) -> None:

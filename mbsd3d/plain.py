@@ -66,7 +66,8 @@ def solve_plain(system: Any, state: State) -> tuple[np.ndarray, np.ndarray]:
 def solve_svd(system: Any, state: State, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
     """(v_dot, lam) with the rank of J revealed by its singular values; lam of least norm in the model's own units.
 
-    J = U S V' (scaled): v_dot = V1 S^-1 U1' gamma + V2 y with V2' M (...) = V2' (Q - h), lam = U1 S^-1 V1' (Q - h - M v_dot).
+    J = U S V' (scaled): v_dot = V1 S^-1 U1' gamma + V2 y with V2' M v_dot = V2' (Q - h), and
+    lam = U1 S^-1 V1' (Q - h - M v_dot).
     """
     M, force, J, gamma, compiled = equations(system, state)
     model = compiled.model

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .assembly import newton, reference_pose, worst_joint
+from .assembly import close_pose, gap_size, newton, reference_pose, worst_joint
 from .cures import Cure, find_cures
 from .drivers import Driver
 from .evaluation import driven_coordinates, load_state
@@ -64,7 +64,8 @@ class Diagnosis:
         lines = [
             self.verdict,
             f"  {self.coordinates} coordinates, {self.velocities} velocities, {self.rows} rows of rank {self.rank}",
-            f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), Gruebler count {self.gruebler}",
+            f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), "
+            f"Gruebler count {self.gruebler}",
         ]
         for share in self.shares:
             what = [] if share.force_unique else ["forces"]
@@ -156,7 +157,7 @@ def rank_as_built(A: np.ndarray, length: float, as_built: float) -> tuple[int, f
 
 
 def violation(A: np.ndarray, tolerance: float) -> float:
-    """Largest violation of the spared rows (scaled), per radian or model length of a motion the kept rows leave free.
+    """Violation of the spared rows (scaled, norm), per radian or model length of a motion the kept rows leave free.
 
     Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
     """
@@ -173,8 +174,9 @@ def violation(A: np.ndarray, tolerance: float) -> float:
         return 0.0
     _, _, Vt = scipy.linalg.svd(A[spared] @ Z)
     motion = (Z @ Vt[0]).reshape(-1, 6)
-    size = np.abs(motion[:, 3:]).max() or np.abs(motion).max()
-    return float(np.abs(A[spared] @ motion.ravel()).max() / size)
+    turn, shift = np.linalg.norm(motion[:, 3:], axis=1).max(), np.linalg.norm(motion[:, :3], axis=1).max()
+    size = turn if turn > 1e-6 * shift else shift
+    return float(np.linalg.norm(A[spared] @ motion.ravel()) / size)
 
 
 def misfit_of_lock(A: np.ndarray, rank: int, length: float) -> float:
@@ -191,10 +193,10 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     start = State(start.t, start.q, start.v, start.z, driven_coordinates(compiled, start.t))
     data = compiled.data()
     load_state(compiled, data, start)
-    if largest(compiled, data.row["c"]) <= 1e-9:
+    if gap_size(compiled, data.row["c"]) <= 1e-9:
         return start, 0.0, None
-    pose, residual = newton(compiled, start, [], [], set())
-    if largest(compiled, residual) <= 1e-9:
+    pose, residual = close_pose(compiled, start, [], [], set())
+    if gap_size(compiled, residual) <= 1e-9:
         return pose, 0.0, None
     # joints that close loops get little weight, so that the gap stands there and not in every joint
     pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
@@ -205,11 +207,6 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
         text = f"locked: redundant joints miss each other by {gap:.6g} m at {part}, more than {as_built:g} m as built"
         return pose, gap, f"{text}; align them or replace one (see cures)"
     return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
-
-
-def largest(compiled: Compiled, residual: np.ndarray) -> float:
-    """Largest scaled residual."""
-    return float(np.abs(residual * compiled.model.row["scale"]).max(initial=0.0))
 
 
 def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:
@@ -234,14 +231,14 @@ def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:
         displace(model, data, trial)
         start = State(pose.t, trial[: 7 * model.body.size], pose.v, pose.z, pose.coordinates)
         moved, residual = newton(compiled, start, [], [], set())
-        if largest(compiled, residual) <= 1e-9:
+        if gap_size(compiled, residual) <= 1e-9:
             load_state(compiled, data, moved)
             ranks.append(rank_of(scaled_jacobian(model, dense_jacobian(model, data))))
     return ranks
 
 
 def joint_shares(compiled: Compiled, A: np.ndarray, N: np.ndarray) -> list[Share]:
-    """Joints with rows in redundant sets (rows of the projector N N' that are not zero), unique reactions told apart."""
+    """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart."""
     system, shares = compiled.system, []
     if not N.shape[1]:
         return shares

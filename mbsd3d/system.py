@@ -92,8 +92,8 @@ class System:
         for force in self.forces:
             if hasattr(force, "hinge") and id(force.hinge) not in joints:
                 raise ValueError(
-                    f"{type(force).__name__} '{self.name(force)}': its joint '{force.hinge.name}' is not in the system; "
-                    "add it to joints"
+                    f"{type(force).__name__} '{self.name(force)}': its joint '{force.hinge.name}' is not in the "
+                    "system; add it to joints"
                 )
         for joint in self.joints:
             if isinstance(joint, Coupling):

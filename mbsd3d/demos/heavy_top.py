@@ -75,7 +75,8 @@ def run(*, gyroscopic: bool = True) -> Outcome:
     settings: dict[str, Any] = {"rtol": 1e-12, "gyroscopic": gyroscopic}
     falling = simulate(falling_top(), 2.0, output=801, **settings)
     body = falling.system.bodies[0]
-    fall = simulate(falling.system, 1.0, stop_when=measures.velocity(body, axis=(0, 0, 1)) > 0.0, **settings)
+    rising = measures.velocity(body, axis=(0, 0, 1)) > 0.0
+    fall = simulate(falling.system, 1.0, state=falling.state(1), stop_when=rising, **settings)
     rates = steady_rates(TILT)
     steady = [simulate(top(TILT, rate), 2.0, output=201, **settings) for rate in rates]
     _, _, rate, m = nutation()

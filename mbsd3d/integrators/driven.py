@@ -1,4 +1,4 @@
-"""Fully driven systems: at every sample the pose follows from assembly, velocity and acceleration from linear solves."""
+"""Fully driven systems: at every sample the pose by assembly, velocity and acceleration by linear solves."""
 
 from dataclasses import dataclass
 

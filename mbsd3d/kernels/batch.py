@@ -24,7 +24,7 @@ def wrenches(m, d, times, states, lam, first, last, body, out):
 
 @kernel
 def body_residual(fixed, body, acceleration, out):
-    """out = residuals of m a_G = F [N], I_G alpha + w x I_G w = M_G [N m], and the sizes of both; body.Q holds F, M_O."""
+    """out = residuals of m a_G = F [N] and I_G alpha + w x I_G w = M_G [N m], sizes of both; body.Q holds F, M_O."""
     R, w, s = mat(body.R), vec(body.w), vec(body.s)
     r_ddot, alpha = pair(acceleration)
     a_G = add(r_ddot, add(cross(alpha, s), turning(w, s)))

@@ -1,0 +1,159 @@
+"""What check() says of doors, four-bars, loops that miss each other, and how the cures are verified."""
+
+import numpy as np
+import pytest
+
+from mbsd3d import (
+    GROUND,
+    Body,
+    PointOnLine,
+    Revolute,
+    Spherical,
+    System,
+    inertia,
+    rotation,
+    simulate,
+)
+from mbsd3d.rotations import matrix
+from validation import cases
+
+TILT = rotation((1.0, 2.0, -0.5), 0.4)
+R = matrix(TILT)
+
+
+def door(offset=0.0, built=True):
+    """A door on two hinges about a tilted axis; the upper one is out of line by ``offset`` [m].
+
+    built: the door's part of the hinge is off; else both parts are, so that it closes but its axes are not collinear.
+    """
+    out = R @ (offset, 0.0, 0.0)
+    leaf = Body("leaf", mass=20.0, inertia=inertia.box(20.0, (0.9, 0.04, 2.0)), com=(0.02, 0.01, -0.03),
+                position=R @ (0.45, 0.0, 1.0), orientation=TILT)  # fmt: skip
+    low, high, axis = R @ (0.0, 0.0, 0.2), R @ (0.0, 0.0, 1.8), R @ (0.0, 0.0, 1.0)
+    bottom = Revolute(GROUND, leaf, at=low, axis=axis, name="bottom")
+    top = Revolute(GROUND, leaf, at=high if built else high + out, at_b=high + out, axis=axis, name="top")
+    return System(bodies=[leaf], joints=[bottom, top])
+
+
+def test_door_numbers():
+    found = door().check()
+    assert (found.rows, found.rank, found.mobility, found.gruebler) == (10, 5, 1, -4)
+    assert found.verdict.startswith("redundant, consistent")
+    assert {share.joint for share in found.shares} == {"Revolute 'bottom'", "Revolute 'top'"}
+    assert not any(share.force_unique or share.moment_unique for share in found.shares)
+
+
+def test_door_cures_are_those_of_the_design_and_cure():
+    texts = [cure.text for cure in door().check().cures]
+    assert "remove 'bottom' (Revolute) (5 rows, all independent)" in texts
+    wanted = (("bottom", "PointOnLine"), ("top", "Spherical"))
+    assert wanted in [cure.replacements for cure in door().check().cures]
+    leaf = door().bodies[0]
+    low, high, axis = R @ (0.0, 0.0, 0.2), R @ (0.0, 0.0, 1.8), R @ (0.0, 0.0, 1.0)
+    cured = System(
+        bodies=[leaf], joints=[PointOnLine(GROUND, leaf, at=low, axis=axis), Spherical(GROUND, leaf, at=high)]
+    )
+    found = cured.check()
+    assert (found.rows, found.rank, found.mobility, found.redundant) == (5, 5, 1, 0)
+
+
+@pytest.mark.parametrize("name", ["door_two_hinges", "sarrus_linkage", "iftomm_A02_fourbar_N2", "iftomm_A03_andrews"])
+def test_every_cure_keeps_the_mobility_and_leaves_no_redundancy(name):
+    system = cases.load(name, 3).system
+    found = system.check()
+    assert found.cures
+    for cure in found.cures:
+        assert cure.rows_removed == found.redundant  # not one row more than the redundant ones is given up
+
+
+def test_net_wrench_is_unique_and_right_where_shares_are_not():
+    system = door()
+    solution = simulate(system, 0.5, rtol=1e-10)
+    top, net = solution.reaction("top"), solution.reaction("bottom", "top")
+    assert not top.unique and not solution.reaction("bottom").unique
+    assert net.unique
+    leaf = system.bodies[0]
+    # Newton: net force = m (a_G - g); a_G by the measured motion of the centre of mass
+    w, alpha, arm = solution.omega(leaf), solution.alpha(leaf), solution.com(leaf) - solution.position(leaf)
+    a_com = solution.acceleration(leaf) + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+    np.testing.assert_allclose(net.force, leaf.mass * (a_com - system.gravity), atol=1e-9)  # rounding of 200 N
+    summed = solution.reaction("bottom").force + solution.reaction("top").force
+    np.testing.assert_allclose(summed, net.force, atol=1e-9)  # shares of least norm still add up
+
+
+def test_reactions_of_independent_joints_are_unique():
+    system = cases.load("iftomm_rscr_slidercrank", 3).system
+    solution = simulate(system, 0.1)
+    assert all(solution.reaction(joint).unique for joint in system.joints)
+
+
+@pytest.mark.parametrize("built", [True, False])
+def test_one_micron_is_play_and_one_millimetre_locks(built):
+    fine, bad = door(1e-6, built).check(), door(1e-3, built).check()
+    assert fine.verdict.startswith("redundant within the as-built tolerance")
+    assert fine.mobility == 1
+    assert fine.misfit == pytest.approx(1e-6, rel=1e-3)  # second-order tilt of the door
+    assert bad.verdict.startswith("locked")
+    assert bad.mobility == 0
+    assert bad.misfit == pytest.approx(1e-3, rel=1e-3)
+
+
+def test_door_built_one_micron_out_swings_within_the_tolerance():
+    solution = simulate(door(1e-6), 0.5, as_built=1e-5)
+    assert np.ptp(solution.angle("bottom")) > 0.1
+    assert solution.drift().position.max() < 1e-5
+    assert solution.certificate.passed, solution.certificate.failures
+
+
+def open_loop(gap):
+    """Three links in a plane that reach 3 m of a span of 3 m + gap."""
+    bodies, joints, before = [], [], GROUND
+    for k in range(3):
+        body = Body(f"link {k}", mass=1.0, inertia=(0.1, 0.2, 0.2), com=(0.03, 0.01, 0.02), position=(k + 0.5, 0, 0))
+        joints.append(Revolute(before, body, at=(k, 0, 0), axis=(0, 0, 1), name=f"pin {k}"))
+        bodies.append(body)
+        before = body
+    joints.append(Revolute(GROUND, before, at=(3 + gap, 0, 0), at_b=(3, 0, 0), axis=(0, 0, 1), name="last pin"))
+    return System(bodies=bodies, joints=joints)
+
+
+def test_a_loop_that_cannot_close_names_gap_and_joint():
+    found = open_loop(2.0).check()
+    assert "cannot close: a gap of 2 m remains at Revolute 'last pin'" in found.verdict
+
+
+def test_a_loop_that_can_close_is_closed_before_it_is_judged():
+    found = open_loop(-0.5).check()
+    assert found.misfit == 0.0
+    assert (found.rank, found.mobility) == (17, 1)
+
+
+def test_bicycle_freedoms():
+    found = cases.load("bicycle_M1", 3).system.check()
+    assert (found.coordinates, found.velocities, found.configuration_freedom, found.velocity_freedom) == (28, 24, 7, 3)
+
+
+def test_singular_reference_pose_is_said():
+    """A parallelogram laid flat: all rods collinear, one rank less than a little away from it."""
+    raw = cases.read("eig_fourbar2_hanging")
+    system = cases.build(raw).system
+    flat = system.assemble(angles={"A0": np.pi / 2})
+    placed = [
+        Body(b.name, b.mass, b.inertia, position=flat.q[7 * i : 7 * i + 3], orientation=flat.q[7 * i + 3 : 7 * i + 7])
+        for i, b in enumerate(system.bodies)
+    ]
+    turned = {id(old): new for old, new in zip(system.bodies, placed, strict=True)}
+    where = {"A0": (0, 0), "A1": (1, 0), "A2": (2, 0), "B0l": (1, 0), "B0r": (2, 0), "B1l": (2, 0), "B1r": (3, 0)}
+    joints = [
+        Revolute(turned.get(id(j.a), j.a), turned.get(id(j.b), j.b), at=(*where[j.name], 0.0), axis=(0, 0, 1), name=j.name)
+        for j in system.joints
+    ]  # fmt: skip
+    found = System(bodies=placed, joints=joints, gravity=(0, -9.81, 0)).check()
+    assert found.rank == 27
+    assert max(found.neighbour_ranks, default=27) == 29 or "singular" in str(found)
+
+
+def test_report_reads():
+    text = str(door().check())
+    for piece in ("10 rows of rank 5", "mobility 1", "Gruebler count -4", "cure:", "indeterminate forces and moments"):
+        assert piece in text
