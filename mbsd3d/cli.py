@@ -90,25 +90,25 @@ out_option = click.option("--out", default="out", show_default=True, help="Folde
 @main.command()
 @click.argument("name", required=False)
 @click.option("--all", "everything", is_flag=True, help="Run all demos.")
-@click.option("--list", "listing", is_flag=True, help="List the demos (as without arguments).")
+@click.option("--list", "only_list", is_flag=True, help="List the demos (as without arguments).")
 @out_option
-def demo(name: str | None, everything: bool, listing: bool, out: str) -> None:
+def demo(name: str | None, everything: bool, only_list: bool, out: str) -> None:
     """Show an effect that exists only in space.
 
     Prints computed numbers beside their theory; figure and data go to --out.
     """
     from .demos.base import discover
-    from .demos.report import report, write
+    from .demos.report import listing, report, write
 
     demos = discover()
     for broken, reason in demos.broken.items():
         click.echo(f"mbsd3d: demo '{broken}' of {reason}", err=True)
     key = name and name.replace("-", "_")
-    if key and (everything or listing):
+    if key and (everything or only_list):
         raise Failure(f"a name ('{name}') and --all or --list exclude each other; give one")
     if key and key not in demos:
         raise Failure(f"there is no demo '{name}'; there are {', '.join(demos)}")
-    if listing or not (key or everything):
+    if only_list or not (key or everything):
         width = max(map(len, demos))
         click.echo("\n".join(f"{demo.name:{width}}  {demo.title}" for demo in demos.values()))
         return
@@ -116,19 +116,11 @@ def demo(name: str | None, everything: bool, listing: bool, out: str) -> None:
     for shown in demos.values() if everything else [demos[key]]:
         outcome = shown.run()
         click.echo(report(shown, outcome))
-        click.echo(f"  written  {' '.join(str(path) for path in summary(write(shown, outcome, folder)))}\n")
+        click.echo(f"{listing(write(shown, outcome, folder))}\n")
         failed += [] if outcome.passed else [shown.name]
     if failed:
         click.echo(f"mbsd3d: theory is not met by {', '.join(failed)}", err=True)
         raise click.exceptions.Exit(1)
-
-
-def summary(paths: list[Path]) -> list[str]:
-    """Paths without repetition: one entry per stem, with all its suffixes."""
-    stems: dict[Path, list[str]] = {}
-    for path in paths:
-        stems.setdefault(path.with_suffix(""), []).append(path.suffix)
-    return [f"{stem}{'|'.join(suffixes)}" for stem, suffixes in stems.items()]
 
 
 @main.command()

@@ -140,7 +140,7 @@ def test_fast_heavy_top_at_two_seconds(shift):
 
 def test_ablation_the_top_sees_one_per_cent_of_its_moment():
     raw = cases.read("heavy_top_fast")
-    inertia = np.array(raw["bodies"][0]["inertia"]) * [1.0, 1.01, 1.0]
+    inertia = np.array(raw["bodies"][0]["inertia"]) * [1.0, 0.99, 1.0]
     case = cases.build({**raw, "bodies": [{**raw["bodies"][0], "inertia": inertia}]})
     comparison = cases.compare(case, simulate(case.system, 2.0, rtol=1e-12, output=case.times))
     assert comparison.scaled_error > 100 * 1e-9

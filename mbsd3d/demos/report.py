@@ -44,7 +44,18 @@ def write(demo: Demo, outcome: Outcome, folder: Path) -> list[Path]:
     """
     from ..plots import save_figure
 
+    outcome.figure.get_layout_engine().execute(outcome.figure)
+    outcome.figure.set_layout_engine("none")  # placed once, not again for each format
     written = save_figure(outcome.figure, folder / demo.name)
     for name, solution in outcome.solutions.items():
         written += [solution.save(folder / name), solution.to_csv(folder / name)]
     return written
+
+
+def listing(paths: list[Path]) -> str:
+    """The files of a demo, the suffixes of one stem together."""
+    stems: dict[Path, list[str]] = {}
+    for path in paths:
+        stems.setdefault(path.with_suffix(""), []).append(path.suffix)
+    text = ", ".join(f"{stem}{'|'.join(suffixes)}" for stem, suffixes in stems.items())
+    return textwrap.fill(text, WIDTH, initial_indent="  written ", subsequent_indent=" " * 10, break_on_hyphens=False)

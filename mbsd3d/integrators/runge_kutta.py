@@ -211,7 +211,7 @@ def end_of_step(table, run):
 def step(m, d, s, table, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     n = table.c.shape[0]
-    rejected, passed = False, False
+    rejected = False
     while True:
         t_new, h = end_of_step(table, run)
         if h < run.clock[MIN_STEP]:
@@ -254,11 +254,12 @@ def step(m, d, s, table, run):
     if table.steps == 0:
         factor = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error ** (-1.0 / table.order)))
         run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
+    was_near = run.count[ON_MANIFOLD] == 1
     if not rows_hold(m, d, s, run):
         return CHOOSE_ROWS
     if run.clock[SMALLEST] >= NEARLY_SINGULAR:
         run.clock[NORMAL_STEP] = h
-    return PASSED if passed else RUNNING
+    return PASSED if was_near and run.count[ON_MANIFOLD] == 0 else RUNNING
 
 
 @kernel
