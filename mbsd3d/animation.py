@@ -13,7 +13,8 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from .joints import Joint, RollingDisc
+from .contacts import RollingDisc
+from .joints import Joint
 from .parts import GROUND, Body, number
 from .rotations import matrix
 from .state import State

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from . import drivers, forces, joints, signals
+from . import contacts, couplings, drivers, forces, joints, signals
 from .forces import ForceElement
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
@@ -37,6 +37,8 @@ def own_types() -> dict[str, type]:
     found: dict[str, type] = {}
     for module, base, content in (
         (joints, Joint, "rows"),
+        (couplings, Joint, "rows"),
+        (contacts, Joint, "rows"),
         (drivers, Joint, "rows"),
         (forces, ForceElement, "record"),
         (signals, Signal, "terms"),

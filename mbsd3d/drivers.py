@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from .joints import Coupling, Joint, coordinate_of, unit
+from .couplings import Coupling
+from .joints import Joint, coordinate_of, unit
 from .kernels import kinds
 from .parts import GROUND, Body, vector
 from .primitives import ZERO, Primitive, in_plane, ratio

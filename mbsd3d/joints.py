@@ -4,15 +4,14 @@ Every joint connects body ``a`` to body ``b``; points and axes are in world coor
 ``at_b``, ``axis_b`` say where the part on ``b`` really is, where it was built differently.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from .kernels import kinds
-from .parts import GROUND, Body, Ground, number, vector
-from .primitives import ZERO, Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
+from .parts import Body, Ground, number, vector
+from .primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 
 
 def unit(value: Any, what: str) -> np.ndarray:
@@ -72,6 +71,14 @@ class Joint:
     def point(self) -> np.ndarray:
         """Point of body b at which the reaction is given (world, reference pose)."""
         return self.b.position
+
+    def reaction_points(self, solution: Any) -> np.ndarray:
+        """(samples, 3) world points at which the reaction is given: `point`, carried by body b."""
+        return solution.body_point(self.b, self.point())
+
+    def partners(self) -> list["Joint"]:
+        """Other joints that this one acts through; they must be in the system too."""
+        return []
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,150 +370,3 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
         raise ValueError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
     return found
-
-
-@dataclass(frozen=True, eq=False)
-class Coupling(Joint):
-    """Row on the coordinates of other joints; a and b are those of the joint it acts through."""
-
-    def through(self) -> Joint:
-        """The joint whose bodies carry the reaction."""
-        raise NotImplementedError
-
-    @property
-    def a(self) -> Any:
-        """Body a of the joint it acts through."""
-        return self.through().a
-
-    @property
-    def b(self) -> Any:
-        """Body b of the joint it acts through."""
-        return self.through().b
-
-    def point(self) -> np.ndarray:
-        return self.through().point()
-
-
-@dataclass(frozen=True, eq=False)
-class Gear(Coupling):
-    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
-
-    hinge_a: Joint
-    hinge_b: Joint
-    ratio: float = field(kw_only=True)
-
-    def through(self) -> Joint:
-        return self.hinge_b
-
-    def check(self, what: str) -> None:
-        for hinge in (self.hinge_a, self.hinge_b):
-            coordinate_of(hinge, "angle", what)
-        if self.hinge_a is self.hinge_b:
-            raise ValueError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
-        self.set(ratio=number(self.ratio, f"{what}: ratio"))
-        if self.ratio == 0.0:
-            raise ValueError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
-
-    def rows(self) -> list[Primitive]:
-        return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
-
-
-@dataclass(frozen=True, eq=False)
-class RackPinion(Coupling):
-    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0."""
-
-    pinion: Joint
-    rack: Joint
-    radius: float = field(kw_only=True)
-
-    def through(self) -> Joint:
-        return self.rack
-
-    def check(self, what: str) -> None:
-        coordinate_of(self.pinion, "angle", what)
-        coordinate_of(self.rack, "slide", what)
-        self.set(radius=number(self.radius, f"{what}: radius"))
-
-    def rows(self) -> list[Primitive]:
-        return [ratio(self.pinion.angle(), -self.radius, self.rack.slide(), 1.0, in_metres=True)]
-
-
-@dataclass(frozen=True, eq=False)
-class KnifeEdge(PointJoint):
-    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row)."""
-
-    lateral: Any = field(kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set(lateral=unit(self.lateral, f"{what}: lateral"))
-
-    def rows(self) -> list[Primitive]:
-        return [Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))]
-
-
-@dataclass(frozen=True, eq=False)
-class RollingDisc(Joint):
-    """A disc of body b rolls without slip on a plane of body a (1 holonomic and 2 nonholonomic rows).
-
-    Parameters
-    ----------
-    axis : (3,) array_like
-        Axis of the disc, world at the reference pose.
-    radius : float
-        Outer radius [m] > 0.
-    crown : float
-        Radius of the rounded rim [m], 0 <= crown <= radius; 0 is a knife edge.
-    centre : (3,) array_like or None
-        Centre of the disc, world [m]; None = centre of mass of the body.
-    plane : (point, normal) or None
-        Plane fixed in a, world at the reference pose; None = z = 0.
-    """
-
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
-    radius: float = field(kw_only=True)
-    crown: float = field(default=0.0, kw_only=True)
-    centre: Any = field(default=None, kw_only=True)
-    plane: Sequence | None = field(default=None, kw_only=True)
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        if self.b is GROUND:
-            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
-        radius = number(self.radius, f"{what}: radius", positive=True)
-        crown = number(self.crown, f"{what}: crown", minimum=0.0)
-        if crown > radius:
-            raise ValueError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
-        at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
-        plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
-        axis = unit(self.axis, f"{what}: axis")
-        if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
-            raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
-        self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=self.find_centre(what))
-
-    def find_centre(self, what: str) -> np.ndarray:
-        """The centre in world coordinates at the reference pose."""
-        if self.centre is not None:
-            return vector(self.centre, f"{what}: centre")
-        from .rotations import matrix
-
-        return self.b.position + matrix(self.b.orientation) @ self.b.com
-
-    def point(self) -> np.ndarray:
-        """The contact point at the reference pose (it travels over both bodies)."""
-        normal = self.plane[1]
-        lean = normal @ self.axis
-        down = -(normal - lean * self.axis) / np.sqrt(1.0 - lean**2)
-        return self.centre + (self.radius - self.crown) * down - self.crown * normal
-
-    def rows(self) -> list[Primitive]:
-        at, normal = self.plane
-        along = perpendiculars(normal)[0]
-        return [
-            Primitive(
-                kinds.ROLL, (self.a, self.b), points=(at, self.centre), axes=(normal, self.axis),
-                second_axes=(along, ZERO), values=(self.radius, self.crown),
-            )
-        ]  # fmt: skip

@@ -9,7 +9,6 @@ import numpy as np
 
 from .certificate import Certificate, certify, estimate
 from .drivers import Driver
-from .joints import RollingDisc
 from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
@@ -142,20 +141,25 @@ class Solution:
         a, b = (None if body is GROUND else body for body in (part.a, part.b))
         w_a = self.omega(a) if a else np.zeros((self.t.size, 3))
         if part.angle() is not None:
-            axis = self._world_axis(part.a, part.angle().axis)
+            axis = self.body_axis(part.a, part.angle().axis)
             return np.einsum("ti,ti->t", axis, (self.omega(b) if b else 0.0) - w_a)
         x = part.slide()
         if x is None:
             raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
-        axis = self._world_axis(part.a, x.axis)
+        axis = self.body_axis(part.a, x.axis)
         p_b, v_b = self._point_motion(part.b, x.point_b)
         v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def _world_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
+    def body_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
+        """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(axis, (self.t.size, 3))
         return self.rotation(body) @ body.local_axis(axis)
+
+    def body_point(self, body: Any, point: np.ndarray) -> np.ndarray:
+        """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
+        return self._point_motion(body, point)[0]
 
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
@@ -194,20 +198,10 @@ class Solution:
             rows = self.compiled.rows[id(part)]
             wrenches(self.compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
             total += one
-        point = self._reaction_point(parts[0])
+        point = parts[0].reaction_points(self)
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
         return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
-
-    def _reaction_point(self, joint: Any) -> np.ndarray:
-        """World point the reaction is given at: fixed in b, or the contact point of a rolling disc."""
-        if not isinstance(joint, RollingDisc):
-            return self._point_motion(joint.b, joint.point())[0]
-        centre, axis = self._point_motion(joint.b, joint.centre)[0], self._world_axis(joint.b, joint.axis)
-        normal = self._world_axis(joint.a, joint.plane[1])
-        lean = np.einsum("ti,ti->t", normal, axis)[:, None]
-        down = -(normal - lean * axis) / np.sqrt(1.0 - lean**2)
-        return centre + (joint.radius - joint.crown) * down - joint.crown * normal
 
     def effort(self, driver: Any) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .forces import ForceElement
-from .joints import Coupling, Gear, Joint, RackPinion
+from .joints import Joint
 from .parts import GROUND, Body, vector
 from .state import State
 
@@ -96,15 +96,12 @@ class System:
                     "system; add it to joints"
                 )
         for joint in self.joints:
-            if isinstance(joint, Coupling):
-                pair = {Gear: ("hinge_a", "hinge_b"), RackPinion: ("pinion", "rack")}.get(type(joint))
-                used = [getattr(joint, key) for key in pair] if pair else [joint.through()]
-                for other in used:
-                    if id(other) not in joints:
-                        raise ValueError(
-                            f"{type(joint).__name__} '{self.name(joint)}': its joint '{other.name}' is not in the "
-                            "system; add it to joints"
-                        )
+            for other in joint.partners():
+                if id(other) not in joints:
+                    raise ValueError(
+                        f"{type(joint).__name__} '{self.name(joint)}': its joint '{other.name}' is not in the "
+                        "system; add it to joints"
+                    )
 
     def name(self, part: Any) -> str:
         """Name of a part of this system."""

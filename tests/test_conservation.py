@@ -127,7 +127,7 @@ def test_bricard_conserves_energy_and_keeps_its_row_set():
     energy = solution.energy()
     # 100 rtol of the energy exchanged over eight hundred steps
     assert np.abs(energy.total - energy.total[0]).max() < 1e-7 * np.ptp(energy.potential)
-    assert solution.certificate.rank_events == ()
+    assert not any(changed for *_, changed in solution.certificate.rank_events)
 
 
 @pytest.mark.parametrize("shift", [None, 7, 8])

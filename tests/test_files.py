@@ -228,7 +228,7 @@ def test_arrays_that_do_not_fit_the_system_are_refused(stored):
 
 
 def test_every_public_part_can_be_written():
-    homes = ("parts", "joints", "drivers", "forces", "signals", "integrators")
+    homes = ("parts", "joints", "couplings", "contacts", "drivers", "forces", "signals", "integrators")
     public = [getattr(mbsd3d, name) for name in mbsd3d.__all__]
     parts = [kind for kind in public if isinstance(kind, type) and kind.__module__.split(".")[1] in homes]
     abstract = {"Joint", "Driver", "Signal"}

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from ..animation import COLOURS
 
@@ -103,4 +104,11 @@ def spectrum_bars(axes: Any, orders: Sequence[int], groups: Sequence[tuple[str, 
         if k == 0:
             theory_dots(axes, place + shift, theory, label="theory", zorder=5)
     axes.set_yscale("log")
+    plain_decades(axes, ":g")
     axes.set_xticks(place, [f"{order}x" for order in orders])
+
+
+def plain_decades(axes: Any, form: str) -> None:
+    """Numbers on a logarithmic axis as plain text, whole decades only: raised exponents take long to typeset."""
+    axes.yaxis.set_major_formatter(f"{{x{form}}}")
+    axes.yaxis.set_minor_formatter(NullFormatter())

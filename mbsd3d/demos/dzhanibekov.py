@@ -145,7 +145,7 @@ def draw(runs: list[Solution], times: np.ndarray) -> Any:
         sphere.plot(*path[:1].T, "o", color=COLOURS[k])
         sphere.text(*path[0], f"   axis {k + 1}", color=COLOURS[k], fontsize=9)
         tilts.plot(solution.t, tilt(solution, k), line, color=COLOURS[k], label=f"{name} moment", linewidth=1.5)
-    space(sphere, [f"$L_{k}/L$ [-]" for k in (1, 2, 3)])
+    space(sphere, [f"L{k} / L [-]" for k in (1, 2, 3)])
     tilts.set(xlabel="time [s]", ylabel="spin axis to angular momentum [°]", yticks=np.arange(0, 181, 45))
     legend_below(spin, 2)
     legend_below(tilts, 2)

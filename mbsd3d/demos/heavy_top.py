@@ -123,8 +123,8 @@ demo = Demo(
     title="heavy top: a falling weight that turns aside",
     why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall; in space its "
     "moment turns the spin axis sideways.",
-    source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137, its values at 2 s by a Taylor series in "
-    "80 bits; fall: energy and the two conserved momenta, elliptic functions; steady: A W^2 cos(tilt) - C w3 W + m g l = 0",
+    source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137, values at 2 s by Taylor series in 80 "
+    "bits; fall: energy and two momenta, elliptic functions; steady: A W^2 cos(tilt) - C w3 W + m g l = 0",
     run=run,
     ablation=MappingProxyType({"gyroscopic": False}),
 )

@@ -12,7 +12,7 @@ from mbsd3d.rotations import H
 
 from . import crank
 from .base import Demo, Outcome, Row
-from .drawing import every, legend_below, new_figure, theory_dots
+from .drawing import every, legend_below, new_figure, plain_decades, theory_dots
 
 TURN = 2 * np.pi  # rad/s: one revolution per second
 MOMENTS, SPIN = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])  # of the free body [kg m^2, rad/s]
@@ -140,7 +140,7 @@ def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solut
     titles = ("which check of the certificate sees it", "gap of a hinge at one turn per second", "quaternion, one turn")
     figure, (table, gaps, turn) = new_figure("The wall: what each dropped term breaks", titles, (1.25, 1.0, 1.0))
     draw_table(table, tops)
-    gaps.plot(flying.t[1:], hinge_gap(flying)[1:], color=COLOURS[1], label="no $-\\dot J v$")
+    gaps.plot(flying.t[1:], hinge_gap(flying)[1:], color=COLOURS[1], label="no -J_dot v")
     some = every(flying.t.size, 13)
     theory_dots(gaps, flying.t[some][1:], drifted(flying.t[some])[1:])
     names = {"none": "no stabilisation", "baumgarte": "Baumgarte", "projection": "projection"}
@@ -149,14 +149,15 @@ def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solut
     theory_dots(gaps, flying.t[some], np.full(some.size, GAP), None)
     theory_dots(gaps, flying.t[some], closing(flying.t[some]), None)
     gaps.set(yscale="log", ylim=(1e-19, 10), xlabel="time [s]", ylabel="gap [m]")
+    plain_decades(gaps, ":.0e")
     time = np.linspace(0.0, 1.0, STEPS + 1)
     turn.plot(time, 360 * time, color=GREY, linestyle="--", label="true angle")
-    turn.plot(time, rotation_angle(e), color=COLOURS[0], label="angle without $\\dot H$")
+    turn.plot(time, rotation_angle(e), color=COLOURS[0], label="angle without H_dot")
     some = every(time.size, 13)
     theory_dots(turn, time[some], ghost_angle(time[some]))
     turn.set(xlabel="time [s]", ylabel="rotation angle [°]", ylim=(0, 400), yticks=np.arange(0, 361, 90))
     length = turn.twinx()
-    length.plot(time, np.linalg.norm(e, axis=1), color=COLOURS[1], label="|e| without $\\dot H$")
+    length.plot(time, np.linalg.norm(e, axis=1), color=COLOURS[1], label="|e| without H_dot")
     theory_dots(length, time[some], np.hypot(1, np.pi * time[some]), None)
     length.set(ylim=(0, 4))
     length.set_ylabel("|e| [-], 1 for a rotation", color=COLOURS[1])
@@ -171,7 +172,7 @@ def draw_table(axes: Any, tops: dict[str, Solution]) -> None:
     certificates = {name: solution.certificate for name, solution in tops.items()}
     names = [check.name for check in certificates["all terms"].checks]
     labels = {"all terms": "all terms", "gyroscopic": "no w × I w", "centripetal": "no m w × (w × s)"}
-    labels |= {"gamma": "no $-\\dot J v$", "none": "no stabilisation", "baumgarte": "Baumgarte"}
+    labels |= {"gamma": "no -J_dot v", "none": "no stabilisation", "baumgarte": "Baumgarte"}
     for i, certificate in enumerate(certificates.values()):
         for j, check in enumerate(certificate.checks):
             tint = "#F6C6A8" if not check.passed else "#CFE5F2"

@@ -1,0 +1,100 @@
+"""Contacts without slip: knife edge and rolling disc."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .joints import Joint, PointJoint, perpendiculars, unit
+from .kernels import kinds
+from .parts import GROUND, number, vector
+from .primitives import ZERO, Primitive
+from .rotations import matrix
+
+
+@dataclass(frozen=True, eq=False)
+class KnifeEdge(PointJoint):
+    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row)."""
+
+    lateral: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(lateral=unit(self.lateral, f"{what}: lateral"))
+
+    def rows(self) -> list[Primitive]:
+        return [Primitive(kinds.NO_SIDESLIP, (self.a, self.b), points=(self.at, self.at_b), axes=(ZERO, self.lateral))]
+
+
+@dataclass(frozen=True, eq=False)
+class RollingDisc(Joint):
+    """A disc of body b rolls without slip on a plane of body a (1 holonomic and 2 nonholonomic rows).
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        Axis of the disc, world at the reference pose.
+    radius : float
+        Outer radius [m] > 0.
+    crown : float
+        Radius of the rounded rim [m], 0 <= crown <= radius; 0 is a knife edge.
+    centre : (3,) array_like or None
+        Centre of the disc, world [m]; None = centre of mass of the body.
+    plane : (point, normal) or None
+        Plane fixed in a, world at the reference pose; None = z = 0.
+    """
+
+    a: Any
+    b: Any
+    axis: Any = field(kw_only=True)
+    radius: float = field(kw_only=True)
+    crown: float = field(default=0.0, kw_only=True)
+    centre: Any = field(default=None, kw_only=True)
+    plane: Sequence | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        if self.b is GROUND:
+            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
+        radius = number(self.radius, f"{what}: radius", positive=True)
+        crown = number(self.crown, f"{what}: crown", minimum=0.0)
+        if crown > radius:
+            raise ValueError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
+        at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
+        plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
+        axis = unit(self.axis, f"{what}: axis")
+        if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
+            raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
+        self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=self.find_centre(what))
+
+    def find_centre(self, what: str) -> np.ndarray:
+        """The centre in world coordinates at the reference pose."""
+        if self.centre is not None:
+            return vector(self.centre, f"{what}: centre")
+        return self.b.position + matrix(self.b.orientation) @ self.b.com
+
+    def point(self) -> np.ndarray:
+        """The contact point at the reference pose (it travels over both bodies)."""
+        normal = self.plane[1]
+        lean = normal @ self.axis
+        down = -(normal - lean * self.axis) / np.sqrt(1.0 - lean**2)
+        return self.centre + (self.radius - self.crown) * down - self.crown * normal
+
+    def reaction_points(self, solution: Any) -> np.ndarray:
+        """(samples, 3) contact points: centre + (radius - crown) down - crown normal."""
+        centre, axis = solution.body_point(self.b, self.centre), solution.body_axis(self.b, self.axis)
+        normal = solution.body_axis(self.a, self.plane[1])
+        lean = np.einsum("ti,ti->t", normal, axis)[:, None]
+        down = -(normal - lean * axis) / np.sqrt(1.0 - lean**2)
+        return centre + (self.radius - self.crown) * down - self.crown * normal
+
+    def rows(self) -> list[Primitive]:
+        at, normal = self.plane
+        along = perpendiculars(normal)[0]
+        return [
+            Primitive(
+                kinds.ROLL, (self.a, self.b), points=(at, self.centre), axes=(normal, self.axis),
+                second_axes=(along, ZERO), values=(self.radius, self.crown),
+            )
+        ]  # fmt: skip
