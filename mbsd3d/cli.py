@@ -200,33 +200,20 @@ def warmup() -> None:
 
 def compile_all() -> None:
     """Run a pendulum through every method and every check: each kernel is called once."""
-    from . import (
-        DOP853,
-        GROUND,
-        RK4,
-        AngleDriver,
-        Body,
-        Kinematic,
-        Ramp,
-        Revolute,
-        System,
-        accelerations,
-        measures,
-        simulate,
-    )
+    import mbsd3d as m
 
-    arm = Body("arm", 1.0, (0.1, 0.2, 0.2), position=(0.5, 0, 0))
-    hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0))
-    driver = AngleDriver(hinge, Ramp(1.0))
-    free, driven = System([arm], [hinge]), System([arm], [hinge, driver])
-    free.assemble(measures={measures.position(arm, axis=(0, 0, 1)): -0.05})
+    arm = m.Body("arm", 1.0, (0.1, 0.2, 0.2), position=(0.5, 0, 0))
+    hinge = m.Revolute(m.GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0))
+    driver = m.AngleDriver(hinge, m.Ramp(1.0))
+    free, driven = m.System([arm], [hinge]), m.System([arm], [hinge, driver])
+    free.assemble(measures={m.measures.position(arm, axis=(0, 0, 1)): -0.05})
     free.check()
-    for system, method in ((free, DOP853()), (free, RK4(1e-3)), (driven, Kinematic())):
-        stop = measures.rate(hinge) > 1e3 if system is free else None
-        solution = simulate(system, 1e-2, method=method, stop_when=stop)
+    for system, method in ((free, m.DOP853()), (free, m.RK4(1e-3)), (driven, m.Kinematic())):
+        stop = m.measures.rate(hinge) > 1e3 if system is free else None
+        solution = m.simulate(system, 1e-2, method=method, stop_when=stop)
         str(solution.certificate)
         solution.reaction(hinge)
-    accelerations(driven).effort(driver)
+    m.accelerations(driven).effort(driver)
 
 
 @main.command()

@@ -186,7 +186,7 @@ def outputs(m, d, s, table, run, t_new, h):
             run.clock[T] = t_last
             return STOPPED
     if inside or run.count[CONDITION] >= 0:
-        arrive(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
+        evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     wanted = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] <= t_new
     if wanted or run.count[EVERY] == 1:
         write(m, d, run, t_new, run.trial)

@@ -1,0 +1,290 @@
+"""The command line: what it prints and writes, its exit codes, and one line for everything a user can get wrong."""
+
+import re
+import signal
+import subprocess
+import sys
+import time
+import types
+from importlib import metadata
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import mbsd3d
+from mbsd3d.cli import main
+from mbsd3d.demos.base import Demo, Outcome, Row
+
+PENDULUM = """
+from mbsd3d import GROUND, Body, Revolute, System
+
+def build():
+    bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0, 0.6, -0.8), orientation=(1, 0, 0, 0))
+    return System([bob], [Revolute(GROUND, bob, at=(0, 0, 0), axis=(1, 0, 0), name="hinge")])
+"""
+
+DOOR = """
+from mbsd3d import GROUND, Body, Revolute, System
+
+def build():
+    door = Body("door", 20.0, (8.0, 9.0, 1.5), position=(0.45, 0, 1))
+    low = Revolute(GROUND, door, at=(0, 0, 0.2), axis=(0, 0, 1), name="low")
+    up = Revolute(GROUND, door, at=(0, 0, 1.8), at_b=({offset}, 0, 1.8), axis=(0, 0, 1), name="up")
+    return System([door], [low, up])
+"""
+
+BEYOND_REACH = """
+from mbsd3d import GROUND, Body, Distance, Prismatic, Ramp, Revolute, SlideDriver, System
+
+def build():
+    arm = Body("arm", 1.0, (0.1, 0.1, 0.1), position=(0, 0, 0.5))
+    cart = Body("cart", 1.0, (0.1, 0.1, 0.1), position=(1, 0, 0))
+    rail = Prismatic(GROUND, cart, at=(1, 0, 0), axis=(1, 0, 0), name="rail")
+    joints = [
+        Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0)),
+        rail,
+        Distance(arm, cart, at_a=(0, 0, 1), at_b=(1, 0, 0), name="rod"),
+        SlideDriver(rail, Ramp(1.0)),
+    ]
+    return System([arm, cart], joints, gravity=(0, 0, 0))
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def call(*arguments):
+    """Run a command in this process; expected errors never show a traceback."""
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments], prog_name="mbsd3d")
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert "Traceback" not in result.output
+    return result
+
+
+def model(folder, text, name="model.py"):
+    """Write a model file; its name."""
+    (folder / name).write_text(text)
+    return name
+
+
+def process(*arguments):
+    """A process of its own."""
+    code = "from mbsd3d.cli import main; main(prog_name='mbsd3d')"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_help_names_the_commands():
+    result = call("--help")
+    assert result.exit_code == 0
+    for name in ("check", "demo", "run", "version", "warmup"):
+        assert re.search(rf"^  {name} ", result.stdout, re.MULTILINE)
+
+
+def test_help_comes_at_once():
+    times = []
+    for _ in range(3):
+        began = time.perf_counter()
+        running = process("--help")
+        assert "Usage: mbsd3d" in running.communicate(timeout=30)[0] and running.returncode == 0
+        times.append(time.perf_counter() - began)
+    assert min(times) < 0.6  # 0.1 s on a free machine
+
+
+def test_version_and_warmup():
+    assert call("version").stdout == f"mbsd3d {mbsd3d.__version__}\n"
+    assert re.fullmatch(r"all kernels are compiled \(\d+\.\d s\)\n", call("warmup").stdout)
+
+
+@pytest.mark.parametrize("arguments", [(), ("--list",)])
+def test_demos_are_listed_in_one_line_each(arguments):
+    lines = call("demo", *arguments).stdout.splitlines()
+    assert [line.split()[0] for line in lines] == ["cardan", "crank", "door", "dzhanibekov", "heavy_top", "wall"]
+
+
+def test_a_demo_prints_its_table_and_writes_figure_and_data(folder):
+    result = call("demo", "heavy-top", "--out", "results/today")
+    assert result.exit_code == 0
+    assert re.search(r"quantity +\| +computed \| +theory \| +error", result.stdout)
+    assert re.search(r"^  why ", result.stdout, re.MULTILINE) and re.search(r"^  source ", result.stdout, re.MULTILINE)
+    written = {path.name for path in (folder / "results" / "today").iterdir()}
+    assert {f"heavy_top{suffix}" for suffix in (".png", ".svg", ".npz", ".csv")} <= written
+    assert "results/today/heavy_top.png" in result.stdout and str(folder) not in result.stdout
+
+
+def test_run_writes_everything_and_prints_the_certificate(folder):
+    result = call("run", model(folder, PENDULUM), "--t-end", 1.0, "--output", 11)
+    assert result.exit_code == 0 and "passed: DOP853" in result.stdout
+    assert {path.name for path in (folder / "out").iterdir()} == {f"model.{k}" for k in ("npz", "csv", "png", "svg")}
+    solution = mbsd3d.load("out/model.npz")
+    assert solution.t.size == 11 and solution.t[-1] == 1.0
+
+
+def test_run_with_a_certificate_that_fails(folder, monkeypatch):
+    from mbsd3d import simulation
+
+    whole = simulation.simulate
+    monkeypatch.setattr(simulation, "simulate", lambda *args, **options: whole(*args, centripetal=False, **options))
+    text = PENDULUM.replace("position=(0, 0.6, -0.8)", "com=(0, 0.6, -0.8)")
+    result = call("run", model(folder, text), "--t-end", 1.0)
+    assert result.exit_code == 1 and "FAILED" in result.stdout and (folder / "out" / "model.npz").exists()
+
+
+def test_a_run_that_breaks_off_keeps_what_it_has(folder):
+    result = call("run", model(folder, BEYOND_REACH), "--t-end", 5.0)
+    assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
+    assert re.search(r"^out/model.npz: \d+ samples up to t = ", result.stdout)
+    assert 0.1 < mbsd3d.load("out/model.npz").t[-1] < 5.0
+
+
+def test_ctrl_c_keeps_what_was_computed(folder):
+    mbsd3d.simulate(mbsd3d.System([mbsd3d.Body("warm", 1.0, (1, 1, 1))]), 0.01)  # kernels are on disk now
+    file = model(folder, PENDULUM.replace("    return", "    print('ready', flush=True)\n    return"))
+    running = process("run", file, "--t-end", 1e7, "--output", 1_000_000, "--out", "kept")
+    assert running.stdout.readline() == "ready\n"
+    time.sleep(3.0)
+    running.send_signal(signal.SIGINT)
+    began = time.perf_counter()
+    out, err = running.communicate(timeout=30)
+    assert time.perf_counter() - began < 1.5  # 0.2 s on a free machine
+    assert running.returncode == 130 and "interrupted at t = " in err and "Traceback" not in err
+    assert re.search(r"^kept/model.npz: \d+ samples up to t = ", out)
+    assert mbsd3d.load(folder / "kept" / "model.npz").t.size > 1
+
+
+def test_check_reports_a_redundant_door(folder):
+    result = call("check", model(folder, DOOR.replace("{offset}", "0")))
+    assert result.exit_code == 0 and "redundant" in result.stdout and "10 rows of rank 5" in result.stdout
+
+
+@pytest.mark.parametrize(("offset", "verdict"), [("0.001", "locked"), ("0.3", "cannot close")])
+def test_check_says_what_cannot_move(folder, offset, verdict):
+    result = call("check", model(folder, DOOR.replace("{offset}", offset)))
+    assert result.exit_code == 1 and result.stdout.startswith(verdict)
+
+
+BAD_FILES = {
+    "syntax": ("def build(:\n", r"'models/bad.py', line 1: .*; correct the file"),
+    "null bytes": ("x = 1\0\n", r"'models/bad.py'.*null bytes"),
+    "no build": ("x = 1\n", r"'models/bad.py' has no function build\(\)"),
+    "build is a number": ("build = 3\n", r"has no function build\(\)"),
+    "returns nothing": ("def build():\n    pass\n", r"build\(\) returned NoneType, not a System"),
+    "wants arguments": ("def build(a):\n    pass\n", r"TypeError: build\(\) missing 1 required"),
+    "fails": ("def build():\n    return 1 / 0\n", r"'models/bad.py', line 2: ZeroDivisionError: division by zero"),
+    "missing import": ("import no_such_package\n", r"line 1: ModuleNotFoundError: No module named 'no_such_package'"),
+    "leaves": ("import sys\nsys.exit('bye')\n", r"line 2: SystemExit: bye"),
+    "bad part": (PENDULUM.replace("mass=1.0", "mass=-1.0"), r"line 5: body 'bob': mass: -1.0 is below 0.0"),
+    "open loop": (
+        DOOR.replace("{offset}", "0.3").replace("return ", "system = ") + "    system.state()\n    return system\n",
+        r"line 9: the reference pose does not close",
+    ),
+}
+
+
+@pytest.mark.parametrize("command", [("check",), ("run", "--t-end", "1")])
+@pytest.mark.parametrize("kind", BAD_FILES)
+def test_a_bad_file_is_one_line(folder, command, kind):
+    text, message = BAD_FILES[kind]
+    (folder / "models").mkdir()
+    result = call(*command, model(folder, text, "models/bad.py"))
+    expect_one_line(result, message)
+    assert str(folder) not in result.stderr and not (folder / "models" / "__pycache__").exists()
+
+
+def expect_one_line(result, message):
+    """Exit code 2 and one line on stderr that matches."""
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1 and result.stderr.startswith("mbsd3d: ")
+    assert re.search(message, result.stderr), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("check", "absent.py"), "'absent.py': No such file or directory; give a Python file with build"),
+        (("check", "."), "'.': Is a directory"),
+        (("run", "absent.py", "--t-end", 1), "'absent.py': No such file"),
+        (("run", "model.py", "--t-end", 0), "t_end = 0 s does not lie after the start"),
+        (("run", "model.py", "--t-end", "nan"), "t_end: not finite"),
+        (("run", "model.py", "--t-end", 1, "--rtol", 2), "rtol 2 is outside"),
+        (("run", "model.py", "--t-end", 1, "--output", 1), "output = 1 samples"),
+        (("run", "model.py", "--t-end", 1, "--out", "model.py"), "--out 'model.py' cannot be written: File exists"),
+        (("run", "model.py", "--t-end", 1, "--out", "model.py/x"), "cannot be written: Not a directory"),
+        (("demo", "cardan", "--out", "model.py"), "--out 'model.py' cannot be written"),
+        (("demo", "unknown"), "there is no demo 'unknown'; there are cardan, crank"),
+        (("demo", "cardan", "--all"), "exclude each other"),
+    ],
+)
+def test_bad_arguments_are_one_line(folder, arguments, message):
+    model(folder, PENDULUM)
+    expect_one_line(call(*arguments), message)
+
+
+def test_a_file_can_import_its_neighbours(folder):
+    (folder / "models").mkdir()
+    model(folder, "MASS = 3.0\n", "models/masses_of_test.py")
+    text = "from masses_of_test import MASS\n" + PENDULUM.replace("mass=1.0", "mass=MASS")
+    before = list(sys.path), set(sys.modules)
+    assert call("check", model(folder, text, "models/heavy.py")).exit_code == 0
+    assert sys.path == before[0] and not {name for name in sys.modules if "heavy" in name} - before[1]
+
+
+@pytest.fixture
+def plugins(monkeypatch):
+    """Entry points of another package: a command that works, broken ones, and a demo that fails its theory."""
+    module = types.ModuleType("plugin_commands")
+
+    @click.command(short_help="Say hello.")
+    def hello():
+        click.echo("hello")
+
+    @click.command()
+    def refuse():
+        raise ValueError("wheel 'front':\n radius is 0")
+
+    def failing():
+        from matplotlib.figure import Figure
+
+        figure = Figure(layout="constrained")
+        figure.subplots()
+        return Outcome((Row("one", 2.0, 1.0, 1e-9),), figure, {})
+
+    module.hello, module.refuse, module.wrong, module.run = hello, refuse, 3, hello
+    module.failing = Demo("failing", "fails", "Why.", "source", failing)
+    monkeypatch.setitem(sys.modules, "plugin_commands", module)
+    names = {"hello": "plugin_commands:hello", "refuse": "plugin_commands:refuse", "wrong": "plugin_commands:wrong",
+             "lost": "no_such_package:command", "run": "plugin_commands:run"}  # fmt: skip
+    groups = {
+        "mbsd3d.commands": [metadata.EntryPoint(name, value, "mbsd3d.commands") for name, value in names.items()],
+        "mbsd3d.demos": [
+            metadata.EntryPoint("failing", "plugin_commands:failing", "mbsd3d.demos"),
+            metadata.EntryPoint("lost", "no_such_package:demo", "mbsd3d.demos"),
+        ],
+    }
+    monkeypatch.setattr(metadata, "entry_points", lambda group: groups.get(group, []))
+
+
+def test_commands_of_other_packages_join(plugins):
+    assert call("hello").stdout == "hello\n"
+    listed = call("--help").stdout
+    assert re.search(r"^  hello +Say hello.$", listed, re.MULTILINE)
+    assert "Simulate a mechanism" in listed  # the own command keeps its name
+
+
+def test_broken_commands_are_named_in_one_line(plugins, folder):
+    listed = " ".join(call("--help").stdout.split())
+    assert "ModuleNotFoundError: No module named 'no_such_package'" in listed and "gives a int, not a Command" in listed
+    expect_one_line(call("lost", "--any", "thing"), "command 'lost' of .*cannot be loaded: ModuleNotFoundError")
+    expect_one_line(call("refuse"), "wheel 'front': radius is 0")
+
+
+def test_a_demo_that_misses_its_theory_ends_with_1(plugins, folder):
+    result = call("demo", "failing")
+    assert result.exit_code == 1 and "FAIL, limit 1e-09" in result.stdout
+    assert "demo 'lost' of 'no_such_package:demo' cannot be loaded" in result.stderr
+    assert result.stderr.splitlines()[-1] == "mbsd3d: theory is not met by failing"
