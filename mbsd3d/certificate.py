@@ -232,7 +232,7 @@ def refined(solution: Any, level: int) -> Any:
     method = solution.record.method
     if getattr(method, "dt", None):
         return solution.again(method=replace(method, dt=method.dt / 2**level))
-    return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-14))
+    return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
 
 
 def distance(one: Any, other: Any) -> float:

@@ -48,7 +48,7 @@ def simulate(
     method : DOP853, RK4, Kinematic or None
         None = DOP853().
     rtol : float
-        Local error per step relative to the model's length, one radian and the greatest speed so far.
+        Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.
     output : None, int or array
         Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
     stop_when : Condition
@@ -80,8 +80,8 @@ def simulate(
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )
-    if not 1e-14 <= number(rtol, "simulate: rtol") <= 0.1:
-        raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-14 ... 0.1; give a number in this range")
+    if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
+        raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
     if stop_when is not None and not isinstance(stop_when, Condition):
         raise ValueError(
             f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"

@@ -49,6 +49,8 @@ from .base import (
     write,
 )
 
+LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
+PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
 SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
 
 
@@ -125,14 +127,17 @@ def body_error(m, run, weights, h):
 
 @inner_kernel
 def error_norm(m, table, run, h):
-    """Estimated local error in units of rtol (DOP853: the fifth-order estimate corrected by the third-order one)."""
+    """Estimated local error in units of LOCAL rtol (DOP853: the fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, run, table.error[0], h)
     e3 = body_error(m, run, table.error[1], h)
     if e5 == 0.0 and e3 == 0.0:
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    return e5 / np.sqrt(e5 + 0.01 * e3) / run.clock[RTOL]
+    tolerance = LOCAL * run.clock[RTOL]
+    if run.count[ON_MANIFOLD] == 1:
+        tolerance = max(tolerance, PASSAGE_TOLERANCE)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / tolerance
 
 
 @inner_kernel
