@@ -8,7 +8,7 @@ import numpy as np
 import scipy.linalg
 
 from .errors import AssemblyError
-from .evaluation import coordinate_row, driven_coordinates, load_state, pack
+from .evaluation import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from .joints import coordinate_of
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import displace, displace_body, kinematics
@@ -29,17 +29,6 @@ def reference_pose(system: Any, t: float = 0.0) -> State:
     """Poses as described; velocities zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
     return State(t, q, np.zeros(6 * len(system.bodies)))
-
-
-def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
-    """(text naming the joint with the largest residual, its size)."""
-    size = np.abs(residual) * compiled.model.row["scale"]
-    k = int(np.argmax(size))
-    joint = compiled.system.joints[compiled.row_joint[k]]
-    metres = compiled.model.row["scale"][k] != 1.0 or compiled.model.length == 1.0
-    group = residual[compiled.rows[id(joint)]]
-    largest = float(np.abs(residual[k])) if not metres else float(np.linalg.norm(group[: min(3, group.size)]))
-    return f"{type(joint).__name__} '{compiled.system.name(joint)}'", largest
 
 
 def reference_state(system: Any, as_built: float | None = None) -> State:

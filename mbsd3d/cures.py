@@ -32,6 +32,7 @@ from .model import compile_system
 from .selection import dense_jacobian, scaled_jacobian
 
 LIMIT = 12  # cures reported
+UNCOMMON = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,7 @@ def find_cures(compiled: Any, A: np.ndarray, N: np.ndarray, mobility: int) -> li
         greedy = greedy_set(compiled, candidates, k)
         sets = [greedy] if greedy else []
     cures, before = [], A.shape[0]
-    for chosen in sorted(sets, key=len):
+    for chosen in sorted(sets, key=lambda s: (len(s), sum(UNCOMMON.get(type(option), 0) for _, option, _ in s))):
         if len(cures) == LIMIT:
             break
         if verified(compiled, chosen, mobility):

@@ -71,3 +71,14 @@ def jacobian_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> np.nd
     """Scaled J at y."""
     load_rows(compiled, data, y, t)
     return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
+
+
+def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
+    """(text naming the joint with the largest residual, its size)."""
+    size = np.abs(residual) * compiled.model.row["scale"]
+    k = int(np.argmax(size))
+    joint = compiled.system.joints[compiled.row_joint[k]]
+    metres = compiled.model.row["scale"][k] != 1.0 or compiled.model.length == 1.0
+    group = residual[compiled.rows[id(joint)]]
+    largest = float(np.abs(residual[k])) if not metres else float(np.linalg.norm(group[: min(3, group.size)]))
+    return f"{type(joint).__name__} '{compiled.system.name(joint)}'", largest

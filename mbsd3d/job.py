@@ -7,21 +7,22 @@ from typing import Any
 import numpy as np
 
 from .drivers import SpeedDriver
-from .errors import IntegrationError
-from .evaluation import driven_coordinates, load_rows, load_state
+from .errors import AssemblyError, IntegrationError
+from .evaluation import driven_coordinates, load_rows, load_state, worst_joint
 from .integrators import base
 from .integrators.base import Run
 from .integrators.driven import Kinematic, follow
 from .integrators.runge_kutta import advance
 from .kernels.dynamics import arrive
 from .kernels.jit import is_warm, mark_warm
+from .kernels.kinds import PROJECTION
 from .kernels.loads import loads
 from .kernels.probes import measure
 from .measures import Condition
 from .model import Compiled, Switches
 from .parts import number
 from .progress import Progress
-from .selection import choose_rows
+from .selection import choose_rows, dense_jacobian
 from .solution import Solution
 from .state import State
 
@@ -109,6 +110,7 @@ class Job:
         began = time.perf_counter()
         try:
             with progress:
+                self.check_start()
                 self.choose("start")
                 self.first_step()
                 self.check_condition()
@@ -199,6 +201,25 @@ class Job:
         rate = max(rate, 1.0 / horizon)
         run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
         run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** 0.125 / rate)
+
+    def check_start(self) -> None:
+        """A projected run starts from a consistent state: what the user gave is not moved silently."""
+        model, row = self.model, self.data.row
+        if model.stabilisation != PROJECTION or not row.size:
+            return
+        scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)
+        v = self.start.v.reshape(-1, 6)
+        speed = max(1.0, float(np.abs(v / np.repeat([model.length, 1.0], 3)).max(initial=0.0)))
+        slip = dense_jacobian(model, self.data) @ self.start.v - row["b"]
+        checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
+        for residual, unit, limit in checks:
+            if np.abs(residual * scale).max() > limit:
+                part, size = worst_joint(self.compiled, residual)
+                raise AssemblyError(
+                    f"simulate: the state does not meet a joint ({unit})",
+                    part=part, residual=size, time=self.start.t,
+                    advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
+                )  # fmt: skip
 
     def check_condition(self) -> None:
         """A condition that holds already at the start would never come true."""

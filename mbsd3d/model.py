@@ -25,6 +25,7 @@ from .kernels.layout import (
 from .measures import Measure
 from .parts import GROUND
 from .primitives import Coordinate, Primitive
+from .progress import announce_compilation
 from .rotations import matrix, skew
 from .signals import Signal
 
@@ -239,6 +240,7 @@ def state_layout(system: Any, n_driven: int, length: float) -> dict[str, Any]:
 
 def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
     """Lower a system to arrays."""
+    announce_compilation()
     switches = switches or Switches()
     index = {id(body): i for i, body in enumerate(system.bodies)}
     index[id(GROUND)] = len(system.bodies)

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from functools import cache
 from typing import Any
 
 from .kernels.jit import is_warm
@@ -9,8 +10,9 @@ from .kernels.jit import is_warm
 DELAY = 2.0  # s before a bar appears
 
 
+@cache
 def announce_compilation() -> None:
-    """Say once that kernels are being compiled, if they are not on disk yet."""
+    """Say once a process that kernels are being compiled, if they are not on disk yet."""
     if not is_warm():
         sys.stderr.write("mbsd3d: compiling kernels, once after installation (up to 45 s) ...\n")
         sys.stderr.flush()

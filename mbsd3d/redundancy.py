@@ -7,10 +7,10 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .assembly import close_pose, gap_size, newton, reference_pose, worst_joint
+from .assembly import close_pose, gap_size, newton, reference_pose
 from .cures import Cure, find_cures
 from .drivers import Driver
-from .evaluation import driven_coordinates, load_state
+from .evaluation import driven_coordinates, load_state, worst_joint
 from .kernels.kinematics import displace
 from .model import Compiled, compile_system
 from .reactions import left_null_space

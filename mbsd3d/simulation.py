@@ -13,7 +13,7 @@ from .job import Job
 from .measures import Condition
 from .model import Compiled, Switches, compile_system
 from .parts import number
-from .progress import Progress, announce_compilation
+from .progress import Progress
 from .signals import check_interval
 from .solution import Solution
 from .state import State
@@ -91,7 +91,6 @@ def simulate(
     check_signals(compiled, start.t, t_end)
     times = output_times(output, start.t, t_end, method)
     job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
-    announce_compilation()
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
 
 
@@ -129,7 +128,6 @@ def accelerations(system: Any, state: State | None = None) -> Solution:
     """
     start = state or system.state()
     compiled = compile_system(system)
-    announce_compilation()
     job = Job(compiled, start, start.t + 1.0, np.array([start.t]), DOP853(), 1e-8, None, None)
     job.choose("start")
     job.first_step()

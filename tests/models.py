@@ -317,7 +317,9 @@ def all_joints_mechanism(seed, *, grounded=True, drivers=True, redundant=True, l
     found = {type(joint): joint for joint in joints}
     joints.append(Gear(found[Revolute], found[Cylindrical], ratio=-1.7))
     joints.append(RackPinion(found[Screw], found[Prismatic], radius=0.4))
-    joints.append(Distance(bodies[3], bodies[8], at_a=bodies[3].position + 0.3, at_b=bodies[8].position - 0.2, name="loop"))
+    joints.append(
+        Distance(bodies[3], bodies[8], at_a=bodies[3].position + 0.3, at_b=bodies[8].position - 0.2, name="loop")
+    )
     if redundant:
         hinge = found[Revolute]
         joints.append(Revolute(hinge.a, hinge.b, at=hinge.at + 0.6 * hinge.axis, axis=hinge.axis, name="second hinge"))

@@ -115,7 +115,8 @@ def test_an_array_of_times_is_hit_exactly(times):
 
 def test_more_samples_than_a_buffer_holds():
     system, body, _ = pendulum()
-    dense, sparse = (simulate(system, 1.0, output=n) for n in (5001, 11))
+    times = np.linspace(0.0, 1.0, 5001)
+    dense, sparse = (simulate(system, 1.0, output=t) for t in (times, times[::500]))
     assert dense.t.size == 5001
     assert np.array_equal(dense.position(body)[::500], sparse.position(body))  # the same steps, the same samples
 
@@ -225,4 +226,4 @@ def test_angles_stay_unwrapped_over_a_restart():
     system = System(bodies=[wheel], joints=[hinge])
     first = simulate(system, 1.0)
     second = simulate(system, 2.0, state=first.final)
-    assert second.angle(hinge)[-1] == pytest.approx(80.0, abs=1e-10)  # rounding of 13 turns
+    assert second.angle(hinge)[-1] == pytest.approx(80.0, abs=1e-7)  # rtol 1e-8 over 13 turns

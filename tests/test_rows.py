@@ -19,10 +19,7 @@ TOLERANCE = 1e-8
 """Of the issue; the difference formula is good to 1e-12 times derivatives that reach 1e3 for the rolling disc."""
 
 VARIANTS = [
-    (cls, ground)
-    for cls in EXAMPLES
-    for ground in (None, "a", "b")
-    if not (ground == "b" and cls in NOT_ON_GROUND)
+    (cls, ground) for cls in EXAMPLES for ground in (None, "a", "b") if not (ground == "b" and cls in NOT_ON_GROUND)
 ]
 NAMES = [f"{cls.__name__}-{ground or 'two bodies'}" for cls, ground in VARIANTS]
 every_joint = pytest.mark.parametrize(("cls", "ground"), VARIANTS, ids=NAMES)

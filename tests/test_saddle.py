@@ -186,7 +186,8 @@ def test_massless_ring_is_a_universal_joint():
     start = with_ring.assemble(rates={outer: first @ v[3:], inner: second @ v[3:]})
     alone = State(0.0, plain.state().q, start.v[6:])
     thin, whole = (
-        simulate(system, 1.0, state=state, rtol=1e-12, output=9) for system, state in ((with_ring, start), (plain, alone))
+        simulate(system, 1.0, state=state, rtol=1e-12, output=9)
+        for system, state in ((with_ring, start), (plain, alone))
     )
     # two integrations of one motion at rtol 1e-12
     assert thin.position(body) == pytest.approx(whole.position(body), abs=1e-10)

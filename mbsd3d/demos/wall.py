@@ -71,7 +71,7 @@ def opened(stabilisation: str) -> Solution:
     start = system.state()
     apart = State(start.t, start.q + GAP * np.eye(7)[0], start.v)
     return simulate(
-        system, 1.0, state=apart, rtol=1e-12, output=51, stabilisation=stabilisation, baumgarte=(A, B)
+        system, 1.0, state=apart, rtol=1e-12, output=51, stabilisation=stabilisation, baumgarte=(A, B), as_built=2 * GAP
     )  # fmt: skip
 
 
