@@ -33,7 +33,8 @@ class ForceElement:
     name: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        self.check(f"force '{self.name or '?'}' ({type(self).__name__})")
+        kind = type(self).__name__
+        self.check(f"force '{self.name}' ({kind})" if self.name else f"{kind} without a name")
 
     def set(self, **values: Any) -> None:
         """Write converted values into the frozen fields."""
@@ -65,7 +66,7 @@ def check_pair(a: Any, b: Any, what: str) -> None:
         if not isinstance(body, Body | Ground):
             raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
     if a is b:
-        raise ValueError(f"{what}: acts between {a!r} and itself; give two different bodies")
+        raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
 
 
 def three_signals(value: Any, what: str) -> tuple[Signal, ...]:

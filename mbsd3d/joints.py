@@ -37,7 +37,8 @@ class Joint:
     name: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        self.check(f"joint '{self.name or '?'}' ({type(self).__name__})")
+        kind = type(self).__name__
+        self.check(f"joint '{self.name}' ({kind})" if self.name else f"{kind} without a name")
 
     def check(self, what: str) -> None:
         """Validate and convert the fields; errors start with ``what``."""
@@ -45,7 +46,7 @@ class Joint:
             if not isinstance(getattr(self, side), Body | Ground):
                 raise ValueError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
         if self.a is self.b:
-            raise ValueError(f"{what}: joins {self.a!r} to itself; give two different bodies")
+            raise ValueError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
     def set(self, **values: Any) -> None:
         """Write converted values into the frozen fields."""

@@ -65,7 +65,7 @@ class Ground:
 GROUND = Ground()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Body:
     """A rigid body at the reference pose.
 
@@ -128,6 +128,9 @@ class Body:
         for name in ("velocity", "omega"):
             if getattr(self, name) is not None:
                 set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
+
+    def __repr__(self) -> str:
+        return f"Body('{self.name}', mass={self.mass:g})"
 
     def local_point(self, point: np.ndarray) -> np.ndarray:
         """R'(p - r): a world point at the reference pose in body axes from O [m]."""

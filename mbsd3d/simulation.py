@@ -9,6 +9,7 @@ from .assembly import reference_state
 from .integrators import base
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
+from .integrators.rk4 import RK4
 from .job import Job
 from .measures import Condition
 from .model import Compiled, Switches, compile_system
@@ -17,6 +18,9 @@ from .progress import Progress
 from .signals import check_interval
 from .solution import Solution
 from .state import State
+from .system import System
+
+METHODS = (DOP853, RK4, Kinematic)
 
 
 def simulate(
@@ -73,7 +77,12 @@ def simulate(
     IntegrationError
         With time, part and advice; ``error.solution`` holds what was computed.
     """
+    if not isinstance(system, System):
+        raise ValueError(f"simulate: {system!r} is not a System; give System(bodies=[...], joints=[...])")
     method = method or DOP853()
+    if not isinstance(method, METHODS):
+        names = ", ".join(kind.__name__ for kind in METHODS)
+        raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
     start = state or reference_state(system, as_built)
     t_end = number(t_end, "simulate: t_end")
     if not t_end > start.t:

@@ -145,7 +145,7 @@ def test_singular_reference_pose_is_said():
     turned = {id(old): new for old, new in zip(system.bodies, placed, strict=True)}
     where = {"A0": (0, 0), "A1": (1, 0), "A2": (2, 0), "B0l": (1, 0), "B0r": (2, 0), "B1l": (2, 0), "B1r": (3, 0)}
     joints = [
-        Revolute(turned.get(id(j.a), j.a), turned.get(id(j.b), j.b), at=(*where[j.name], 0.0), axis=(0, 0, 1), name=j.name)
+        Revolute(turned.get(id(j.a), j.a), turned.get(id(j.b), j.b), at=(*where[j.name], 0), axis=(0, 0, 1), name=j.name)
         for j in system.joints
     ]  # fmt: skip
     found = System(bodies=placed, joints=joints, gravity=(0, -9.81, 0)).check()

@@ -127,7 +127,7 @@ def body_error(m, run, weights, h):
 
 @inner_kernel
 def error_norm(m, table, run, h):
-    """Estimated local error in units of LOCAL rtol (DOP853: the fifth-order estimate corrected by the third-order one)."""
+    """Estimated local error in units of LOCAL rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, run, table.error[0], h)
     e3 = body_error(m, run, table.error[1], h)
     if e5 == 0.0 and e3 == 0.0:
