@@ -193,12 +193,3 @@ def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> No
     sizes = (final.q.size, final.z.size, coordinates if final.coordinates is None else np.size(final.coordinates))
     if sizes != (7 * n, model.z_work, coordinates):
         raise ValueError("the final state does not fit the system")
-
-
-def __getattr__(name: str) -> Any:
-    """What `tables` holds and `plots` still imports from here."""
-    if name in ("BODY_QUANTITIES", "QUANTITIES", "columns_of_effort"):
-        from . import tables
-
-        return getattr(tables, name)
-    raise AttributeError(f"module '{__name__}' has no attribute {name!r}")

@@ -19,8 +19,9 @@ from matplotlib.ticker import NullFormatter
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from .animation import COLOURS, GREY, Scene, bounds, colour, draw, prepare
-from .files import BODY_QUANTITIES, QUANTITIES, columns_of_effort, write_atomically
+from .files import write_atomically
 from .state import State
+from .tables import BODY_QUANTITIES, QUANTITIES, columns_of_effort
 
 CYCLE = cycler(linestyle=["-", "--", ":", "-."]) * cycler(color=COLOURS)
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead

@@ -30,7 +30,7 @@ ORDERS = np.array([2, 4, 6])
 
 
 def ratio(angle: np.ndarray, bend: float) -> np.ndarray:
-    """Output over input rate: cos b / (1 - sin^2 b sin^2(angle)), the yoke on the input in the shafts' plane at 0."""
+    """Output over input rate: cos b / (1 - sin^2 b cos^2(angle)), the input's cross axis in the shafts' plane at 0."""
     return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
 
 

@@ -102,7 +102,7 @@ def stages(m, d, s, table, run, h):
 
 @inner_kernel
 def body_error(m, run, weights, h):
-    """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, each in scale."""
+    """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, all in scale."""
     n = m.body.shape[0]
     clear(run.work)
     for j in range(weights.shape[0]):
