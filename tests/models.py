@@ -116,9 +116,8 @@ def rolling_plane(rng, centre, axis, radius, crown):
 
 def _rolling(rng, a, b):
     axis, centre = direction(rng), b.position + 0.2 * direction(rng)
-    return [
-        RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=rolling_plane(rng, centre, axis, 0.5, 0.1))
-    ]  # fmt: skip
+    plane = rolling_plane(rng, centre, axis, 0.5, 0.1)
+    return [RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=plane)]
 
 
 def _shafts(rng, bend):

@@ -30,8 +30,8 @@ from mbsd3d import (
     Revolute,
     SpringDamper,
     System,
-    TorsionSpring,
     Torque,
+    TorsionSpring,
     measures,
     simulate,
 )
@@ -92,7 +92,9 @@ def failed(solution):
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-@pytest.mark.parametrize("options", [{}, {"rtol": 1e-4}, {"rtol": 1e-12}, {"method": RK4(1e-3)}, {"method": DOP853(dt=2e-3)}])
+@pytest.mark.parametrize(
+    "options", [{}, {"rtol": 1e-4}, {"rtol": 1e-12}, {"method": RK4(1e-3)}, {"method": DOP853(dt=2e-3)}]
+)
 def test_clean_runs_pass(mechanism, options):
     certificate = run(mechanism, **options).certificate
     assert certificate.passed and certificate.failures == ()

@@ -31,8 +31,8 @@ from mbsd3d import (
     SpringDamper,
     State,
     System,
-    TorsionSpring,
     Torque,
+    TorsionSpring,
     Universal,
     simulate,
 )
@@ -216,7 +216,7 @@ def test_slide_without_friction_falls_freely_along_its_axis():
 
 
 def wheel(rng, name, at, axis, moment):
-    """A body with its centre of mass at ``at`` on the axis, reference point elsewhere, and ``moment`` about the axis."""
+    """A body with its centre of mass at ``at`` on the axis, O elsewhere, and ``moment`` about the axis."""
     e, mass, shift = random_orientation(rng), rng.uniform(1.0, 2.0), 0.4 * direction(rng)
     inertia, u = random_inertia(rng, mass), matrix(e).T @ axis
     inertia *= moment / (u @ inertia @ u)

@@ -28,8 +28,8 @@ from mbsd3d import (
     Sine,
     SpringDamper,
     System,
-    TorsionSpring,
     Torque,
+    TorsionSpring,
     forces,
     rotation,
 )

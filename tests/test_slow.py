@@ -1,0 +1,44 @@
+"""Longer checks: the package without its compiler, and the change point of the four-bar from many reference points."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mbsd3d import simulate
+from validation import cases
+
+HERE = Path(__file__).parent
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["test_rows", "test_loads", "test_saddle", "test_assembly"])
+def test_everything_runs_without_the_compiler(name):
+    """The same tests on plain Python: what a debugger and a coverage tool see."""
+    command = [sys.executable, "-m", "pytest", "-q", "-x", str(HERE / f"{name}.py")]
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    found = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=HERE.parent)
+    assert found.returncode == 0, found.stdout[-3000:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-8, 1e-9, 1e-10])
+@pytest.mark.parametrize("shift", range(7, 13))
+def test_the_change_point_passes_from_any_reference_point(shift, rtol):
+    """Ten passages of a singular position; below 1e-10 rounding, amplified there, is what is left."""
+    case = cases.load("iftomm_A02_fourbar_N2", shift)
+    solution = simulate(case.system, case.t_end, rtol=rtol, output=case.times)
+    assert cases.compare(case, solution).scaled_error < 2e-7  # condition 60 of the case x the largest rtol, and margin
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", cases.names(timed=True))
+@pytest.mark.parametrize("shift", [21, 22, 23])
+def test_cases_from_further_reference_points(name, shift):
+    case = cases.load(name, shift)
+    solution = simulate(case.system, case.t_end, rtol=1e-9, output=case.times)
+    limit = max(1e-7, 10 * cases.condition(name) * 1e-9)  # as the quick suite, at ten times its rtol
+    assert cases.compare(case, solution).scaled_error < min(limit, 1e-6) + case.accuracy
+    assert solution.certificate.passed, solution.certificate.failures
