@@ -77,23 +77,12 @@ def simulate(
     IntegrationError
         With time, part and advice; ``error.solution`` holds what was computed.
     """
-    if not isinstance(system, System):
-        raise ValueError(f"simulate: {system!r} is not a System; give System(bodies=[...], joints=[...])")
     method = method or DOP853()
-    if not isinstance(method, METHODS):
-        names = ", ".join(kind.__name__ for kind in METHODS)
-        raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
-    start = state or reference_state(system, as_built)
-    t_end = number(t_end, "simulate: t_end")
+    check_kinds(system, method, rtol, stop_when)
+    start, t_end = state or reference_state(system, as_built), number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
-        )
-    if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
-        raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
-    if stop_when is not None and not isinstance(stop_when, Condition):
-        raise ValueError(
-            f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
     compiled = compile_system(system, (stop_when.measure,) if stop_when else (), switches)
@@ -101,6 +90,21 @@ def simulate(
     times = output_times(output, start.t, t_end, method)
     job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
+
+
+def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
+    """ValueError for arguments of the wrong kind or range."""
+    if not isinstance(system, System):
+        raise ValueError(f"simulate: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+    if not isinstance(method, METHODS):
+        names = ", ".join(kind.__name__ for kind in METHODS)
+        raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
+    if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
+        raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
+    if stop_when is not None and not isinstance(stop_when, Condition):
+        raise ValueError(
+            f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
+        )
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:

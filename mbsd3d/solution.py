@@ -231,6 +231,16 @@ class Solution:
         """Kinetic, potential (gravity and springs), total energy and the work done by drivers and other forces [J]."""
         return self._energy
 
+    def work(self, part: Any) -> np.ndarray:
+        """(samples,) work [J] done since the start by a driver, or by the part of a force that stores no energy."""
+        model, system = self.compiled.model, self.system
+        if any(part is force or part == system.name(force) for force in system.forces):
+            first = model.z_work + system.forces.index(system.part(part, "forces"))
+            return self.arrays["z"][:, first]
+        rows = self.compiled.rows[id(system.part(part, "joints"))]
+        numbers = model.row["drive"][rows]
+        return self.arrays["z"][:, model.z_drive + numbers[numbers >= 0]].sum(axis=1)
+
     def momentum(self) -> Momentum:
         """Momentum and angular momentum about the world origin."""
         linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))

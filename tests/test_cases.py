@@ -5,6 +5,8 @@ import pytest
 
 from mbsd3d import accelerations, simulate
 from validation import cases
+from validation.comparison import compare, condition
+from validation.robot import hinge_accelerations, robot_poses
 
 TIMED = cases.names(timed=True)
 
@@ -18,14 +20,14 @@ def tolerance(case):
 
     The floor of 100 RTOL stands for the errors of some hundred steps that add up in a case of condition 1.
     """
-    return min(1e-7, max(10 * cases.condition(case.id), 100) * RTOL + case.accuracy)
+    return min(1e-7, max(10 * condition(case.id), 100) * RTOL + case.accuracy)
 
 
 @pytest.mark.parametrize("shift", SHIFTS)
 @pytest.mark.parametrize("name", TIMED)
 def test_case_reaches_its_reference(name, shift):
     case = cases.load(name, shift)
-    comparison = cases.compare(case, simulate(case.system, case.t_end, rtol=RTOL, output=case.times))
+    comparison = compare(case, simulate(case.system, case.t_end, rtol=RTOL, output=case.times))
     assert comparison.left_out == ()
     assert comparison.scaled_error <= tolerance(case)
 
@@ -82,11 +84,11 @@ def test_shift_by_name_and_errors():
 @pytest.mark.parametrize("shift", SHIFTS)
 @pytest.mark.parametrize("pose", range(4))
 def test_robot_accelerates_as_its_torques_say(pose, shift):
-    known = cases.robot_poses(shift)[pose]
+    known = robot_poses(shift)[pose]
     state = known.system.assemble(angles=known.angles, rates=known.rates)
     for system, expected in ((known.system, known.accelerations), (known.free, known.free_accelerations)):
         solution = accelerations(system, state)
-        found = cases.hinge_accelerations(solution)[0]
+        found = hinge_accelerations(solution)[0]
         # the arm's mass matrix has a condition of 1e5; accelerations up to 50 rad/s^2
         assert np.abs(found - expected).max() < 1e-8
         tool = known.tool_position(solution.com("link6")[0], solution.rotation("link6")[0])

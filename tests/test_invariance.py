@@ -188,6 +188,24 @@ def test_revolute_is_spherical_and_two_perpendicular():
     assert np.abs(second.reaction(ball).moment).max() < 1e-12 * size  # a ball transmits no moment about its centre
 
 
+@pytest.mark.parametrize("joint", [Revolute, Cylindrical])
+def test_a_joint_seen_from_its_other_side(joint):
+    system, body, hinge = pendulum(joint=joint)
+    other = joint(body, GROUND, at=hinge.at, axis=hinge.axis)
+    first = swing(system, hinge)
+    start = State(0.0, first.state(0).q, first.state(0).v)
+    second = simulate(System(bodies=[body], joints=[other]), 1.0, state=start, rtol=RTOL, output=6)
+    assert second.com(body) == pytest.approx(first.com(body), abs=MOTION)
+    assert second.angle(other) == pytest.approx(-first.angle(hinge), abs=MOTION)
+    assert second.rate(other) == pytest.approx(-first.rate(hinge), abs=10 * MOTION)  # 10 rad/s
+    one, opposite = first.reaction(hinge), second.reaction(other)
+    size = np.abs(one.force).max()
+    assert opposite.force == pytest.approx(-one.force, abs=REACTIONS * size)
+    # the reaction on the ground is given at the ground's point of the joint
+    arm = one.point - opposite.point
+    assert opposite.moment == pytest.approx(-one.moment - np.cross(arm, one.force), abs=REACTIONS * size)
+
+
 def test_cylindrical_is_point_on_line_and_parallel():
     system, body, guide = pendulum(joint=Cylindrical)
     line = PointOnLine(GROUND, body, at=guide.at, axis=guide.axis)

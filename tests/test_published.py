@@ -28,6 +28,7 @@ from mbsd3d import (
 from mbsd3d import Polynomial as Powers
 from mbsd3d.rotations import exponential, matrix
 from validation import cases, theory
+from validation.robot import hinge_accelerations, robot_poses
 
 RATE = 10.0
 """rad/s of the input shafts."""
@@ -326,7 +327,7 @@ def test_kinematic_does_not_lose_its_branch_between_rare_samples():
 @pytest.mark.parametrize("shift", [None, 7])
 @pytest.mark.parametrize("pose", range(4))
 def test_torques_of_the_six_axis_robot(pose, shift):
-    known = cases.robot_poses(shift)[pose]
+    known = robot_poses(shift)[pose]
     drivers = [
         AngleDriver(hinge, Powers((angle, known.rates[hinge], acceleration / 2)))
         for (hinge, angle), acceleration in zip(known.angles.items(), known.accelerations, strict=True)
@@ -338,16 +339,16 @@ def test_torques_of_the_six_axis_robot(pose, shift):
     # torques up to 300 N m; a condition of 1e5 times rounding
     efforts = np.array([found.effort(driver)[0] for driver in drivers])
     assert efforts == pytest.approx(known.torque, abs=1e-9 * np.abs(known.torque).max())
-    assert cases.hinge_accelerations(found)[0] == pytest.approx(known.accelerations, abs=1e-9)
+    assert hinge_accelerations(found)[0] == pytest.approx(known.accelerations, abs=1e-9)
 
 
 @pytest.mark.parametrize("shift", [None, 7])
 @pytest.mark.parametrize("pose", range(4))
 def test_accelerations_of_the_six_axis_robot(pose, shift):
-    known = cases.robot_poses(shift)[pose]
+    known = robot_poses(shift)[pose]
     state = known.system.assemble(angles=known.angles, rates=known.rates)
     for system, expected in ((known.system, known.accelerations), (known.free, known.free_accelerations)):
-        found = cases.hinge_accelerations(accelerations(system, state))[0]
+        found = hinge_accelerations(accelerations(system, state))[0]
         assert found == pytest.approx(expected, abs=1e-9 * max(1.0, np.abs(expected).max()))  # as above
 
 

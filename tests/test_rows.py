@@ -107,6 +107,37 @@ def test_drivers_move(cls):
     assert np.abs(b[own]).min() > 0.01 and np.abs(gamma[own]).min() > 0.01
 
 
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("cls", EXAMPLES, ids=lambda cls: cls.__name__)
+def test_both_identities_to_rounding_by_complex_steps(cls, seed):
+    """The same two identities without a difference formula; the drivers' own dependence on time is left out of both."""
+    system, rng = example_system(cls, 20 + seed), np.random.default_rng(30 + seed)
+    real, exact = Evaluation(system), Evaluation(system, complex)
+    q, v = real.general(rng)
+    q_dot, v_dot, t, h = real.rates(v, q), rng.normal(size=v.size), 0.37, 1e-30
+    c, J, b, _ = exact.rows(q + 1j * h * q_dot, v + 1j * h * v_dot, t)
+    c_dot, speed_dot = c.imag / h, (J @ (v + 1j * h * v_dot) - b).imag / h
+    _, J, b, gamma = real.rows(q, v, t)
+    rest = signal_terms(real, t)
+    holonomic = real.model.row["holonomic"] == 1
+    size = 1 + np.abs(J @ v_dot) + np.abs(gamma)
+    # rounding, times what a nearly flat disc makes of it
+    assert np.abs((c_dot - J @ v) / size)[holonomic].max(initial=0.0) < 1e-12
+    assert np.abs((speed_dot - (J @ v_dot - gamma) - rest) / size).max() < 1e-12
+
+
+def signal_terms(evaluation, t):
+    """What the signals add to gamma: f'' for a motion, f' for a speed, else 0."""
+    rows = [row for joint in evaluation.compiled.system.joints for row in joint.rows()]
+    terms = []
+    for row in rows:
+        rate = 0.0
+        if row.signal is not None:
+            rate = row.signal.second_derivative(t) if row.holonomic[0] else row.signal.derivative(t)
+        terms += [float(rate)] * row.n_rows
+    return np.array(terms)
+
+
 @pytest.mark.parametrize("cls", EXAMPLES, ids=lambda cls: cls.__name__)
 def test_complex_step_equals_central_differences(cls):
     system = example_system(cls, 8)

@@ -9,6 +9,7 @@ import pytest
 
 from mbsd3d import simulate
 from validation import cases
+from validation.comparison import compare, condition
 
 HERE = Path(__file__).parent
 
@@ -30,7 +31,7 @@ def test_the_change_point_passes_from_any_reference_point(shift, rtol):
     """Ten passages of a singular position; below 1e-10 rounding, amplified there, is what is left."""
     case = cases.load("iftomm_A02_fourbar_N2", shift)
     solution = simulate(case.system, case.t_end, rtol=rtol, output=case.times)
-    assert cases.compare(case, solution).scaled_error < 2e-7  # condition 60 of the case x the largest rtol, and margin
+    assert compare(case, solution).scaled_error < 2e-7  # condition 60 of the case x the largest rtol, and margin
 
 
 @pytest.mark.slow
@@ -39,6 +40,6 @@ def test_the_change_point_passes_from_any_reference_point(shift, rtol):
 def test_cases_from_further_reference_points(name, shift):
     case = cases.load(name, shift)
     solution = simulate(case.system, case.t_end, rtol=1e-9, output=case.times)
-    limit = max(1e-7, 10 * cases.condition(name) * 1e-9)  # as the quick suite, at ten times its rtol
-    assert cases.compare(case, solution).scaled_error < min(limit, 1e-6) + case.accuracy
+    limit = max(1e-7, 10 * condition(name) * 1e-9)  # as the quick suite, at ten times its rtol
+    assert compare(case, solution).scaled_error < min(limit, 1e-6) + case.accuracy
     assert solution.certificate.passed, solution.certificate.failures

@@ -9,7 +9,7 @@ import pytest
 
 from validation import theory
 
-REFERENCES = Path(theory.__file__).parent / "references"
+REFERENCES = Path(__file__).parent.parent / "validation" / "references"
 
 
 def read(name):

@@ -15,6 +15,7 @@ import numpy as np
 
 from mbsd3d import GROUND, RK4, Body, Revolute, Solution, System, simulate
 from validation import cases
+from validation.comparison import compare
 
 REPEATS = 5
 LENGTHS = (1, 3, 10, 30)  # bodies of a chain
@@ -59,7 +60,7 @@ def top_time() -> tuple[float, float, float, Solution]:
     """(least milliseconds, error, rtol, run) of the fast heavy top at the loosest rtol whose error is in bounds."""
     case, found = cases.load("heavy_top_fast"), None
     for rtol in 10.0 ** np.arange(-13.0, -6.0, 0.25):  # from the tight side: no error that is small by chance
-        error = cases.compare(case, simulate(case.system, case.t_end, rtol=rtol, output=case.times)).scaled_error
+        error = compare(case, simulate(case.system, case.t_end, rtol=rtol, output=case.times)).scaled_error
         if error > TOP_ERROR:
             break
         found = rtol, error
