@@ -220,9 +220,14 @@ def estimate(solution: Any) -> Certificate:
     lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed
     steps, and the exponent of rtol for adaptive ones.
     """
+    record = solution.record
+    if not getattr(record.method, "dt", None) and record.rtol < 3.2e-12:
+        raise ValueError(
+            f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
+        )
     finer, finest = refined(solution, 1), refined(solution, 2)
     first, second = distance(solution, finest), distance(finer, finest)
-    factor = 2.0 if getattr(solution.record.method, "dt", None) else 32.0
+    factor = 2.0 if getattr(record.method, "dt", None) else 32.0
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
     return replace(solution.certificate, error=first, order=order)
 

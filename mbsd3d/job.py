@@ -84,7 +84,7 @@ class Job:
     def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
         """Memory of the time loop."""
         m, ny, n = self.model, y.size, self.model.body.size
-        capacity = (CAPACITY if times is None else min(CAPACITY, times.size + 1)) + 2
+        capacity = (CAPACITY if times is None else times.size + 1) + 2
         width = 1 + ny + 6 * n + m.row.size + m.coordinate.size + 2 * m.force.size + 2
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
@@ -135,7 +135,7 @@ class Job:
             elif status == base.FULL:
                 self.drain()
             elif status == base.PASSED:
-                self.event("singular position passed", False)
+                self.event("nearly dependent rows passed", False)
             elif status == base.CHOOSE_ROWS:
                 self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
             elif status == base.STOPPED:
@@ -205,6 +205,13 @@ class Job:
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         model, row = self.model, self.data.row
+        for body, e in zip(self.compiled.system.bodies, self.start.q.reshape(-1, 7)[:, 3:], strict=True):
+            norm = np.linalg.norm(e)
+            if not abs(norm - 1.0) <= 1e-6:
+                name = self.compiled.system.name(body)
+                raise ValueError(
+                    f"state: the quaternion of '{name}' has norm {norm:.9g} instead of 1; divide it by that"
+                )
         if model.stabilisation != PROJECTION or not row.size:
             return
         scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)

@@ -14,7 +14,7 @@ from .rotations import matrix
 ZERO = np.zeros(3)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Measure:
     """A scalar function of the state; build one with the functions of this module."""
 
@@ -27,6 +27,9 @@ class Measure:
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
+
+    def __repr__(self) -> str:
+        return f"<measure: {self.label} [{self.unit}]>"
 
     def __gt__(self, value: float) -> "Condition":
         return Condition(self, number(value, f"threshold of {self.label}"), 1.0)

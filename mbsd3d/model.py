@@ -44,6 +44,9 @@ class Switches:
         if self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
             raise ValueError(f"stabilisation {self.stabilisation!r} is unknown; give one of {names}")
+        factors = np.array(self.baumgarte, dtype=float)
+        if factors.shape != (2,) or not np.isfinite(factors).all() or (factors < 0.0).any():
+            raise ValueError(f"baumgarte {self.baumgarte!r}: give two finite factors a [1/s] >= 0 and b [1/s^2] >= 0")
 
 
 STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}

@@ -13,7 +13,7 @@ from .integrators.rk4 import RK4
 from .job import Job
 from .measures import Condition
 from .model import Compiled, Switches, compile_system
-from .parts import number
+from .parts import GROUND, number
 from .progress import Progress
 from .signals import check_interval
 from .solution import Solution
@@ -84,6 +84,8 @@ def simulate(
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )
+    if stop_when is not None:
+        check_members(system, stop_when)
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
     compiled = compile_system(system, (stop_when.measure,) if stop_when else (), switches)
     check_signals(compiled, start.t, t_end)
@@ -107,6 +109,17 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
         )
 
 
+def check_members(system: System, condition: Condition) -> None:
+    """A condition speaks of bodies of this system."""
+    members = {id(body) for body in (*system.bodies, GROUND)}
+    for body in (condition.measure.a, condition.measure.b):
+        if id(body) not in members:
+            raise ValueError(
+                f"simulate: stop_when: {condition.measure.label}: body '{body.name}' is not in the system; "
+                "measure a part of this system"
+            )
+
+
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
     """Tables must cover the run."""
     signals = [(joint, row.signal) for joint in compiled.system.joints for row in joint.rows()]
@@ -124,7 +137,10 @@ def output_times(output: Any, t_start: float, t_end: float, method: Any) -> np.n
         if output < 2:
             raise ValueError(f"simulate: output = {output} samples; give at least 2, or an array of times")
         return np.linspace(t_start, t_end, int(output))
-    times = np.array(output, dtype=float)
+    try:
+        times = np.array(output, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"simulate: output {output!r}: give a count or an array of times") from None
     if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ValueError("simulate: output: give a count, or finite times in strictly increasing order")
     if times[0] < t_start or times[-1] > t_end:
@@ -142,6 +158,7 @@ def accelerations(system: Any, state: State | None = None) -> Solution:
     start = state or system.state()
     compiled = compile_system(system)
     job = Job(compiled, start, start.t + 1.0, np.array([start.t]), DOP853(), 1e-8, None, None)
+    job.check_start()
     job.choose("start")
     job.first_step()
     status = job.call(0)

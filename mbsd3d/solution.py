@@ -62,10 +62,8 @@ class Solution:
         arrays["v"] = world_velocities(states, n)
         arrays["z"] = states[:, 13 * n :]
         arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
-        end = State(
-            t, y[: 7 * n], world_velocities(y[None], n)[0].ravel(), y[13 * n : 13 * n + compiled.model.z_work],
-            data.coordinate["value"].copy(),
-        )  # fmt: skip
+        velocities, own = world_velocities(y[None], n)[0].ravel(), y[13 * n : 13 * n + compiled.model.z_work]
+        end = State(t, unit_quaternions(y[: 7 * n]), velocities, own, data.coordinate["value"].copy())
         return cls(compiled, arrays, record, end)
 
     @property
@@ -266,10 +264,8 @@ class Solution:
     def state(self, sample: int = -1) -> State:
         """The state at a sample, to start another run from."""
         a = self.arrays
-        own = a["z"][sample, : self.compiled.model.z_work]
-        return State(
-            float(self.t[sample]), a["q"][sample].ravel(), a["v"][sample].ravel(), own, a["coordinate"][sample]
-        )
+        own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
+        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])
 
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
@@ -331,6 +327,13 @@ class Solution:
         other = replace(self)
         other.__dict__["certificate"] = certificate
         return other
+
+
+def unit_quaternions(q: np.ndarray) -> np.ndarray:
+    """q with |e| = 1 for every body: without stabilisation the norms drift, which R(e) does not see."""
+    poses = q.reshape(-1, 7).copy()
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    return poses.ravel()
 
 
 def world_velocities(states: np.ndarray, n: int) -> np.ndarray:

@@ -61,6 +61,11 @@ def least_energy(
             for i, body in enumerate(system.bodies)
         ]
     )
+    if model.singular:  # the accelerations need what given velocities may hide
+        everything = np.ones(6 * n, bool)
+        Z = scale[:, None] * scipy.linalg.null_space(J * scale, rcond=1e-10) if J.size else np.diag(scale)
+        if Z.shape[1]:
+            check_determined(system, Z.T @ M @ Z, Z, everything)
     free = ~known
     x, null = np.zeros(free.sum()), np.eye(int(free.sum()))
     if A.shape[0] and A.shape[1]:
@@ -101,5 +106,5 @@ def check_determined(system: Any, reduced: np.ndarray, N: np.ndarray, free: np.n
     raise AssemblyError(
         f"the velocity of body '{name}' is not determined: a motion the constraints allow moves no mass",
         part=f"body '{name}'",
-        advice="give the body a mass or an inertia, its velocity and omega, or a joint that determines its motion",
+        advice="give the body a mass or an inertia, or a joint that determines its motion",
     )

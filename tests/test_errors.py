@@ -441,25 +441,8 @@ RUNS = {
     ),
 }
 
-OPEN = {
-    "output text": "ValueError of numpy: could not convert string to float",
-    "stop_when a bare measure": "prints the arrays of the bodies",
-    "stop_when of another system": "KeyError with a memory address",
-    "Kinematic of no largest step": "accepted",
-    "Kinematic of NaN largest step": "accepted",
-    "baumgarte of one number": "IndexError",
-    "baumgarte NaN": "blames a joint",
-}
-"""Bad input without a good message today; see the report on issue 2."""
 
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.xfail(strict=True, reason=OPEN[name])) if name in OPEN else name
-        for name in RUNS
-    ],
-)
+@pytest.mark.parametrize("name", RUNS)
 def test_run(name):
     call, words = RUNS[name]
     says(call, *words)
@@ -576,13 +559,11 @@ def test_a_state_off_the_joints_is_refused_by_a_run(what):
     assert error.residual > 0.05
 
 
-@pytest.mark.xfail(strict=True, reason="accelerations() projects the state it is given without a word")
 @pytest.mark.parametrize("what", OFF)
 def test_a_state_off_the_joints_is_refused_by_accelerations(what):
     says(lambda: accelerations(swing(), OFF[what]()), "'hinge'", "residual", "assemble", kind=AssemblyError)
 
 
-@pytest.mark.xfail(strict=True, reason="normalised without a word")
 @pytest.mark.parametrize("joints", [[], [HINGE]])
 def test_a_state_whose_quaternion_is_not_of_unit_length(joints):
     system = System(bodies=[ROD], joints=joints)
@@ -633,7 +614,6 @@ def test_a_driver_that_is_not_finite_after_a_time(method):
     assert error.solution.t[-1] == pytest.approx(0.3, abs=0.011)
 
 
-@pytest.mark.xfail(strict=True, reason="largest_residual loses a NaN in all but the last row")
 def test_an_adaptive_run_with_a_driver_that_is_not_finite_after_a_time():
     system = System(bodies=[ROD], joints=[HINGE, AngleDriver(HINGE, BROKEN + Ramp(1.0), name="motor")])
     error = says(
@@ -662,7 +642,6 @@ def test_a_massless_body_whose_velocity_is_not_determined(on_a_ball):
     )  # fmt: skip
 
 
-@pytest.mark.xfail(strict=True, reason="numpy.linalg.LinAlgError: Matrix is singular to machine precision")
 def test_a_massless_body_whose_acceleration_is_not_determined():
     bodies = massless(velocity=(0, 0, 0), omega=(0, 0, 0))
     says(

@@ -208,7 +208,7 @@ def test_missing_file_and_other_npz_are_refused(tmp_path):
         (lambda d: d["system"]["bodies"][0].update(mass=-1.0), "mass: -1.0 is below 0"),
         (lambda d: d["system"]["joints"].pop(), "array 'lam' has shape|array 'state' has shape"),
         (lambda d: d.update(record=d["final"]), "of the wrong type"),
-        (lambda d: d["final"].update(q=[0.0] * 7, v=[0.0] * 6), "final state does not fit"),
+        (lambda d: d["final"].update(q=[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], v=[0.0] * 6), "final state does not fit"),
     ],
 )
 def test_changed_text_is_refused(stored, change, message):

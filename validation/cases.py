@@ -263,12 +263,3 @@ def _rotation(quaternion: ArrayLike) -> Array:
     e0, x, y, z = np.asarray(quaternion, dtype=float)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + 2 * e0 * cross + 2 * cross @ cross
-
-
-def __getattr__(name: str) -> Any:
-    """``cases.compare``, kept under its former name; imported on demand because ``comparison`` imports this module."""
-    if name != "compare":
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    from validation.comparison import compare
-
-    return compare

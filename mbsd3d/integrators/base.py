@@ -7,6 +7,7 @@ import numpy as np
 from ..kernels.coordinates import coordinate, remember
 from ..kernels.dynamics import PROJECTED, arrive, skipped_residual
 from ..kernels.jit import inner_kernel
+from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics
 from ..kernels.probes import measure
 from ..kernels.rows import row_speed
@@ -163,7 +164,7 @@ def rows_hold(m, d, s, run):
         if run.clock[SMALLEST] < run.clock[PIVOT]:
             return False
         run.clock[PIVOT] = max(run.clock[PIVOT], min(1e-8, 1e-4 * run.clock[SMALLEST]))  # ready for the next one
-    if s.skipped.shape[0] > 0:
+    if s.skipped.shape[0] > 0 and m.stabilisation == PROJECTION:
         position, speed = skipped_residual(m, d, s)
         run.clock[RESIDUAL] = position
         return position <= run.clock[TOLERANCE] and speed <= run.clock[TOLERANCE] * max(

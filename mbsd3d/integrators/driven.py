@@ -42,6 +42,10 @@ class Kinematic:
 
     order = 0
 
+    def __post_init__(self) -> None:
+        if not self.max_step > 0.0:
+            raise ValueError(f"Kinematic: max_step {self.max_step} is not positive; give a time > 0")
+
 
 @inner_kernel
 def predict(m, run, h):

@@ -101,7 +101,7 @@ def largest_residual(m, d, s):
     for i in range(s.place.shape[0]):
         k = s.place[i].row
         size = abs(d.row[k].c) * m.row[k].scale
-        if not size <= largest:  # NaN counts
+        if largest == largest and not size <= largest:  # NaN counts, and stays
             largest = size
     return largest
 

@@ -47,6 +47,7 @@ def twist(body, moment):
 def inertial(m, d):
     """Gravity in Q and the velocity-quadratic term h of all bodies."""
     g = vec(m.gravity)
+    put6(d.body[m.body.shape[0]].Q, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # what acts on the ground adds up there
     for i in range(m.body.shape[0]):
         body, mass = d.body[i], m.body[i].mass
         R, w, s, w_body = mat(body.R), vec(body.w), vec(body.s), vec(body.w_body)
