@@ -339,7 +339,7 @@ def test_counts_of_the_run():
 def test_change_point_of_the_four_bar_is_passed_and_noted():
     case = cases.load("iftomm_A02_fourbar_N2")
     solution = simulate(case.system, case.t_end, rtol=1e-10, output=case.times)
-    assert compare(case, solution).scaled_error < 1e-7  # of the issue for all cases
+    assert compare(case, solution).scaled_error < 1e-7  # the limit set for all cases
     assert len(solution.certificate.rank_events) >= 1 and solution.certificate.passed
 
 

@@ -36,7 +36,7 @@ def flips(off, count, shift_seed=None, rtol=1e-12, **options):
 
 def test_flips_from_a_hundredth_off_the_middle_axis():
     quaternion, omega = flips(1e-2, 20)
-    assert quaternion < 2e-9  # of the issue
+    assert quaternion < 2e-9  # the limit set
     assert omega < 2e-9
 
 
@@ -82,7 +82,7 @@ def test_energy_and_momentum_over_a_thousand_revolutions(seed):
     solution = simulate(system, 1000 * 2 * np.pi / MIDDLE, rtol=1e-12, output=1001)
     momentum, energy = solution.momentum(), solution.energy().total
     spin = momentum.angular - np.cross(solution.com(body), momentum.linear)
-    # of the issue
+    # the limit set
     assert np.abs(energy / energy[0] - 1).max() < 1e-10
     assert np.abs(spin - spin[0]).max() < 1e-10 * np.linalg.norm(spin[0])
     assert np.abs(momentum.linear - momentum.linear[0]).max() < 1e-10 * np.linalg.norm(momentum.linear[0])
@@ -117,7 +117,7 @@ def test_internal_drivers_do_work_and_leave_momentum():
 def test_bricard_does_not_drift_in_a_hundred_seconds(shift):
     solution = simulate(cases.load("iftomm_A04_bricard", shift).system, 100.0, rtol=1e-9, output=2001)
     drift, certificate = solution.drift(), solution.certificate
-    assert drift.position.max() < 1e-12  # m, of the issue, at every sample and over all rows, the redundant one too
+    assert drift.position.max() < 1e-12  # m, the limit set, at every sample and over all rows, the redundant one too
     assert drift.velocity.max() < 1e-12
     assert certificate.svd_calls <= max(1, certificate.steps // 1000)  # one at the start
     assert certificate.passed
@@ -135,7 +135,7 @@ def test_bricard_conserves_energy_and_keeps_its_row_set():
 def test_fast_heavy_top_at_two_seconds(shift):
     case = cases.load("heavy_top_fast", shift)
     comparison = compare(case, simulate(case.system, 2.0, rtol=1e-12, output=case.times))
-    assert comparison.scaled_error < 1e-9  # of the issue; condition 1560
+    assert comparison.scaled_error < 1e-9  # the limit set; condition 1560
     assert case.times[-1] == 2.0
 
 
@@ -175,7 +175,7 @@ def test_steady_precession(root):
     phase = rate * solution.t
     circle = np.sin(tilt) * np.array([-np.sin(phase), np.cos(phase)])
     exact = LEVER * np.column_stack([*circle, np.full(21, np.cos(tilt))])
-    assert np.abs(solution.com(body) - exact).max() < 1e-10  # of the issue
+    assert np.abs(solution.com(body) - exact).max() < 1e-10  # the limit set
 
 
 def test_ablation_another_rate_is_not_steady():

@@ -41,7 +41,7 @@ from mbsd3d.rotations import matrix, multiply
 RTOL = 1e-12
 
 MOTION, REACTIONS = 1e-10, 1e-9
-"""Of the issue: two integrations of one motion at rtol 1e-12, each good to 1e-11 or better over a second."""
+"""The limit set: two integrations of one motion at rtol 1e-12, each good to 1e-11 or better over a second."""
 
 
 class Frame:

@@ -39,7 +39,7 @@ from mbsd3d.kernels.loads import loads
 from mbsd3d.rotations import exponential, matrix, multiply
 
 TOLERANCE = 1e-8
-"""Of the issue; the difference formula is good to 1e-12 times derivatives that reach 1e3 for bushing and tanh."""
+"""The limit set; the difference formula is good to 1e-12 times derivatives that reach 1e3 for bushing and tanh."""
 
 T = 0.37
 

@@ -31,7 +31,7 @@ def errors(make, counts, shift):
 @pytest.mark.parametrize("shift", [None, 7])
 def test_rk4_is_of_fourth_order(shift):
     found = errors(RK4, (128, 256, 512, 1024), shift)
-    assert np.log2(found[:-1] / found[1:]) == pytest.approx([4.0] * 3, abs=0.1)  # of the issue
+    assert np.log2(found[:-1] / found[1:]) == pytest.approx([4.0] * 3, abs=0.1)  # the limit set
     assert found[-1] > 1e-11  # far above rounding
 
 
@@ -39,7 +39,7 @@ def test_rk4_is_of_fourth_order(shift):
 def test_dop853_with_fixed_steps_is_of_eighth_order(shift):
     found = errors(lambda dt: DOP853(dt=dt), (8, 16, 32), shift)
     slopes = np.log2(found[:-1] / found[1:])
-    assert (slopes > 7.5).all() and (slopes < 9.0).all()  # of the issue
+    assert (slopes > 7.5).all() and (slopes < 9.0).all()  # the limit set
     assert found[-1] > 1e-12  # above rounding
 
 
@@ -166,7 +166,7 @@ def test_stop_is_located(down):
     solution = simulate(system, 5.0, state=state, rtol=1e-12, stop_when=condition)
     crossing = brentq(lambda t: float(angle(t)) - value, 0.4 if down else 0.0, 1.2 if down else 0.3, xtol=1e-14)
     assert 0.0 < solution.t[-1] < 5.0
-    assert solution.t[-1] == pytest.approx(crossing, abs=1e-10)  # of the issue
+    assert solution.t[-1] == pytest.approx(crossing, abs=1e-10)  # the limit set
     assert solution.angle(hinge)[-1] == pytest.approx(value, abs=1e-10)
     assert solution.final.t == solution.t[-1]
     assert "angle" in solution.certificate.stopped_by and solution.certificate.passed

@@ -89,7 +89,7 @@ def test_cardan_joint_passes_on_the_rate_of_theory(bend, driver, method):
     system, _, second, _ = shaft_pair(bend, driver)
     solution = simulate(system, 2 * np.pi / RATE, method=method, rtol=1e-12, output=TURN)
     ratio = output_rate(solution, second, bend) / RATE
-    assert ratio == pytest.approx(theory.cardan_rate(RATE * TURN, bend), abs=1e-10)  # of the issue
+    assert ratio == pytest.approx(theory.cardan_rate(RATE * TURN, bend), abs=1e-10)  # the limit set
     assert ratio.max() / ratio.min() == pytest.approx(theory.cardan_ratio(bend), rel=1e-10)
 
 
@@ -164,7 +164,7 @@ def double_cardan(first_bend, second_bend, seed=53):
 def test_double_cardan_of_equal_bends_is_uniform(method):
     system, last, axis = double_cardan(np.radians(25.0), np.radians(25.0))
     solution = simulate(system, 2 * np.pi / RATE, method=method, rtol=1e-12, output=TURN)
-    assert solution.omega(last) @ axis / RATE == pytest.approx(np.ones(256), abs=1e-11)  # of the issue
+    assert solution.omega(last) @ axis / RATE == pytest.approx(np.ones(256), abs=1e-11)  # the limit set
     assert np.ptp(np.linalg.norm(solution.omega("middle"), axis=1)) > 0.1 * RATE
 
 

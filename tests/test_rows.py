@@ -16,7 +16,7 @@ from mbsd3d import Joint
 from mbsd3d.model import Switches
 
 TOLERANCE = 1e-8
-"""Of the issue; the difference formula is good to 1e-12 times derivatives that reach 1e3 for the rolling disc."""
+"""The limit set; the difference formula is good to 1e-12 times derivatives that reach 1e3 for the rolling disc."""
 
 VARIANTS = [
     (cls, ground) for cls in EXAMPLES for ground in (None, "a", "b") if not (ground == "b" and cls in NOT_ON_GROUND)
