@@ -15,7 +15,15 @@ from .rotations import matrix
 
 @dataclass(frozen=True, eq=False)
 class KnifeEdge(PointJoint):
-    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row)."""
+    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, KnifeEdge
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in KnifeEdge(GROUND, part, at=(0.1, 0.2, 0), lateral=(0, 1, 0)).rows())
+    1
+    """
 
     lateral: Any = field(kw_only=True)
 
@@ -43,6 +51,14 @@ class RollingDisc(Joint):
         Centre of the disc, world [m]; None = centre of mass of the body.
     plane : (point, normal) or None
         Plane fixed in a, world at the reference pose; None = z = 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, RollingDisc, System
+    >>> coin = Body("coin", mass=0.1, inertia=(2e-4, 4e-4, 2e-4), position=(0, 0, 0.1))
+    >>> found = System([coin], [RollingDisc(GROUND, coin, axis=(0, 1, 0), radius=0.1)]).check()
+    >>> found.configuration_freedom, found.velocity_freedom
+    (5, 3)
     """
 
     a: Any

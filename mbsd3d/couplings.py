@@ -37,7 +37,17 @@ class Coupling(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Gear(Coupling):
-    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh."""
+    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Gear, Revolute, System
+    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("one", "two"))
+    >>> a = Revolute(GROUND, one, at=(0, 0, 0), axis=(0, 0, 1), name="a")
+    >>> b = Revolute(GROUND, two, at=(0.3, 0, 0), axis=(0, 0, 1), name="b")
+    >>> System([one, two], [a, b, Gear(a, b, ratio=-0.5)]).check().mobility
+    1
+    """
 
     hinge_a: Joint
     hinge_b: Joint
@@ -64,7 +74,17 @@ class Gear(Coupling):
 
 @dataclass(frozen=True, eq=False)
 class RackPinion(Coupling):
-    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0."""
+    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Prismatic, RackPinion, Revolute, System
+    >>> wheel, bar = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("wheel", "bar"))
+    >>> a = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0, 1, 0), name="a")
+    >>> b = Prismatic(GROUND, bar, at=(0, 0, 0.2), axis=(1, 0, 0), name="b")
+    >>> System([wheel, bar], [a, b, RackPinion(a, b, radius=0.2)]).check().mobility
+    1
+    """
 
     pinion: Joint
     rack: Joint

@@ -19,7 +19,18 @@ class Driver(Joint):
 
 @dataclass(frozen=True, eq=False)
 class AngleDriver(Coupling, Driver):
-    """The angle of a hinge follows ``signal`` [rad] (1 row): theta = f(t), zero at the reference pose."""
+    """The angle of a hinge follows ``signal`` [rad] (1 row): theta = f(t), zero at the reference pose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Ramp, Revolute, System, simulate
+    >>> arm = Body("arm", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    >>> system = System([arm], [hinge, AngleDriver(hinge, Ramp(2.0), name="motor")])
+    >>> solution = simulate(system, 1.0, method=Kinematic(), output=5)
+    >>> round(float(solution.effort("motor")[0]), 9)  # holds the weight: -m g l about y
+    -4.905
+    """
 
     hinge: Joint
     signal: Signal | float
@@ -37,7 +48,16 @@ class AngleDriver(Coupling, Driver):
 
 @dataclass(frozen=True, eq=False)
 class SlideDriver(Coupling, Driver):
-    """The slide of a joint follows ``signal`` [m] (1 row)."""
+    """The slide of a joint follows ``signal`` [m] (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Constant, Prismatic, SlideDriver, System
+    >>> lift = Body("lift", mass=3.0, inertia=(0.1, 0.1, 0.1))
+    >>> rail = Prismatic(GROUND, lift, at=(0, 0, 0), axis=(0, 0, 1), name="rail")
+    >>> System([lift], [rail, SlideDriver(rail, Constant(0.0))]).check().mobility
+    0
+    """
 
     slider: Joint
     signal: Signal | float
@@ -101,7 +121,17 @@ class PositionDriver(Driver):
 
 @dataclass(frozen=True, eq=False)
 class SpeedDriver(Driver):
-    """b turns relative to a about an axis fixed in a at a prescribed speed [rad/s] (1 row without residual)."""
+    """b turns relative to a about an axis fixed in a at a prescribed speed [rad/s] (1 row without residual).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System
+    >>> rotor = Body("rotor", mass=1.0, inertia=(0.1, 0.1, 0.2))
+    >>> hinge = Revolute(GROUND, rotor, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> system = System([rotor], [hinge, SpeedDriver(GROUND, rotor, axis=(0, 0, 1), speed=3.0)])
+    >>> system.state().v[3:].round(12).tolist()
+    [0.0, 0.0, 3.0]
+    """
 
     a: Any
     b: Any

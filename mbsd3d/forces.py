@@ -90,6 +90,14 @@ class Force(ForceElement):
     """A force [N] at a point of a body; components are numbers or signals, in world or body axes.
 
     ``at`` None is the centre of mass. Its work is counted, it stores no energy.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, Force, Sine, System, accelerations
+    >>> box = Body("box", mass=2.0, inertia=(0.1, 0.1, 0.1))
+    >>> system = System([box], forces=[Force(box, (3.0, 0, Sine(5.0, 2.0)))], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(box)[0, 0]), 12)
+    1.5
     """
 
     body: Body
@@ -111,7 +119,16 @@ class Force(ForceElement):
 
 @dataclass(frozen=True, eq=False)
 class Torque(ForceElement):
-    """A torque [N m] on a body; components are numbers or signals, in world or body axes."""
+    """A torque [N m] on a body; components are numbers or signals, in world or body axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, Torque, accelerations
+    >>> rotor = Body("rotor", mass=2.0, inertia=(0.3, 0.3, 0.4))
+    >>> system = System([rotor], forces=[Torque(rotor, (0, 0, 0.6))], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).alpha(rotor)[0, 2]), 12)
+    1.5
+    """
 
     body: Body
     torque: Any
@@ -142,6 +159,13 @@ class SpringDamper(ForceElement):
         k >= 0 [N/m], c >= 0 [N s/m].
     length : float or None
         l0 >= 0 [m]; None = the distance at the reference pose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, SpringDamper
+    >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, -1.5))
+    >>> SpringDamper(GROUND, bob, at_a=(0, 0, 0), at_b=(0, 0, -1.5), stiffness=40.0).length
+    1.5
     """
 
     a: Any

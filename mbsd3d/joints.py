@@ -142,7 +142,15 @@ def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.nda
 
 
 class Spherical(PointJoint):
-    """The points coincide (3 rows)."""
+    """The points coincide (3 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Spherical
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Spherical(GROUND, part, at=(0.1, 0.2, 0.3)).rows())
+    3
+    """
 
     def rows(self) -> list[Primitive]:
         return [coincide(self.a, self.b, self.at, self.at_b)]
@@ -168,7 +176,16 @@ class Revolute(AxisJoint):
 
 @dataclass(frozen=True, eq=False)
 class Universal(PointJoint):
-    """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows)."""
+    """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Universal
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> cross = Universal(GROUND, part, at=(0.1, 0.2, 0.3), axis_a=(1, 2, 2), axis_b=(2, 1, -2))
+    >>> sum(row.n_rows for row in cross.rows())
+    4
+    """
 
     axis_a: Any = field(kw_only=True)
     axis_b: Any = field(kw_only=True)
@@ -188,7 +205,15 @@ class Universal(PointJoint):
 
 
 class Prismatic(AxisJoint):
-    """b slides along the axis without turning (5 rows)."""
+    """b slides along the axis without turning (5 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Prismatic
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Prismatic(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    5
+    """
 
     def rows(self) -> list[Primitive]:
         return [*self.line_rows(), *self.parallel_rows(), self.no_turn_row()]
@@ -198,7 +223,15 @@ class Prismatic(AxisJoint):
 
 
 class Cylindrical(AxisJoint):
-    """b slides along the axis and turns about it (4 rows)."""
+    """b slides along the axis and turns about it (4 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Cylindrical
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Cylindrical(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    4
+    """
 
     def rows(self) -> list[Primitive]:
         return [*self.line_rows(), *self.parallel_rows()]
@@ -206,7 +239,15 @@ class Cylindrical(AxisJoint):
 
 @dataclass(frozen=True, eq=False)
 class Planar(PointJoint):
-    """b moves in a plane fixed in a, turning about its normal only (3 rows)."""
+    """b moves in a plane fixed in a, turning about its normal only (3 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Planar
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Planar(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
+    3
+    """
 
     normal: Any = field(kw_only=True)
 
@@ -223,7 +264,15 @@ class Planar(PointJoint):
 
 
 class Fixed(PointJoint):
-    """No relative motion (6 rows)."""
+    """No relative motion (6 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Fixed
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Fixed(GROUND, part, at=(0.1, 0.2, 0.3)).rows())
+    6
+    """
 
     def rows(self) -> list[Primitive]:
         x, y, z = np.eye(3)
@@ -232,7 +281,15 @@ class Fixed(PointJoint):
 
 
 class PointOnLine(AxisJoint):
-    """A point of b slides on a line fixed in a (2 rows)."""
+    """A point of b slides on a line fixed in a (2 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, PointOnLine
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in PointOnLine(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    2
+    """
 
     def rows(self) -> list[Primitive]:
         return self.line_rows()
@@ -243,7 +300,15 @@ class PointOnLine(AxisJoint):
 
 @dataclass(frozen=True, eq=False)
 class PointOnPlane(PointJoint):
-    """A point of b moves in a plane fixed in a (1 row)."""
+    """A point of b moves in a plane fixed in a (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, PointOnPlane
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in PointOnPlane(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
+    1
+    """
 
     normal: Any = field(kw_only=True)
 
@@ -257,7 +322,15 @@ class PointOnPlane(PointJoint):
 
 @dataclass(frozen=True, eq=False)
 class Distance(Joint):
-    """A massless rod between a point of a and a point of b keeps their distance (1 row)."""
+    """A massless rod between a point of a and a point of b keeps their distance (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Distance
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> round(Distance(GROUND, part, at_a=(0, 0, 0), at_b=(0.3, 0.0, 0.4)).length, 12)
+    0.5
+    """
 
     a: Any
     b: Any
@@ -283,7 +356,15 @@ class Distance(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Parallel(Joint):
-    """An axis of b stays parallel to an axis of a (2 rows)."""
+    """An axis of b stays parallel to an axis of a (2 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Parallel
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Parallel(GROUND, part, axis=(1, 2, 2)).rows())
+    2
+    """
 
     a: Any
     b: Any
@@ -304,7 +385,15 @@ class Parallel(Joint):
 
 @dataclass(frozen=True, eq=False)
 class Perpendicular(Joint):
-    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row)."""
+    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Perpendicular
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Perpendicular(GROUND, part, axis_a=(1, 2, 2), axis_b=(2, 1, -2)).rows())
+    1
+    """
 
     a: Any
     b: Any
@@ -327,6 +416,14 @@ class ConstantVelocity(PointJoint):
     """Constant-velocity joint between shafts along ``axis_a`` and ``axis_b``: no turn about their bisector (4 rows).
 
     With n the common normal of the shafts: x_a . y_b - y_a . x_b = 0 for x = n, y = axis x n on both sides.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, ConstantVelocity
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> joint = ConstantVelocity(GROUND, part, at=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0.8, 0.6, 0))
+    >>> sum(row.n_rows for row in joint.rows())
+    4
     """
 
     axis_a: Any = field(kw_only=True)
@@ -350,7 +447,18 @@ class ConstantVelocity(PointJoint):
 
 @dataclass(frozen=True, eq=False)
 class Screw(AxisJoint):
-    """b advances along the axis by ``pitch`` [m] per turn (5 rows): slide = pitch angle / (2 pi)."""
+    """b advances along the axis by ``pitch`` [m] per turn (5 rows): slide = pitch angle / (2 pi).
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from mbsd3d import GROUND, Body, Screw, System
+    >>> nut = Body("nut", mass=0.4, inertia=(0.1, 0.1, 0.2), position=(0.2, 0.1, 0.5))
+    >>> thread = Screw(GROUND, nut, at=(0.2, 0.1, 0.5), axis=(0, 0, 1), pitch=0.01, name="thread")
+    >>> state = System([nut], [thread]).assemble(angles={"thread": 2 * pi})
+    >>> round(float(state.q[2]), 12)  # one turn lifts it by the pitch
+    0.51
+    """
 
     pitch: float = field(kw_only=True)
 
