@@ -83,6 +83,7 @@ def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:
         block=block,
         body_first=body_first.astype(np.int64),
         skyline=np.zeros(int(lengths.sum()), dtype),
+        rhs=np.zeros(row.size, dtype),
         skipped=np.setdiff1d(np.arange(model.row.size), row).astype(np.int64),
     )
 

@@ -237,7 +237,7 @@ def step(m, d, s, table, run):
             if run.clock[SMALLEST] < NEARLY_SINGULAR:
                 run.count[ON_MANIFOLD] = 1
             continue
-        status, result = arrive(m, d, s, t_new, run.trial, run.K[n])
+        status, result = arrive(m, d, s, t_new, run.trial, run.K[n], run.count[ON_MANIFOLD] == 0)
         run.count[EVALUATIONS] += 1
         if status == PROJECTED and result == SOLVED and finite(run.K[n]):
             break

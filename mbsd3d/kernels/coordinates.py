@@ -82,18 +82,24 @@ def coordinate(m, d, i, t):
 
 
 @kernel
+def value_and_rate(m, d, i, t):
+    """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
+    a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
+    value, _, la, ta, lb, tb = coordinate(m, d, i, t)
+    return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+
+
+@kernel
 def coordinate_rate(m, d, i, t):
     """Rate of hinge coordinate i [rad/s or m/s]."""
-    a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
-    _, _, la, ta, lb, tb = coordinate(m, d, i, t)
-    return dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+    return value_and_rate(m, d, i, t)[1]
 
 
 @kernel
 def remember(m, d, t):
     """Keep all hinge coordinates and their rates as what later angles are unwrapped against."""
     for i in range(m.coordinate.shape[0]):
-        value, rate = coordinate(m, d, i, t)[0], coordinate_rate(m, d, i, t)
+        value, rate = value_and_rate(m, d, i, t)
         d.coordinate[i].value = np.real(value)
         d.coordinate[i].rate = np.real(rate)
     d.unwrap_time[0] = t

@@ -127,33 +127,48 @@ def correction(m, d, s):
     return solve(m, d, s)
 
 
+@inner_kernel
+def towards_closure(m, d, s, t, y):
+    """One Newton step on c = 0 with the factor at hand, and the rows of the pose it leads to."""
+    for k in range(m.row.shape[0]):
+        d.row[k].bottom = -d.row[k].c
+    if correction(m, d, s) != SOLVED:
+        return False
+    displace(m, d, y)
+    kinematics(m, d, y)
+    rows(m, d, t)
+    return True
+
+
 @kernel
-def close(m, d, s, t, y):
-    """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y."""
+def close(m, d, s, t, y, near=False):
+    """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y.
+
+    ``near``: the factor at hand belongs to a pose close by, such as the last stage of a step. A first step with it
+    leaves c smaller by that distance, mostly to rounding, so that one new factor, of the projected pose, is enough.
+    """
     normalise(m, y)
     kinematics(m, d, y)
     rows(m, d, t)
-    if factor(m, d, s) != SOLVED:
-        return NO_FACTOR
     floor = rounding(m, y)
-    residual, moved = largest_residual(m, d, s), False
+    residual, fresh = largest_residual(m, d, s), False
+    if near and residual > floor:
+        if not towards_closure(m, d, s, t, y):
+            return NO_FACTOR
+        residual = largest_residual(m, d, s)
     for _ in range(12):
+        if factor(m, d, s) != SOLVED:
+            return NO_FACTOR
+        fresh = True
         if residual <= floor:
             break
-        for k in range(m.row.shape[0]):
-            d.row[k].bottom = -d.row[k].c
-        if correction(m, d, s) != SOLVED:
+        if not towards_closure(m, d, s, t, y):
             return NO_FACTOR
-        displace(m, d, y)
-        moved = True
-        kinematics(m, d, y)
-        rows(m, d, t)
         before, residual = residual, largest_residual(m, d, s)
-        if before > 1e-6 and factor(m, d, s) != SOLVED:  # far away: the old factor has done its work
-            return NO_FACTOR
+        fresh = before <= 1e3 * floor  # moved by rounding only
         if residual > 0.25 * before:  # no progress: at rounding level, or not closing
             break
-    if moved and factor(m, d, s) != SOLVED:
+    if not fresh and factor(m, d, s) != SOLVED:
         return NO_FACTOR
     return PROJECTED if residual <= 1e3 * floor else NOT_CLOSED
 
@@ -170,20 +185,23 @@ def settle(m, d, s, y):
 
 
 @kernel
-def project(m, d, s, t, y):
+def project(m, d, s, t, y, near=False):
     """q onto c = 0, then v onto J v = b, in place; PROJECTED, NOT_CLOSED or NO_FACTOR."""
-    status = close(m, d, s, t, y)
+    status = close(m, d, s, t, y, near)
     if status == PROJECTED:
         status = settle(m, d, s, y)
     return status
 
 
 @kernel
-def arrive(m, d, s, t, y, dy):
-    """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status)."""
+def arrive(m, d, s, t, y, dy, near=False):
+    """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status).
+
+    ``near`` as in `close`.
+    """
     if m.stabilisation != PROJECTION:
         return PROJECTED, evaluate(m, d, s, t, y, dy)
-    status = project(m, d, s, t, y)
+    status = project(m, d, s, t, y, near)
     if status != PROJECTED:
         return status, SOLVED
     kinematics(m, d, y)

@@ -142,10 +142,11 @@ class Data(NamedTuple):
 class Schur(NamedTuple):
     """The chosen rows in elimination order, and the skyline of S = J M^-1 J' in that order."""
 
-    place: np.ndarray  # (c,) row, first stored column, start of the line, blocks of the slots, diagonal of S, rhs
+    place: np.ndarray  # (c,) row, first stored column, start of the line, blocks of the slots, diagonal of S
     block: np.ndarray  # (blocks,) place of its row, Y = J U^-1 with M = U'U; ascending places within a body
     body_first: np.ndarray  # (n + 1,) first block of each body
-    skyline: np.ndarray  # lower triangle of S, then of its factor L: S[i, j] is skyline[line_i + j]
+    skyline: np.ndarray  # lower triangle of S, then of its factor L (1 / L_ii): S[i, j] is skyline[line_i + j]
+    rhs: np.ndarray  # (c,) right side, then solution
     skipped: np.ndarray  # rows left out
 
 
@@ -158,7 +159,6 @@ def schur_records(dtype: type) -> dict[str, list]:
             ("line", int),
             ("slot_block", int, 4),  # block of Y a slot adds to, -1 = ground or unused
             ("s_ii", dtype),  # diagonal of S before factoring
-            ("rhs", dtype),
         ],
         "block": [("place", int), ("Y", dtype, 6)],
     }
