@@ -55,6 +55,7 @@ class Record:
     svd_calls: int = 0
     rank_events: list = field(default_factory=list)
     seconds: float = 0.0
+    loop_seconds: float = 0.0  # of these, in the compiled time loop
     stopped_by: str | None = None
 
 
@@ -129,6 +130,7 @@ class Job:
             began = time.perf_counter()
             status = self.call(budget)
             spent = time.perf_counter() - began
+            self.record.loop_seconds += spent
             progress.update(run.clock[base.T])
             if status == base.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1

@@ -18,26 +18,11 @@ PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
 
 
 @inner_kernel
-def constraint_forces(m, d):
-    """constraint = -J' lam on every body (ground included)."""
-    for i in range(d.body.shape[0]):
-        f = d.body[i].constraint
-        for j in range(6):
-            f[j] = 0.0
-    for k in range(m.row.shape[0]):
-        lam = d.row[k].lam
-        if lam != 0.0:
-            for slot in range(4):
-                i = m.row[k].body[slot]
-                if i >= 0:
-                    f = d.body[i].constraint
-                    for j in range(6):
-                        f[j] -= d.row[k].J[slot, j] * lam
-
-
-@inner_kernel
 def audit_rates(m, d, dy):
-    """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin."""
+    """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin.
+
+    Joints between bodies cannot change the momentum of the whole: only applied loads and reactions of the ground count.
+    """
     z = 13 * m.body.shape[0]
     for j in range(m.z_work):
         dy[z + j] = d.state_rate[j]
@@ -49,12 +34,15 @@ def audit_rates(m, d, dy):
     impulse = dy[z + m.z_impulse : z + m.z_impulse + 6]
     for j in range(6):
         impulse[j] = 0.0
-    constraint_forces(m, d)
-    for i in range(m.body.shape[0]):
+    ground = m.body.shape[0]
+    for i in range(ground):
         force, moment = pair(d.body[i].Q)
-        reaction, reaction_moment = pair(d.body[i].constraint)
-        force = add(force, reaction)
-        add6(impulse, force, add(add(moment, reaction_moment), cross(vec(d.body[i].r), force)))
+        add6(impulse, force, add(moment, cross(vec(d.body[i].r), force)))
+    for k in range(m.row.shape[0]):
+        for slot in range(4):
+            if m.row[k].body[slot] == ground:
+                for j in range(6):
+                    impulse[j] += d.row[k].J[slot, j] * d.row[k].lam
 
 
 @kernel

@@ -113,7 +113,6 @@ def data_records(dtype: type) -> dict[str, list]:
             ("turn", dtype, 3),  # N m, a further moment about G of the right side, body axes
             ("acceleration", dtype, 6),  # solution of the upper rows: (r_ddot, w_dot)
             ("alpha", dtype, 3),  # rad/s^2, R'w_dot
-            ("constraint", dtype, 6),  # -J' lam
         ],
         "row": [
             ("c", dtype),  # residual, m or rad              } computed by rows
