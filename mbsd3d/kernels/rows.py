@@ -10,9 +10,9 @@ import numpy as np
 
 from .coordinates import coordinate, slide_along
 from .jit import kernel
-from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, NO_SIDESLIP, RATIO, TURN_RATE
+from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
 from .signals import signal
-from .vectors import add, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
+from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
 @kernel
@@ -101,6 +101,26 @@ def ratio(m, d, row, p, t):
             row.gamma -= f * rest
             put6(row.J[2 * i], scale(f, la), scale(f, ta))
             put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
+
+
+@kernel
+def mesh(m, d, row, p, t):
+    """Teeth of two gears on one carrier: c = sum_i of v_i theta_i + n_i . gap_i + x_i . u_i, zero terms but the first.
+
+    Slots 2 i and 2 i + 1 are carrier and gear i. The gap at the hinge point and the tilt of the gear's axis u_i vanish
+    with the hinges' own rows; their gradients make J v = n . (v of gear 1 - v of gear 0 at the pitch point), so the
+    reaction is a force along the line of action and not a couple.
+    """
+    ratio(m, d, row, p, t)
+    for i in range(2):
+        k, g = 2 * i, 2 * i + 1
+        a, b = d.body[p.body[k]], d.body[p.body[g]]
+        gap, rest, la, ta, lb, tb = slide_along(a, b, arm(a, p.axis[k]), arm(a, p.point[k]), arm(b, p.point[g]))
+        tilt, moment, rest_tilt = axes_dot(arm(a, p.second_axis[k]), arm(b, p.axis[g]), vec(a.w), vec(b.w))
+        row.c += gap + tilt
+        row.gamma -= rest + rest_tilt
+        add6(row.J[k], la, add(ta, moment))
+        add6(row.J[g], lb, sub(tb, moment))
 
 
 @kernel
@@ -213,6 +233,8 @@ def fill(m, d, p, t):
         axis_dot_difference(row, p, a, b)
     elif p.kind == RATIO:
         ratio(m, d, row, p, t)
+    elif p.kind == MESH:
+        mesh(m, d, row, p, t)
     elif p.kind == TURN_RATE:
         turn_rate(row, p, a, b)
     elif p.kind == NO_SIDESLIP:
