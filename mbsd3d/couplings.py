@@ -195,7 +195,7 @@ class GearMesh(Coupling):
         if self.flank not in (1, -1):
             raise ValueError(f"{what}: flank {self.flank!r} is unknown; give 1 or -1")
         self.set(at=vector(self.at, f"{what}: at"), pressure_angle=angles[0], helix_angle=angles[1])
-        bodies = {id(body) for body in (self.a, self.b, self.support(what))}
+        bodies = {id(body) for body in (self.support(what), self.a, self.b)}
         if len(bodies) < 3:
             raise ValueError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
         self.direction(what)
