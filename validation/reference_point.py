@@ -46,6 +46,8 @@ class Reference:
         Greatest |J v - b| [m/s or rad/s].
     rank : int
         Of J.
+    condition : float
+        Of J M^-1 J' on its range: what solvers that form this matrix may lose of their digits.
     """
 
     acceleration: Array
@@ -53,6 +55,7 @@ class Reference:
     residual: float
     rate: float
     rank: int
+    condition: float
 
 
 def constraint_rows(system: Any, state: Any) -> tuple[Array, Array, list[slice], float, float]:
@@ -143,4 +146,5 @@ def solve(system: Any, state: Any) -> Reference:
         i = next((i for i, body in enumerate(system.bodies) if body is joint.b), None)
         if i is not None:
             wrench[id(joint)] = (held[span] @ J[span])[6 * i : 6 * i + 6]
-    return Reference(v_dot.reshape(-1, 6), wrench, residual, rate, rank)
+    spread = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(M), J.T), compute_uv=False)[:rank]
+    return Reference(v_dot.reshape(-1, 6), wrench, residual, rate, rank, float((spread[0] / spread[-1]) ** 2))
