@@ -159,7 +159,7 @@ def moved(system, state, t=0.05):
     try:
         return simulate(system, t, state=state, output=2).final
     except IntegrationError as stop:
-        return moved(system, state, 0.5 * stop.solution.t[-1])
+        return moved(system, state, 0.5 * stop.solution.final.t)
 
 
 def compare(seed):
