@@ -88,7 +88,7 @@ def test_spherical_joint_needs_an_axis():
 
 
 def test_life_of_the_worked_examples():
-    """Question of the Graduate Aptitude Test in Engineering (selfstudys.com): F_r 2500 N, F_a 1000 N, C 7350 N, 720 rpm: 340.419 h."""
+    """Graduate Aptitude Test in Engineering (selfstudys.com): 2500 N, 1000 N, C = 7350 N, 720 rpm: 340.419 h."""
     bearing = RollingBearing(C=7350.0, X=0.56, Y=1.6, e=0.3)
     force = np.tile([1500.0, -2000.0, -1000.0], (3, 1))  # |radial| = 2500
     speed = np.full(3, -720 * 2 * np.pi / 60)

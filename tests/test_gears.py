@@ -1,5 +1,7 @@
 """Gears and tooth meshes against textbook forces, Willis' equation and rotor equations written here."""
 
+import json
+
 import numpy as np
 import pytest
 from models import across, direction, moved_reference, random_orientation
@@ -19,6 +21,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.couplings import Axle
+from mbsd3d.description import describe, rebuild
 from mbsd3d.rotations import matrix
 
 ROUNDING = 1e-10
@@ -311,6 +314,17 @@ def test_bevel_differential_shares_torque_and_averages_rates():
     alpha = 8.0 / (0.3 + 0.2 + 0.008), -3.0 / (0.2 + 0.01)
     for body, value in ((cage, alpha[0]), (left, alpha[0] + alpha[1]), (right, alpha[0] - alpha[1])):
         assert found.alpha(body)[0] == pytest.approx(value * frame.x, abs=1e-9)
+
+
+def test_a_mesh_survives_its_description_and_a_table():
+    frame, bodies, joints = planetary(True)
+    system = System(bodies, joints, [torque(bodies[0], frame.z, 3.0)])
+    again = rebuild(json.loads(json.dumps(describe(system))))
+    first, second = (accelerations(x).arrays for x in (system, again))
+    assert np.array_equal(first["acceleration"], second["acceleration"])
+    assert again.joints[-1].carrier is again.bodies[1]
+    names = accelerations(system).to_xarray()
+    assert names.sizes["joint"] == 6
 
 
 def test_errors_of_gear_meshes():
