@@ -1,8 +1,6 @@
-"""Rolling bearings: from reactions to loads in the joint's frame, equivalent load and rating life by ISO 281.
+"""Bearing loads: reactions as radial force, axial force and tilting moment; hinges as pairs of bearings.
 
-    P = F_r where |F_a| <= e F_r, else X F_r + Y |F_a|;   P_m = (int P^p |n| dt / int |n| dt)^(1/p);   L10 = (C / P_m)^p
-
-with L10 in millions of revolutions, p = 3 for balls and 10/3 for rollers; C, X, Y, e come from the bearing's catalogue.
+What they mean for the life of a rolling bearing: `mbsd3d.ratings`.
 """
 
 from dataclasses import dataclass
@@ -11,13 +9,7 @@ from typing import Any
 import numpy as np
 
 from .joints import Fixed, PointJoint, Prismatic, perpendiculars, unit
-from .parts import number, vector
-
-BALL, ROLLER = 3.0, 10.0 / 3.0
-"""Load-life exponents p."""
-
-ROUNDING = 1e-9
-"""Moments below this part of force times model length are what the solver leaves of zero."""
+from .parts import vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,118 +166,3 @@ def bearing_pair(solution: Any, joint: Any, *, fixed: Any, floating: Any) -> tup
         BearingLoad(load.t, force, none, at, load.speed, load.length, f"{load.name}, {name} bearing")
         for force, at, name in zip((load.force - second, second), places, ("fixed", "floating"), strict=True)
     )
-
-
-@dataclass(frozen=True)
-class RatingLife:
-    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever.
-
-    Attributes
-    ----------
-    load : float
-        Mean equivalent dynamic load P_m [N].
-    speed : float
-        Mean of the magnitude of the speed [rad/s].
-    revolutions : float
-        L10 [millions of revolutions].
-    hours : float
-        L10h [h].
-    """
-
-    load: float
-    speed: float
-    revolutions: float
-    hours: float
-
-
-@dataclass(frozen=True)
-class RollingBearing:
-    """Catalogue data of a bearing.
-
-    Parameters
-    ----------
-    C : float
-        Basic dynamic load rating [N] > 0.
-    X, Y, e : float
-        Radial and axial factor and the ratio |F_a| / F_r above which they count; the defaults are those of a bearing
-        that carries radial loads alone.
-    p : float
-        Load-life exponent: `BALL` = 3, `ROLLER` = 10/3.
-    tilting : float
-        Tilting moment it can carry besides [N m].
-
-    Examples
-    --------
-    >>> bearing = RollingBearing(C=7350.0, X=0.56, Y=1.6, e=0.3)
-    >>> round(float(bearing.equivalent(2500.0, 1000.0)), 6)
-    3000.0
-    """
-
-    C: float
-    X: float = 1.0
-    Y: float = 0.0
-    e: float = 0.0
-    p: float = BALL
-    tilting: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("C", "p"):
-            object.__setattr__(self, name, number(getattr(self, name), f"RollingBearing: {name}", positive=True))
-        for name in ("X", "Y", "e", "tilting"):
-            object.__setattr__(self, name, number(getattr(self, name), f"RollingBearing: {name}", minimum=0.0))
-
-    def equivalent(self, radial: Any, axial: Any) -> np.ndarray:
-        """Equivalent dynamic load P [N] of radial and axial forces [N]."""
-        radial, axial = np.abs(radial), np.abs(axial)
-        return np.where(axial <= self.e * radial, radial, self.X * radial + self.Y * axial)
-
-    def life(self, load: BearingLoad) -> RatingLife:
-        """L10 and L10h under the loads and speeds of a run.
-
-        Raises
-        ------
-        ValueError
-            If the bearing does not turn, is never loaded, cannot carry axial forces (Y = 0) or tilting moments that
-            are there.
-        """
-        what = f"RollingBearing.life: '{load.name}'"
-        zero = ROUNDING * np.abs(load.force).max(initial=0.0)
-        if load.tilting.max() > self.tilting + zero * load.length:
-            raise ValueError(
-                f"{what}: a tilting moment of {load.tilting.max():g} N m, the bearing carries {self.tilting:g}; "
-                "give tilting=, or split the hinge with bearing_pair"
-            )
-        if self.Y == 0.0 and np.abs(load.axial).max() > zero:
-            raise ValueError(f"{what}: an axial force of {np.abs(load.axial).max():g} N, but Y = 0; give X, Y and e")
-        return self.life_of(load.t, self.equivalent(load.radial, load.axial), load.speed, what)
-
-    def life_of(self, t: Any, load: Any, speed: Any, what: str = "RollingBearing.life_of") -> RatingLife:
-        """L10 of equivalent loads P [N] and speeds [rad/s] over times [s] (trapezoidal rule)."""
-        t, load, speed = (np.asarray(x, float) for x in (t, load, np.abs(speed)))
-        angle = np.trapezoid(speed, t)
-        if not angle > 0.0:
-            raise ValueError(f"{what}: it does not turn in this run, so it has no rating life; size it by C0")
-        mean = (np.trapezoid(load**self.p * speed, t) / angle) ** (1.0 / self.p)
-        if not mean > 0.0:
-            raise ValueError(f"{what}: it is never loaded, so its life has no end; give a run with loads")
-        revolutions, rate = (self.C / mean) ** self.p, angle / (t[-1] - t[0])
-        return RatingLife(float(mean), float(rate), float(revolutions), revolutions * 1e6 * 2 * np.pi / rate / 3600.0)
-
-
-def reliability_factor(reliability: float) -> float:
-    """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
-
-    Parameters
-    ----------
-    reliability : float
-        R, 0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
-
-    Examples
-    --------
-    >>> round(reliability_factor(0.95), 2)
-    0.62
-    """
-    R = number(reliability, "reliability_factor: reliability", minimum=0.9)
-    if R >= 1.0:
-        raise ValueError(f"reliability_factor: reliability {R:g}: no bearing is certain; give 0.9 <= R < 1, e.g. 0.95")
-    return float((np.log(R) / np.log(0.9)) ** (1.0 / 1.5))

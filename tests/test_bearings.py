@@ -5,14 +5,8 @@ import pytest
 from models import across, direction, random_body
 
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.bearings import (
-    ROLLER,
-    BearingLoad,
-    RollingBearing,
-    bearing_load,
-    bearing_pair,
-    reliability_factor,
-)
+from mbsd3d.bearings import BearingLoad, bearing_load, bearing_pair
+from mbsd3d.ratings import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
 from mbsd3d.rotations import exponential, matrix
 
 
@@ -108,6 +102,22 @@ def test_mean_load_of_the_worked_example():
     assert life.load == pytest.approx(597.0, abs=0.5)  # as printed
 
 
+def test_deep_groove_ball_bearing_reads_its_table_at_every_sample():
+    """Rows f0 F_a / C0 = 0.345, 1.38, 6.89 of the table, a pure radial load, and one that is interpolated."""
+    bearing = DeepGrooveBallBearing(C=2e4, C0=7000.0, f0=14.0)
+    axial = np.array([0.345, 1.38, 6.89, 0.0, 0.517]) * 500.0
+    radial = np.array([100.0, 100.0, 7000.0, 800.0, 100.0])
+    expected = [56 + 1.99 * 172.5, 56 + 1.45 * 690, 56 * 70 + 3445.0, 800.0, 56 + 1.85 * 258.5]
+    assert bearing.equivalent(radial, -axial) == pytest.approx(expected, rel=1e-14)
+    with pytest.raises(ValueError, match="f0 F_a / C0 = 8 is beyond the table, which ends at 6.89; take a greater"):
+        bearing.equivalent(1000.0, 4000.0)
+
+
+def test_ratings_are_keywords_so_that_none_is_mistaken():
+    with pytest.raises(TypeError):
+        RollingBearing(7350.0)
+
+
 @pytest.mark.parametrize("p", [3.0, ROLLER])
 def test_mean_load_weighs_by_revolutions(p):
     """P = 1 + s and n = 2 + s over s = 0 ... 1: the integral of (1 + s)^p (2 + s) in closed form."""
@@ -149,7 +159,7 @@ def test_errors_name_value_and_remedy():
         (lambda: RollingBearing(C=1e4).life(load), "'hinge': a tilting moment of .*split the hinge with bearing_pair"),
         (lambda: RollingBearing(C=1e4, tilting=1e3).life(load), "an axial force of .* but Y = 0; give X, Y and e"),
         (lambda: RollingBearing(C=1e4).life(rest), "it does not turn in this run"),
-        (lambda: RollingBearing(C=1e4).life_of([0, 1], [0, 0], [1, 1]), "it is never loaded"),
+        (lambda: RollingBearing(C=1e4).life_of([0, 1], [0, 0], [1, 1], "seat"), "seat: it is never loaded"),
         (lambda: reliability_factor(1.0), "no bearing is certain; give 0.9 <= R < 1"),
     ]
     for call, message in cases:

@@ -111,7 +111,7 @@ def solve(system: Any, state: Any) -> Reference:
     Parameters
     ----------
     system : mbsd3d.System
-        Joints of any type, gravity and `SpringDamper`.
+        Bodies with mass and inertia, joints of any type, gravity and `SpringDamper`.
     state : mbsd3d.State
         A consistent state; `Reference.residual` and `Reference.rate` say how consistent.
 
@@ -127,7 +127,7 @@ def solve(system: Any, state: Any) -> Reference:
     Examples
     --------
     >>> from mbsd3d import Body, Revolute, System
-    >>> bar = Body("bar", 3.0, (0.0, 1.0, 1.0), com=(0.5, 0, 0))
+    >>> bar = Body("bar", 3.0, (0.1, 1.0, 1.0), com=(0.5, 0, 0))
     >>> hinge = Revolute(GROUND, bar, at=(0, 0, 0), axis=(0, 1, 0))
     >>> system = System([bar], [hinge])
     >>> round(float(solve(system, system.state()).acceleration[0, 4]), 9)  # m g l / (I + m l^2)
