@@ -7,7 +7,7 @@ import numpy as np
 
 from .joints import AxisJoint, Joint, coordinate_of
 from .kernels import kinds
-from .parts import Body, Ground, number, vector
+from .parts import GROUND, Body, Ground, number, vector
 from .primitives import ZERO, Coordinate, Primitive, ratio
 from .toothing import Axle, line_of_action
 
@@ -131,7 +131,8 @@ class GearMesh(Coupling):
         `normal_force` is negative the other flanks touch, and the radial force has the wrong sense.
     carrier : Body, GROUND or None
         Body in which the axes of both gears rest; None = the common body of the hinges. A planet carrier, where the
-        sun turns on the ground about the axis of the carrier: gear i is then body b of hinge i.
+        sun turns on the ground about the axis of the carrier: gear i is then body b of hinge i. (A ring that is fixed
+        to the ground meshes by the hinge of the carrier itself: its gear is the ground.)
 
     Raises
     ------
@@ -198,6 +199,9 @@ class GearMesh(Coupling):
         bodies = {id(body) for body in (self.support(what), self.a, self.b)}
         if len(bodies) < 3:
             raise ValueError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
+        for hinge in (self.hinge_a, self.hinge_b):
+            if self.gear(hinge) is GROUND and self.carrier not in (None, hinge.a, hinge.b):
+                raise ValueError(f"{what}: the gear on '{hinge.name}' is the ground; give it as body b of the hinge")
         self.direction(what)
 
     def support(self, what: str = "GearMesh") -> Any:
@@ -214,15 +218,19 @@ class GearMesh(Coupling):
         """The gear on a hinge: what is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 
+    def axle(self, hinge: Joint) -> Axle:
+        """Axis of the gear on a hinge, as the carrier has it."""
+        return Axle(hinge.at, hinge.axis) if self.gear(hinge) is hinge.b else Axle(hinge.at_b, hinge.axis_b)
+
     def direction(self, what: str = "GearMesh") -> np.ndarray:
         """Line of action n: unit direction of the force on gear b, world at the reference pose."""
-        axles = [Axle(hinge.at, hinge.axis) for hinge in (self.hinge_a, self.hinge_b)]
+        axles = [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
         return line_of_action(*axles, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
 
     def levers(self) -> list[float]:
         """n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
-        n = self.direction()
-        return [float(n @ np.cross(hinge.axis, self.at - hinge.at)) for hinge in (self.hinge_a, self.hinge_b)]
+        n, axles = self.direction(), [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
+        return [float(n @ np.cross(axle.axis, axle.arm(self.at))) for axle in axles]
 
     def point(self) -> np.ndarray:
         return self.at
@@ -240,17 +248,15 @@ class GearMesh(Coupling):
         n, carrier = self.direction(), self.support()
         bodies, points, axes, tilts, levers, angles = [], [], [], [], [], []
         for sign, hinge in ((-1.0, self.hinge_a), (1.0, self.hinge_b)):
-            gear = self.gear(hinge)
-            at, axis = (hinge.at_b, hinge.axis_b) if gear is hinge.b else (hinge.at, hinge.axis)
-            mount, spin = (hinge.at, hinge.axis) if gear is hinge.b else (hinge.at_b, hinge.axis_b)
-            moment = np.cross(self.at - hinge.at, n)
-            tilt = np.cross(moment, spin)  # x with x . axis = 0 and gradient moment across the axis
+            gear, mount = self.gear(hinge), self.axle(hinge)
+            hub, spin = (hinge.at_b, hinge.axis_b) if gear is hinge.b else (hinge.at, hinge.axis)
+            moment = np.cross(self.at - mount.point, n)
             bodies += [carrier, gear]
-            points += [mount, at]
-            axes += [sign * n, axis]
-            tilts += [sign * tilt, ZERO]
-            levers.append(sign * float(moment @ spin))
-            angles.append(Coordinate(kinds.ANGLE, carrier, gear, spin, axis))
+            points += [mount.point, hub]
+            axes += [sign * n, spin]
+            tilts += [sign * np.cross(moment, mount.axis), ZERO]  # x . axis = 0, gradient: moment across the axis
+            levers.append(sign * float(moment @ mount.axis))
+            angles.append(Coordinate(kinds.ANGLE, carrier, gear, mount.axis, spin))
         return [
             Primitive(
                 kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),

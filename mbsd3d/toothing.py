@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ALIGNED = 1e-9
-"""Sine of the angle below which directions given as numbers count as one direction."""
+ALIGNED = 1e-6
+"""Sine of the angle below which given directions count as one, and part of a length below which it counts as zero."""
 
 
 @dataclass(frozen=True)

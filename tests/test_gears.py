@@ -298,6 +298,30 @@ def test_planet_bearing_carries_both_tooth_forces():
     assert solution.reaction("planet bearing").force == pytest.approx(expected, abs=1e-5 * F_t)  # integrated
 
 
+def test_planet_in_a_ring_that_is_the_ground():
+    """Carrier w, planet w (1 - 0.5/0.2): T = (I_c + m 0.3^2 + I_p 1.5^2) w_dot; the ring takes the tooth force."""
+    frame, (_, arm, _, planet), _ = planetary(True)
+    main = Revolute(GROUND, arm, at=frame.at(0, 0, 0.1), axis=frame.z, name="main")
+    on = Revolute(arm, planet, at=frame.at(0.3, 0, 0), axis=frame.z, name="planet bearing")
+    mesh = GearMesh(on, main, at=frame.at(0.5, 0, 0), pressure_angle=ALPHA, helix_angle=BETA, name="ring")
+    system = System([arm, planet], [main, on, mesh], [torque(arm, frame.z, 9.0)], gravity=(0, 0, 0))
+    run = simulate(system, 0.8, rtol=1e-11, output=5)
+    carrier = 0.2 + MASS * (0.1**2 + 0.05**2) + MASS * 0.3**2
+    alpha = 9.0 / (carrier + 0.03 * 1.5**2)
+    assert run.angle(main) == pytest.approx(alpha * run.t**2 / 2, abs=1e-8)
+    assert run.omega(planet) == pytest.approx(np.outer(-1.5 * alpha * run.t, frame.z), abs=1e-8)
+    angle = alpha * run.t**2 / 2
+    turn = np.outer(np.cos(angle), frame.y) - np.outer(np.sin(angle), frame.x)
+    # on the ring: what accelerates the planet about its own axis, -0.03 * 1.5 alpha / 0.2, the other way
+    assert np.einsum("ti,ti->t", run.reaction(mesh).force, turn) == pytest.approx(
+        np.full(5, 0.03 * 1.5 * alpha / 0.2), abs=1e-7
+    )
+    assert mesh.b is GROUND and run.reaction(mesh).point == pytest.approx(
+        run.reaction(mesh).point[:1] + 0.5 * (np.outer(np.cos(angle) - 1, frame.x) + np.outer(np.sin(angle), frame.y)),
+        abs=1e-8,
+    )
+
+
 def test_bevel_differential_shares_torque_and_averages_rates():
     """Cage rate = mean of the wheels' rates; with one spider gear of inertia J about its own axis."""
     frame = Frame(6)
@@ -314,6 +338,28 @@ def test_bevel_differential_shares_torque_and_averages_rates():
     alpha = 8.0 / (0.3 + 0.2 + 0.008), -3.0 / (0.2 + 0.01)
     for body, value in ((cage, alpha[0]), (left, alpha[0] + alpha[1]), (right, alpha[0] - alpha[1])):
         assert found.alpha(body)[0] == pytest.approx(value * frame.x, abs=1e-9)
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["gear is b", "gear is a"])
+def test_a_gear_built_out_of_line_is_assembled_and_pushed_along_the_same_line(turned):
+    """The hub of the wheel is where its hinge says: the force stays one force through the pitch point."""
+    frame, system, (first, second), _ = pair(40.0, -31.0)
+    pinion, wheel = system.bodies
+    hub, spin = second.at + frame.to(0.004, -0.007, 0.005), frame.to(0.02, -0.03, 1.0)
+    if turned:
+        odd = Revolute(wheel, GROUND, at=hub, axis=spin, at_b=second.at, axis_b=frame.z)
+    else:
+        odd = Revolute(GROUND, wheel, at=second.at, axis=frame.z, at_b=hub, axis_b=spin)
+    teeth = GearMesh(first, odd, at=frame.at(R_A, 0, 0.1), pressure_angle=ALPHA, helix_angle=BETA)
+    built = System([pinion, wheel], [first, odd, teeth], system.forces)
+    found = accelerations(built, built.assemble(angles={first: 0.3}, rates={first: 5.0}))
+    F_n = teeth.normal_force(found)[0]
+    assert abs(F_n) > 100.0
+    assert found.reaction(teeth).force[0] == pytest.approx(F_n * teeth.direction(), abs=ROUNDING * abs(F_n))
+    assert np.abs(found.reaction(teeth).moment).max() < 1e-8 * abs(F_n)  # assembled to 1e-9
+    n = frame.to(np.sin(ALPHA), -np.cos(ALPHA) * np.cos(BETA), np.cos(ALPHA) * np.sin(BETA))
+    assert teeth.direction() == pytest.approx(n, abs=1e-12)  # by the axes as the carrier has them
+    assert abs(teeth.ratio) == pytest.approx(R_A / R_B, rel=1e-12)
 
 
 def test_a_mesh_survives_its_description_and_a_table():
@@ -339,6 +385,7 @@ def test_errors_of_gear_meshes():
         (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.x)), "no pitch point of these axes"),
         (dict(pressure_angle=20.0), "give radians"),
         (dict(flank=0), "flank 0 is unknown; give 1 or -1"),
+        (dict(hinge_b=Revolute(far, GROUND, at=at, axis=frame.z, name="end"), carrier=third), "'end' is the ground"),
         (dict(carrier="arm"), "carrier = 'arm' is not a body"),
     ]
     for fields, message in cases:
