@@ -13,7 +13,7 @@ _HOME = {
         "ConstantVelocity", "Cylindrical", "Distance", "Fixed", "Joint", "Parallel", "Perpendicular", "Planar",
         "PointOnLine", "PointOnPlane", "Prismatic", "Revolute", "Screw", "Spherical", "Universal",
     ),
-    "couplings": ("Gear", "RackPinion"),
+    "couplings": ("Gear", "GearMesh", "RackPinion"),
     "contacts": ("KnifeEdge", "RollingDisc"),
     "drivers": ("AngleDriver", "Driver", "PositionDriver", "SlideDriver", "SpeedDriver"),
     "forces": ("AeroDrag", "Bushing", "Force", "JointFriction", "SpringDamper", "TorsionSpring", "Torque"),

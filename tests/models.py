@@ -12,6 +12,7 @@ from mbsd3d import (
     Distance,
     Fixed,
     Gear,
+    GearMesh,
     KnifeEdge,
     Parallel,
     Perpendicular,
@@ -142,6 +143,15 @@ def _gear(rng, a, b, c, d):
     return [first, second, Gear(first, second, ratio=-1.7)]
 
 
+def _mesh(rng, carrier, gear_a, gear_b):
+    """Helical gears on general parallel axes, at two general points of them."""
+    axis = direction(rng)
+    out = across(rng, axis)
+    first = Revolute(carrier, gear_a, at=(at := middle(rng, carrier, gear_a)), axis=axis)
+    second = Cylindrical(gear_b, carrier, at=at + 0.9 * out - 0.2 * axis, axis=-axis)
+    return [first, second, GearMesh(first, second, at=at + 0.35 * out + 0.1 * axis, helix_angle=0.4)]
+
+
 def _rack(rng, a, b, c, d):
     pinion = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
     rack = Prismatic(c, d, at=middle(rng, c, d), axis=direction(rng))
@@ -185,6 +195,7 @@ EXAMPLES = {
     ConstantVelocity: lambda rng, a, b, c, d: _constant_velocity(rng, a, b),
     Screw: lambda rng, a, b, c, d: [Screw(a, b, at=middle(rng, a, b), axis=direction(rng), pitch=0.8)],
     Gear: _gear,
+    GearMesh: lambda rng, a, b, c, d: _mesh(rng, a, b, c),
     RackPinion: _rack,
     KnifeEdge: lambda rng, a, b, c, d: [KnifeEdge(a, b, at=middle(rng, a, b), lateral=direction(rng))],
     RollingDisc: lambda rng, a, b, c, d: _rolling(rng, a, b),

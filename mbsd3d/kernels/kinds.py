@@ -1,7 +1,7 @@
 """Numbers of the kinds that kernels switch on; importing this compiles nothing."""
 
-COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL = range(9)
-ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3)
+COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL, MESH = range(10)
+ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3, 1)
 
 ANGLE, SLIDE = range(2)
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from .coordinates import coordinate, slide_along
 from .jit import kernel
-from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, NO_SIDESLIP, RATIO, TURN_RATE
+from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
 from .signals import signal
-from .vectors import add, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
+from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
 @kernel
@@ -101,6 +101,35 @@ def ratio(m, d, row, p, t):
             row.gamma -= f * rest
             put6(row.J[2 * i], scale(f, la), scale(f, ta))
             put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
+
+
+@kernel
+def mesh(m, d, row, p, t):
+    """Teeth of two gears on one carrier: c = sum_i of v_i theta_i + n_i . gap_i + (x_i - s_i n_i) . u_i.
+
+    Slots 2 i and 2 i + 1 are carrier and gear i; n_i, x_i are fixed in the carrier, u_i is the axis of the gear,
+    s_i how far it has slid along it (only the part of n_i across the axis counts in the last product). All but theta
+    and the slide vanish with the hinges' own rows; their gradients make J v = n . (v of gear 1 - v of gear 0 at the
+    pitch point), so the reaction is a force along the line of action and not a couple.
+    """
+    ratio(m, d, row, p, t)
+    for i in range(2):
+        k, g = 2 * i, 2 * i + 1
+        a, b = d.body[p.body[k]], d.body[p.body[g]]
+        mount, hub, n, spin = arm(a, p.point[k]), arm(b, p.point[g]), arm(a, p.axis[k]), arm(b, p.axis[g])
+        across = m.coordinate[p.coordinate[i]].axis
+        u = cross(arm(a, across[0]), arm(a, across[1]))
+        gap, rest, la, ta, lb, tb = slide_along(a, b, n, mount, hub)
+        s, rest_s, las, tas, lbs, tbs = slide_along(a, b, u, mount, hub)
+        x, moment, rest_x = axes_dot(arm(a, p.second_axis[k]), spin, vec(a.w), vec(b.w))
+        y, turn, rest_y = axes_dot(sub(n, scale(dot(n, u), u)), spin, vec(a.w), vec(b.w))
+        y_dot = dot(sub(vec(a.w), vec(b.w)), turn)
+        s_dot = dot(las, vec(a.velocity)) + dot(tas, vec(a.w)) + dot(lbs, vec(b.velocity)) + dot(tbs, vec(b.w))
+        moment = sub(moment, scale(s, turn))
+        row.c += gap + x - s * y
+        row.gamma -= rest + rest_x - s * rest_y - y * rest_s - 2.0 * s_dot * y_dot
+        add6(row.J[k], sub(la, scale(y, las)), add(sub(ta, scale(y, tas)), moment))
+        add6(row.J[g], sub(lb, scale(y, lbs)), sub(sub(tb, scale(y, tbs)), moment))
 
 
 @kernel
@@ -213,6 +242,8 @@ def fill(m, d, p, t):
         axis_dot_difference(row, p, a, b)
     elif p.kind == RATIO:
         ratio(m, d, row, p, t)
+    elif p.kind == MESH:
+        mesh(m, d, row, p, t)
     elif p.kind == TURN_RATE:
         turn_rate(row, p, a, b)
     elif p.kind == NO_SIDESLIP:

@@ -1,0 +1,288 @@
+"""Gears and tooth meshes against textbook forces, Willis' equation and rotor equations written here."""
+
+import numpy as np
+import pytest
+from models import across, direction, moved_reference, random_orientation
+
+from mbsd3d import (
+    GROUND,
+    Body,
+    Constant,
+    Cylindrical,
+    Gear,
+    GearMesh,
+    Planar,
+    Revolute,
+    System,
+    Torque,
+    accelerations,
+    simulate,
+)
+from mbsd3d.couplings import Axle
+from mbsd3d.rotations import matrix
+
+ROUNDING = 1e-10
+"""Relative: forces of 1e3 N from saddle points of condition 1e4."""
+
+
+class Frame:
+    """Right-handed general axes x, y, z and an origin; geometry of the tests is written in them."""
+
+    def __init__(self, seed):
+        rng = np.random.default_rng(seed)
+        self.z = direction(rng)
+        self.x = across(rng, self.z)
+        self.y = np.cross(self.z, self.x)
+        self.R = np.column_stack([self.x, self.y, self.z])
+        self.origin = rng.normal(size=3)
+
+    def at(self, *p):
+        """World point."""
+        return self.origin + self.R @ np.array(p, float)
+
+    def to(self, *a):
+        """World direction."""
+        return self.R @ np.array(a, float)
+
+    def local(self, vectors):
+        """Components in the frame."""
+        return np.asarray(vectors) @ self.R
+
+
+def rotor(name, at, axis, moment, mass=1.3, seed=0):
+    """A body of revolution, centre of mass at ``at``, about ``axis``, in general body axes from a general O."""
+    rng = np.random.default_rng([seed, len(name)])
+    e = random_orientation(rng)
+    spin = matrix(e).T @ axis / np.linalg.norm(axis)
+    inertia = 0.8 * moment * np.eye(3) + 0.2 * moment * np.outer(spin, spin)
+    return moved_reference(Body(name, mass, inertia, position=at, orientation=e), 0.4 * direction(rng))
+
+
+def torque(body, axis, value):
+    """A constant torque about a world axis."""
+    return Torque(body, tuple(Constant(float(x)) for x in value * np.asarray(axis)))
+
+
+R_A, R_B, ALPHA, BETA = 0.11, 0.27, np.radians(22.0), np.radians(17.0)
+I_A, I_B = 0.05, 0.4
+
+
+def pair(torque_a, torque_b, *, inside=False, flank=1, mesh=True, helix=BETA, seed=1):
+    """(frame, system, hinges, mesh): gears about z at x = 0 and R_A +- R_B of a general frame; P at x = R_A."""
+    frame = Frame(seed)
+    far = R_A - R_B if inside else R_A + R_B
+    a = rotor("pinion", frame.at(0, 0, 0.05), frame.z, I_A)
+    b = rotor("wheel", frame.at(far, 0, -0.04), frame.z, I_B)
+    first = Revolute(GROUND, a, at=frame.at(0, 0, -0.2), axis=frame.z, name="first")
+    second = Revolute(GROUND, b, at=frame.at(far, 0, 0.3), axis=frame.z, name="second")
+    if mesh:
+        teeth = GearMesh(
+            first, second, at=frame.at(R_A, 0, 0.1), pressure_angle=ALPHA, helix_angle=helix, flank=flank, name="teeth"
+        )
+    else:
+        teeth = Gear(first, second, ratio=(1 if inside else -1) * R_A / R_B, name="teeth")
+    loads = [torque(a, frame.z, torque_a), torque(b, frame.z, torque_b)]
+    return (
+        frame,
+        System([a, b], [first, second, teeth], loads, gravity=frame.to(0.4, -0.7, -9.6)),
+        (first, second),
+        teeth,
+    )
+
+
+def tangential(torque_a, torque_b, sign):
+    """(F_t on the wheel along +y, angular acceleration of the pinion) of two rotors, w_b = sign r_a/r_b w_a."""
+    i = sign * R_A / R_B
+    alpha = (torque_a + i * torque_b) / (I_A + i**2 * I_B)
+    return (torque_a - I_A * alpha) / R_A, alpha
+
+
+@pytest.mark.parametrize("inside", [False, True], ids=["external", "internal"])
+@pytest.mark.parametrize("balanced", [True, False], ids=["steady", "accelerating"])
+def test_tooth_force_of_helical_gears_is_that_of_the_textbook(inside, balanced):
+    sign = 1 if inside else -1
+    torque_b = -sign * 40.0 * R_B / R_A if balanced else -sign * 31.0
+    # positive torque on the pinion drives the wheel along +y at P: forwards inside, backwards outside
+    frame, system, (first, second), teeth = pair(40.0, torque_b, inside=inside, flank=sign)
+    found = accelerations(system)
+    F_t, alpha = tangential(40.0, torque_b, sign)
+    assert (abs(alpha) < 1e-12) == balanced
+    # away from the pinion: an external pinion is pressed towards its axis; right-handed pinion: its trace leans to +y
+    expected = [F_t * np.tan(ALPHA) / np.cos(BETA), F_t, -F_t * np.tan(BETA)]
+    reaction = found.reaction(teeth)
+    assert frame.local(reaction.force[0]) == pytest.approx(expected, rel=ROUNDING)
+    assert reaction.point[0] == pytest.approx(frame.at(R_A, 0, 0.1), abs=1e-14)
+    assert np.abs(reaction.moment).max() < ROUNDING * F_t  # a force through the pitch point, no couple
+    assert teeth.normal_force(found)[0] == pytest.approx(F_t / np.cos(ALPHA) / np.cos(BETA), rel=ROUNDING)
+    assert found.alpha("pinion")[0] == pytest.approx(alpha * frame.z, abs=1e-9)
+    assert found.alpha("wheel")[0] == pytest.approx(sign * R_A / R_B * alpha * frame.z, abs=1e-9)
+    assert teeth.ratio == pytest.approx(sign * R_A / R_B, rel=1e-14)
+    # the bearings carry what the teeth do: statics of each shaft, weight apart
+    for hinge, side, arm in ((second, 1, (sign * R_B if inside else -R_B, 0, -0.2)), (first, -1, (R_A, 0, 0.3))):
+        weight = 1.3 * frame.local(system.gravity)
+        centre = (0, 0, -0.34) if side == 1 else (0, 0, 0.25)
+        held = found.reaction(hinge)
+        assert frame.local(held.force[0]) == pytest.approx(-side * np.array(expected) - weight, abs=ROUNDING * F_t)
+        moment = -np.cross(arm, side * np.array(expected)) - np.cross(centre, weight)
+        # about the axis the hinge carries none
+        assert frame.local(held.moment[0])[:2] == pytest.approx(moment[:2], abs=ROUNDING * F_t)
+        assert abs(held.moment[0] @ frame.z) < ROUNDING * F_t
+
+
+def test_other_flank_turns_the_radial_force():
+    """With the torque reversed the other flanks touch: the force still parts the gears."""
+    frame, system, _, teeth = pair(-40.0, -31.0, flank=1)
+    F_t = tangential(-40.0, -31.0, -1)[0]
+    force = frame.local(accelerations(system).reaction(teeth).force[0])
+    assert F_t < 0 and force == pytest.approx(
+        [abs(F_t) * np.tan(ALPHA) / np.cos(BETA), F_t, -F_t * np.tan(BETA)], rel=ROUNDING
+    )
+    wrong = pair(-40.0, -31.0, flank=-1)
+    assert wrong[3].normal_force(accelerations(wrong[1]))[0] < 0  # and says so
+
+
+def test_gear_moves_as_the_mesh_does_and_loads_no_bearing():
+    moving = [pair(40.0, 31.0, mesh=mesh) for mesh in (True, False)]
+    runs = [simulate(system, 0.3, rtol=1e-11, output=7) for _, system, *_ in moving]
+    for name in ("pinion", "wheel"):
+        assert runs[0].omega(name) == pytest.approx(runs[1].omega(name), abs=1e-7)  # of 100 rad/s
+    frame, system, (_, second), teeth = moving[1]
+    still = runs[1].reaction(second).force + 1.3 * system.gravity
+    assert np.abs(still).max() < 1e-8  # 40 N m through the couple only
+    assert np.abs(runs[1].reaction(teeth).force).max() < 1e-8
+    # the mesh's force stands still in space while the gears turn
+    force, point = runs[0].reaction(moving[0][3]).force, runs[0].reaction(moving[0][3]).point
+    assert np.ptp(force, axis=0).max() < 1e-7 and np.ptp(point, axis=0).max() == 0.0
+    assert runs[0].certificate.passed
+
+
+def test_ablation_one_per_cent_of_an_angle_is_seen():
+    change = np.tan(1.01 * ALPHA) / np.tan(ALPHA) - 1.0
+    assert change > 100 * ROUNDING
+
+
+def test_a_helical_gear_that_slides_turns():
+    """Its material moves along the trace of a fixed right-handed pinion: by s along z and s tan(beta) along y."""
+    frame, system, (_, second), _ = pair(0.0, 0.0)
+    pinion, wheel = system.bodies
+    loose = Cylindrical(GROUND, wheel, at=second.at, axis=frame.z)
+    held = Revolute(GROUND, pinion, at=frame.at(0, 0, -0.2), axis=frame.z)
+    mesh = GearMesh(held, loose, at=frame.at(R_A, 0, 0.1), pressure_angle=ALPHA, helix_angle=BETA)
+    moved = System([pinion, wheel], [held, loose, mesh]).assemble(slides={loose: 0.03}, angles={held: 0.0})
+    turned = matrix(moved.q[10:]) @ matrix(wheel.orientation).T
+    turn = -0.03 * np.tan(BETA) / R_B
+    assert frame.R.T @ turned @ frame.x == pytest.approx([np.cos(turn), np.sin(turn), 0.0], abs=1e-12)  # assembled
+
+
+DELTA = np.radians(34.0)
+
+
+SHAFTS = np.radians(81.0)
+
+
+def bevel(spiral):
+    """(frame, axes, bodies, hinges, mesh): cones of half angles DELTA and SHAFTS - DELTA; apex at the origin."""
+    frame = Frame(3)
+    u_a, u_b = frame.to(0, 0, 1), frame.to(np.sin(SHAFTS), 0, np.cos(SHAFTS))
+    a, b = rotor("pinion", frame.at(0, 0, 0.5), u_a, I_A), rotor("crown wheel", frame.origin + 0.4 * u_b, u_b, I_B)
+    first = Revolute(GROUND, a, at=frame.at(0, 0, 0.6), axis=u_a)
+    second = Revolute(b, GROUND, at=frame.origin + 0.3 * u_b, axis=u_b)  # the wheel is body a of its hinge
+    at = frame.at(0.5 * np.sin(DELTA), 0, 0.5 * np.cos(DELTA))
+    mesh = GearMesh(first, second, at=at, pressure_angle=ALPHA, helix_angle=spiral, flank=1)
+    return frame, (u_a, u_b), (a, b), (first, second), mesh
+
+
+@pytest.mark.parametrize("spiral", [0.0, np.radians(30.0)])
+def test_bevel_gears(spiral):
+    frame, (u_a, u_b), (a, b), hinges, mesh = bevel(spiral)
+    r_a, r_b = 0.5 * np.sin(DELTA), 0.5 * np.sin(SHAFTS - DELTA)
+    # flank 1 pushes the wheel forwards about u_b, at P along -y, so the pinion's torque is negative
+    load = r_b / r_a * 25.0
+    system = System([a, b], [*hinges, mesh], [torque(a, u_a, -25.0), torque(b, u_b, -load)], gravity=(0, 0, 0))
+    found = accelerations(system)
+    assert max(np.abs(found.alpha(x)).max() for x in (a, b)) < 1e-9  # balanced
+    F_t = 25.0 / r_a
+    on_pinion = frame.local(-found.reaction(mesh).force[0])
+    # the force meets a right-handed pinion turning clockwise, seen from the apex, as Gleason's formulas have it:
+    # F_r, F_a = F_t / cos(spiral) (tan(alpha) cos(delta) +- sin(spiral) sin(delta), tan sin -+ sin cos)
+    k, s = np.tan(ALPHA) / np.cos(spiral), np.tan(spiral)
+    radial = F_t * (k * np.cos(DELTA) + s * np.sin(DELTA))
+    axial = F_t * (k * np.sin(DELTA) - s * np.cos(DELTA))
+    assert on_pinion == pytest.approx([-radial, F_t, axial], rel=ROUNDING, abs=ROUNDING * F_t)
+    assert mesh.ratio == pytest.approx(-r_a / r_b, rel=1e-13)  # hinge rates of the gears relative to the ground
+
+
+def test_crossed_helical_gears():
+    """Ratio r_a cos(beta_a) / (r_b cos(beta_b)) with beta_a + beta_b the shaft angle (both of one hand)."""
+    frame, shafts, beta_a = Frame(4), np.radians(70.0), np.radians(25.0)
+    beta_b = shafts - beta_a
+    u_a = frame.z
+    # about the common normal x: the trace of a right-handed a leans by beta_a from u_a towards +y, u_b lies beyond it
+    u_b = frame.to(0, np.sin(shafts), np.cos(shafts))
+    a = rotor("worm", frame.at(0, 0, 0.1), u_a, I_A)
+    b = rotor("worm wheel", frame.at(R_A + R_B, 0, 0) + 0.2 * u_b, u_b, I_B)
+    first = Revolute(GROUND, a, at=frame.at(0, 0, 0.3), axis=u_a)
+    second = Revolute(GROUND, b, at=frame.at(R_A + R_B, 0, 0) - 0.1 * u_b, axis=u_b)
+    mesh = GearMesh(first, second, at=frame.at(R_A, 0, 0), pressure_angle=ALPHA, helix_angle=beta_a, flank=-1)
+    ratio = -R_A * np.cos(beta_a) / (R_B * np.cos(beta_b))
+    assert mesh.ratio == pytest.approx(ratio, rel=1e-13)
+    system = System(
+        [a, b], [first, second, mesh], [torque(a, u_a, 25.0), torque(b, u_b, -25.0 / ratio)], gravity=(0, 0, 0)
+    )
+    found = accelerations(system)
+    assert max(np.abs(found.alpha(x)).max() for x in (a, b)) < 1e-8
+    F_t = 25.0 / R_A
+    force = frame.local(found.reaction(mesh).force[0])
+    assert force == pytest.approx([F_t * np.tan(ALPHA) / np.cos(beta_a), F_t, -F_t * np.tan(beta_a)], rel=1e-9)
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["gear is b", "gear is a"])
+def test_a_gear_built_out_of_line_is_assembled_and_pushed_along_the_same_line(turned):
+    """The hub of the wheel is where its hinge says: the force stays one force through the pitch point."""
+    frame, system, (first, second), _ = pair(40.0, -31.0)
+    pinion, wheel = system.bodies
+    hub, spin = second.at + frame.to(0.004, -0.007, 0.005), frame.to(0.02, -0.03, 1.0)
+    if turned:
+        odd = Revolute(wheel, GROUND, at=hub, axis=spin, at_b=second.at, axis_b=frame.z)
+    else:
+        odd = Revolute(GROUND, wheel, at=second.at, axis=frame.z, at_b=hub, axis_b=spin)
+    teeth = GearMesh(first, odd, at=frame.at(R_A, 0, 0.1), pressure_angle=ALPHA, helix_angle=BETA)
+    built = System([pinion, wheel], [first, odd, teeth], system.forces)
+    found = accelerations(built, built.assemble(angles={first: 0.3}, rates={first: 5.0}))
+    F_n = teeth.normal_force(found)[0]
+    assert abs(F_n) > 100.0
+    assert found.reaction(teeth).force[0] == pytest.approx(F_n * teeth.direction(), abs=ROUNDING * abs(F_n))
+    assert np.abs(found.reaction(teeth).moment).max() < 1e-8 * abs(F_n)  # assembled to 1e-9
+    n = frame.to(np.sin(ALPHA), -np.cos(ALPHA) * np.cos(BETA), np.cos(ALPHA) * np.sin(BETA))
+    assert teeth.direction() == pytest.approx(n, abs=1e-12)  # by the axes as the carrier has them
+    assert abs(teeth.ratio) == pytest.approx(R_A / R_B, rel=1e-12)
+
+
+def test_errors_of_gear_meshes():
+    frame, system, (first, second), _ = pair(1.0, 1.0)
+    b, at = system.bodies[1], frame.at(R_A, 0, 0)
+    far, third = (Body(name, 1.0, (1, 1, 1)) for name in ("far", "third"))
+    flat = Planar(GROUND, b, at=frame.at(1, 0, 0), normal=frame.z, name="flat")
+    cases = [
+        (dict(hinge_b=flat), "'flat' is a Planar; give a Revolute"),
+        (dict(hinge_b=Revolute(far, third, at=at, axis=frame.z, name="far hinge")), "share no body; give carrier="),
+        (dict(at=frame.at(0, 0, 0.3)), "lies on an axis"),
+        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.x)), "no pitch point of these axes"),
+        (dict(pressure_angle=20.0), "give radians"),
+        (dict(flank=0), "flank 0 is unknown; give 1 or -1"),
+        (dict(hinge_b=Revolute(far, GROUND, at=at, axis=frame.z, name="end"), carrier=third), "'end' is the ground"),
+        (dict(carrier="arm"), "carrier = 'arm' is not a body"),
+    ]
+    for fields, message in cases:
+        with pytest.raises(ValueError, match=message) as caught:
+            GearMesh(**{"hinge_a": first, "hinge_b": second, "at": at, "name": "teeth", **fields})
+        assert "teeth" in str(caught.value)
+    with pytest.raises(ValueError, match="flat crown wheel"):
+        cone = Revolute(GROUND, b, at=frame.at(0, 0, 0), axis=frame.to(1, 0, 0.4))
+        GearMesh(first, cone, at=at, name="teeth")
+
+
+def test_axle_arm_is_at_right_angles():
+    frame = Frame(8)
+    arm = Axle(frame.at(0, 0, 3.0), frame.z).arm(frame.at(0.3, -0.4, 1.0))
+    assert frame.local(arm) == pytest.approx([0.3, -0.4, 0.0], abs=1e-14)
