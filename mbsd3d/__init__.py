@@ -14,6 +14,8 @@ _HOME = {
         "PointOnLine", "PointOnPlane", "Prismatic", "Revolute", "Screw", "Spherical", "Universal",
     ),
     "couplings": ("Gear", "GearMesh", "RackPinion"),
+    "bearings": ("bearing_load", "bearing_pair"),
+    "ratings": ("DeepGrooveBallBearing", "RollingBearing", "reliability_factor"),
     "contacts": ("KnifeEdge", "RollingDisc"),
     "drivers": ("AngleDriver", "Driver", "PositionDriver", "SlideDriver", "SpeedDriver"),
     "forces": ("AeroDrag", "Bushing", "Force", "JointFriction", "SpringDamper", "TorsionSpring", "Torque"),
