@@ -48,13 +48,13 @@ class Linearization:
     compiled: Compiled
     state: State
     generator: Generator
-    full: np.ndarray  # (n_x, n_x) A of the states x
     space: Tangent
     units: Units
+    full: np.ndarray  # (n_x, n_x) A of the states x
+    A: np.ndarray
     residual: float
     outputs: tuple[Measure, ...] = ()
     L: np.ndarray | None = None  # (outputs, n_x) y = L x
-    A: np.ndarray = None
 
     @property
     def system(self) -> Any:
@@ -101,7 +101,9 @@ class Linearization:
     def mode(self, k: int) -> Mode:
         """Mode number k, counted from zero."""
         if not -len(self.modes) <= k < len(self.modes):
-            raise ValueError(f"linearization.mode: {k} is not one of the {len(self.modes)} modes 0 ... ")
+            raise ValueError(
+                f"linearization.mode: {k} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+            )
         return self.modes[k]
 
     def deviation(self, value: complex, vector: np.ndarray) -> np.ndarray:
@@ -147,6 +149,14 @@ def linearize(
     Returns
     -------
     Linearization
+        Printed: a table of the modes; ``.plot()`` draws the eigenvalues, ``.mode(k).animate()`` moves the mechanism.
+
+    Notes
+    -----
+    Straight motion at constant speed is steady in world axes, also with wheels that spin, if they are symmetric about
+    their axes. A turn needs axes that turn along: there a displacement of everything, which stands still in the world,
+    shows as a pair of eigenvalues +-i Omega. A body that drifts through space while it turns is not covered, nor are
+    independent mechanisms that move at different speeds.
 
     Raises
     ------
@@ -183,9 +193,8 @@ def linearize(
     units = natural_units(compiled.model, at, space)
     generator, later, Q = find_generator(field, at, space, units, tolerance)
     whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
-    found = Linearization(
-        compiled, start, generator, whole, space, units, max(error, generator.residual), outputs, None, whole
-    )
+    error = max(error, generator.residual)
+    found = Linearization(compiled, start, generator, space, units, whole, whole, error, outputs)
     return with_outputs(found, at, later, Q, tolerance) if outputs else found
 
 
@@ -223,7 +232,7 @@ def matrix_of(
     left = np.abs((transported - space.E @ A) * columns / units.x[:, None]).max() / units.rate
     if left > 10.0 * tolerance:
         raise ValueError(
-            f"linearize: the motions that the joints allow are not the same all along the motion (residual {left:.2g}); "
+            f"linearize: what the joints allow is not the same all along the motion (residual {left:.2g}); "
             "linearise about an equilibrium or a steady motion"
         )
     return A, float(left)

@@ -106,26 +106,22 @@ def motion_message(
     if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):
         k = int(np.argmax(np.abs(at.z_rate)))
         return f"own state z{k} of a force element changes at {at.z_rate[k]:.3g} per s; start from its steady value"
-    i = int(np.argmax(np.maximum(slip, drift)))
+    i, residual = int(np.argmax(np.maximum(slip, drift))), max(slip.max(), drift.max())
     body, remedy = f"body '{system.name(system.bodies[i])}'", "linearise about an equilibrium or a steady motion"
-    if slip[i] > drift[i]:
-        speed = slip[i] * model.length * units.rate
-        return (
-            f"{body} does not move with the mechanism as a whole: {speed:.3g} m/s are left over (residual "
-            f"{slip[i]:.2g}); {remedy}"
-        )
     a = np.linalg.norm(at.acceleration[i, :3]), np.linalg.norm(at.acceleration[i, 3:])
+    if max(a[0] / model.length, a[1]) < residual * units.rate**2:
+        return f"{body} does not move with the mechanism as a whole (residual {residual:.2g}); {remedy}"
     return (
         f"{body} accelerates by {a[0]:.3g} m/s^2 and {a[1]:.3g} rad/s^2, not as in a steady motion (residual "
-        f"{drift[i]:.2g}): the state is no equilibrium; {remedy}, e.g. from system.assemble() with its angles and rates"
+        f"{residual:.2g}): the state is no equilibrium; {remedy}, e.g. from system.assemble() with its angles and rates"
     )
 
 
 def later_variations(field: Field, at: Variations, g: Generator, units: Units) -> tuple[Variations, np.ndarray]:
     """Everything once more after a radian of the fastest rotation (or a length), and the rotation of X."""
     model = field.compiled.model
-    turn = max(np.abs(g.spin).max(), np.abs(g.rotation).max())
-    speed = turn or np.abs(g.translation).max() / model.length or units.rate
+    turn, drift = max(np.abs(g.spin).max(), np.abs(g.rotation).max()), np.abs(g.translation).max() / model.length
+    speed = next((x for x in (turn, drift) if x > 1e-6 * units.rate), units.rate)  # below that: rounding, at rest
     tau = 1.0 / speed
     y, Q = carried(model, at, g, field.y, tau)
     N = 12 * model.body.size

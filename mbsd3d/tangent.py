@@ -1,7 +1,7 @@
 """The deviations that the constraints allow: X = E x, with states x that are entries of X themselves.
 
-    configuration   C delta q = 0                      C: holonomic rows
-    velocity        D_v delta v + D_q delta q = 0      D: variation of J v - b, all rows
+configuration   C delta q = 0                      C: holonomic rows
+velocity        D_v delta v + D_q delta q = 0      D: variation of J v - b, all rows
 """
 
 from dataclasses import dataclass
@@ -69,7 +69,11 @@ def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
     D_q, D_v = rows * at.D[:, :n] * columns, rows * at.D[:, n : 2 * n] * columns
     N_q, free_q = free_basis(rows * at.C[:, :n] * columns)
     N_v, free_v = free_basis(D_v)
-    P = scipy.linalg.lstsq(D_v, -D_q @ N_q, cond=RANK_TOLERANCE)[0] if D_v.size else np.zeros((n, free_q.size))
+    P = (
+        scipy.linalg.lstsq(D_v, -D_q @ N_q, cond=RANK_TOLERANCE)[0]
+        if D_v.size and free_q.size
+        else np.zeros((n, free_q.size))
+    )
     P -= N_v @ P[free_v]
     check_consistent(compiled, D_v @ P + D_q @ N_q, np.abs(D_q).max(initial=0.0))
     N_q, P = N_q * columns[:, None] / columns[free_q], P * columns[:, None] / columns[free_q]
