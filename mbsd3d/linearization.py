@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+from threadpoolctl import threadpool_limits
 
 from .measures import Measure
 from .model import Compiled, compile_system
@@ -124,6 +125,7 @@ class Linearization:
         return plot_eigenvalues(self)
 
 
+@threadpool_limits.wrap(limits=1)  # small dense algebra: more threads only wait for each other
 def linearize(
     system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
 ) -> Linearization:
@@ -214,11 +216,11 @@ def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[
 
 def check_regular(field: Field, state: State) -> None:
     """Small motions are linear only where the rank of the rows is the same all around."""
-    ranks = neighbour_ranks(field.compiled, state)
-    if any(rank != field.chosen.size for rank in ranks):
+    here, beside = field.rows_at(field.t, field.y).size, neighbour_ranks(field.compiled, state)
+    if any(rank != here for rank in beside):
         raise ValueError(
-            f"linearize: singular position: the joints' rows have rank {field.chosen.size} here and {max(ranks)} "
-            "beside it, so small motions are not linear; move away from the dead centre"
+            f"linearize: singular position: the joints' rows have rank {here} here and {max(beside)} beside it, so "
+            "small motions are not linear; move away from the dead centre"
         )
 
 

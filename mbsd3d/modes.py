@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 from matplotlib.figure import Figure
+from threadpoolctl import threadpool_limits
 
 from .animation import COLOURS, GREY, animate
 from .errors import AssemblyError
@@ -22,6 +23,7 @@ ZERO = 1e-13  # singular values of A below this, in units of its norm, are what 
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
+@threadpool_limits.wrap(limits=1)
 def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
 
@@ -160,6 +162,7 @@ class Motion:
     com, point, animate = Solution.com, Solution.point, Solution.animate
 
 
+@threadpool_limits.wrap(limits=1)
 def make_modes(linearization: Any) -> tuple[Mode, ...]:
     """Modes of all eigenvalues, one per complex pair."""
     n, values = linearization.compiled.model.body.size, linearization.eigenvalues
@@ -228,9 +231,10 @@ def table(linearization: Any) -> str:
         f"{'eigenvalue [1/s]':>28} {'f [Hz]':>11} {'damping':>10}  mode",
     ]
     for mode in linearization.modes:
-        s = mode.eigenvalue
-        shown = f"{s.real:.6g} +- {s.imag:.6g}i" if s.imag else f"{s.real:.6g}"
-        lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {mode.damping_ratio:>10.4f}  {mode.label}")
+        s, damping = mode.eigenvalue, mode.damping_ratio if abs(mode.damping_ratio) > 1e-9 else 0.0
+        real = s.real if damping else 0.0  # rounding is not printed
+        shown = f"{real:.6g} +- {s.imag:.6g}i" if s.imag else f"{real:.6g}"
+        lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {damping:>10.4f}  {mode.label}")
     return "\n".join(lines)
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from threadpoolctl import threadpool_limits
 
 from .evaluation import worst_joint
 from .kernels.layout import Model
@@ -46,13 +45,12 @@ class Tangent:
 
 def free_basis(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(basis N of the null space of A with the unit matrix in the rows ``chosen``, these rows)."""
-    with threadpool_limits(1):
-        _, s, Vt = scipy.linalg.svd(A)
-        rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
-        Z = Vt[rank:].T
-        _, _, pivot = scipy.linalg.qr(Z.T, mode="economic", pivoting=True)
-        chosen = np.sort(pivot[: Z.shape[1]])
-        return np.linalg.solve(Z[chosen].T, Z.T).T, chosen
+    _, s, Vt = scipy.linalg.svd(A)
+    rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
+    Z = Vt[rank:].T
+    _, _, pivot = scipy.linalg.qr(Z.T, mode="economic", pivoting=True)
+    chosen = np.sort(pivot[: Z.shape[1]])
+    return np.linalg.solve(Z[chosen].T, Z.T).T, chosen
 
 
 def tangent_space(compiled: Compiled, at: Variations) -> Tangent:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .errors import AssemblyError
-from .evaluation import load_state
+from .evaluation import load_rows, load_state
 from .kernels.coordinates import remember
 from .kernels.dynamics import accelerate
 from .kernels.kinematics import kinematics
@@ -46,24 +46,26 @@ class Variations:
 
 
 class Field:
-    """The equations of motion over a row set that is chosen once, for complex states."""
+    """The equations of motion of a system near a state, for complex states."""
 
     def __init__(self, compiled: Compiled, state: State) -> None:
         self.compiled, self.t = compiled, state.t
-        real = compiled.data()
-        self.y = load_state(compiled, real, state)
-        remember(compiled.model, real, state.t)  # hinge angles go on from here, also for a later time
-        chosen = np.sort(choose_rows(compiled.model, real)[0].place["row"])
-        self.data, self.schur = compiled.data(complex), schur_of(compiled.model, chosen, complex)
-        self.data.coordinate[:] = real.coordinate
-        self.data.unwrap_time[:] = real.unwrap_time
-        self.chosen = chosen
+        self.real, self.data = compiled.data(), compiled.data(complex)
+        self.y = load_state(compiled, self.real, state)
+        remember(compiled.model, self.real, state.t)  # hinge angles go on from here, also at a later time
+        self.data.coordinate[:] = self.real.coordinate
+        self.data.unwrap_time[:] = self.real.unwrap_time
+
+    def rows_at(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Independent rows at a state; they are frozen while it is varied."""
+        load_rows(self.compiled, self.real, y, t)
+        return np.sort(choose_rows(self.compiled.model, self.real)[0].place["row"])
 
     def at(self, t: float, y: np.ndarray) -> Variations:
         """All variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
-        columns = [values(model, self.data, self.schur, t, y + 1j * STEP * moves[:, 0])]
-        columns += [values(model, self.data, self.schur, t, y + 1j * STEP * move) for move in moves.T[1:]]
+        schur = schur_of(model, self.rows_at(t, y), complex)
+        columns = [values(model, self.data, schur, t, y + 1j * STEP * move) for move in moves.T]
         n, here = model.body.size, {key: x.real for key, x in columns[0].items()}
         change = {key: np.column_stack([column[key].imag / STEP for column in columns]) for key in here}
         X_dot = np.zeros((moves.shape[1], moves.shape[1]))
@@ -106,8 +108,8 @@ def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> d
     rows(model, data, t)
     if factor(model, data, schur) != SOLVED or accelerate(model, data, schur, t) != SOLVED:
         raise AssemblyError(
-            "linearize: the equations have no solution with the rows chosen at the given state", time=t,
-            advice="see system.check(); move away from the singular position",
+            "linearize: the equations of motion have no solution", time=t,
+            advice="see system.check(); give massless bodies joints that determine their motion",
         )  # fmt: skip
     body = data.body[: model.body.size]
     s, w = body["s"], body["w"]
