@@ -9,12 +9,13 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
+from .kernels import kinds
 from .measures import Measure
 from .model import Compiled, compile_system
 from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
+from .nearby import closed
 from .parts import GROUND, number
-from .redundancy import neighbour_ranks
-from .selection import RANK_TOLERANCE
+from .selection import RANK_TOLERANCE, schur_of
 from .simulation import accelerations
 from .state import State
 from .steady import Units, check_signals, find_generator, natural_units
@@ -108,14 +109,16 @@ class Linearization:
         return self.modes[k]
 
     def deviation(self, value: complex, vector: np.ndarray) -> np.ndarray:
-        """(N,) X of all bodies for a vector of the states, or for one of the outputs: (A - s) x = 0, L x = y."""
+        """(N,) X of all bodies for a vector of the states, or for one of the outputs: L x = y, (A - s) x least."""
         if self.L is None:
             return self.space.E @ vector
-        x, n = self.units.x[self.space.chosen], self.full.shape[0]
-        shifted = self.full * x / x[:, None] / self.units.rate - value / self.units.rate * np.eye(n)
-        rows = np.vstack([shifted, self.L * x / self.scale[:, None]])
-        right = np.r_[np.zeros(n), vector / self.scale]
-        return self.space.E @ (x * np.linalg.lstsq(rows, right, rcond=1e-12)[0])
+        x = self.units.x[self.space.chosen]
+        shifted = self.full * x / x[:, None] / self.units.rate - value / self.units.rate * np.eye(x.size)
+        L = self.L * x / self.scale[:, None]
+        seen, unseen = np.linalg.pinv(L) @ (vector / self.scale), scipy.linalg.null_space(L)
+        if unseen.shape[1]:
+            seen = seen - unseen @ np.linalg.lstsq(shifted @ unseen, shifted @ seen, rcond=1e-12)[0]
+        return self.space.E @ (x * seen)
 
     def __str__(self) -> str:
         return table(self)
@@ -186,12 +189,12 @@ def linearize(
     check_signals(system)
     start = accelerations(system, state).state(0)  # refuses a state that does not meet the joints
     compiled = compile_system(system, outputs)
-    field = Field(compiled, start)
-    check_regular(field, start)
+    field = Field(compiled, start, len(outputs))
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
     if not space.E.shape[1]:
         raise ValueError("linearize: joints and drivers leave no freedom, nothing can deviate; free a joint")
+    check_regular(field, space)
     units = natural_units(compiled.model, at, space)
     generator, later, Q = find_generator(field, at, space, units, tolerance)
     whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
@@ -214,14 +217,21 @@ def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[
     return tuple(outputs or ())
 
 
-def check_regular(field: Field, state: State) -> None:
+def check_regular(field: Field, space: Tangent) -> None:
     """Small motions are linear only where the rank of the rows is the same all around."""
-    here, beside = field.rows_at(field.t, field.y).size, neighbour_ranks(field.compiled, state)
-    if any(rank != here for rank in beside):
-        raise ValueError(
-            f"linearize: singular position: the joints' rows have rank {here} here and {max(beside)} beside it, so "
-            "small motions are not linear; move away from the dead centre"
-        )
+    model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
+    schur, random = schur_of(model, chosen), np.random.default_rng(0)
+    unit = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    X = space.E[: unit.size, : space.configuration] @ random.normal(size=space.configuration)
+    for step in 0.02 * X / np.abs(X / unit).max(initial=1e-300) * np.array([[1.0], [-1.0]]):
+        y = closed(model, field.real, schur, field.t, field.y, step)
+        beside = None if y is None else field.rows_at(field.t, y).size
+        if beside != chosen.size:
+            there = "do not close" if y is None else f"have rank {beside}"
+            raise ValueError(
+                f"linearize: singular position: the joints' rows have rank {chosen.size} here and {there} beside it, "
+                "so small motions are not linear; move away from the dead centre"
+            )
 
 
 def matrix_of(
@@ -248,6 +258,9 @@ def with_outputs(
     L = at.L @ E
     size = np.linalg.norm(L * x, axis=1)
     names = [f"'{measure.label}'" for measure in found.outputs]
+    for name, measure, value in zip(names, found.outputs, at.outputs, strict=True):
+        if measure.kind == kinds.GAP and value == 0.0:
+            raise ValueError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
     changed = np.abs((later.L @ Q @ E - L) * x).max(axis=1)
     for name, length, change in zip(names, size, changed, strict=True):
         if length == 0.0 or change > 10.0 * tolerance * length:

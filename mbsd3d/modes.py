@@ -12,14 +12,13 @@ from threadpoolctl import threadpool_limits
 from .animation import COLOURS, GREY, animate
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
-from .kernels.dynamics import PROJECTED, close
-from .kernels.kinematics import displace_body
+from .nearby import closed
 from .parts import number
-from .rotations import matrix
 from .selection import choose_rows
 from .solution import Solution
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+MARKERS = "osD^v<>pP*X"
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
@@ -130,6 +129,18 @@ class Mode:
             Periods; for a mode that does not oscillate, time constants; for a zero eigenvalue, to and fro.
         samples : int
             At least 2.
+
+        Returns
+        -------
+        Motion
+            With ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``.
+
+        Raises
+        ------
+        ValueError
+            For fewer than 2 samples or a number that is none.
+        AssemblyError
+            If the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
         if samples < 2:
@@ -139,7 +150,7 @@ class Mode:
         t = np.linspace(0.0, cycles / rate, int(samples))
         wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
         wave *= amplitude / np.abs(wave).max()
-        return displaced(self, t, wave)
+        return moving_poses(self, t, wave)
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
         """Matplotlib animation of `motion`; options as in `mbsd3d.animation.animate`; a period takes 2 s of film."""
@@ -198,22 +209,17 @@ def joint_gradients(linearization: Any) -> list[tuple[Any, str, np.ndarray]]:
     return found
 
 
-def displaced(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
+def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
     """Poses r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
     found, compiled = mode.linearization, mode.linearization.compiled
     model, data, n = compiled.model, compiled.data(), compiled.model.body.size
     start = load_state(compiled, data, found.state)
     schur = choose_rows(model, data)[0]
     poses = np.empty((t.size, 7 * n))
+    shape = np.hstack([mode.translation, mode.rotation]).ravel()
     for k in range(t.size):
-        y = start.copy()
-        for i in range(n):
-            turn = (mode.rotation[i] * wave[k]).real
-            shift = (mode.translation[i] * wave[k]).real
-            before = matrix(y[7 * i + 3 : 7 * i + 7]) @ model.body["com"][i]
-            displace_body(y, 7 * i, tuple(shift), tuple(turn))
-            y[7 * i : 7 * i + 3] += before - matrix(y[7 * i + 3 : 7 * i + 7]) @ model.body["com"][i]
-        if close(model, data, schur, found.state.t, y) != PROJECTED:
+        y = closed(model, data, schur, found.state.t, start, (shape * wave[k]).real)
+        if y is None:
             raise AssemblyError(
                 f"motion: the joints do not close at sample {k} of the mode '{mode.label}'",
                 advice="give a smaller amplitude",
@@ -239,21 +245,25 @@ def table(linearization: Any) -> str:
 
 
 def plot_eigenvalues(linearization: Any) -> Figure:
-    """Eigenvalues in the complex plane, one colour per mode; the growing half is tinted."""
+    """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
     figure = Figure(figsize=(7.5, 4.6), layout="constrained")
-    axes = figure.subplots()
-    markers = "osD^v<>pP*X"
-    for k, mode in enumerate(linearization.modes):
-        s = mode.eigenvalue
+    axes, values = figure.subplots(), linearization.eigenvalues
+    marks = [(mode.label, mode.eigenvalue) for mode in linearization.modes if mode.eigenvalue]
+    zeros = int((values == 0.0).sum())
+    for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
         points = np.array([s, s.conjugate()] if s.imag else [s])
-        style = {"color": COLOURS[k % len(COLOURS)], "marker": markers[k % len(markers)], "markersize": 7}
-        axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=mode.label, **style)
+        style = {
+            "color": COLOURS[k % len(COLOURS)] if s else "black",
+            "marker": MARKERS[k % len(MARKERS)] if s else "x",
+        }
+        axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=label, **style)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
-    size = 1.15 * np.abs(linearization.eigenvalues).max(initial=0.0) or 1.0
-    axes.set_xlim(-size, size)
-    axes.set_ylim(-size, size)
-    axes.axvspan(0.0, size, color="#D55E00", alpha=0.06, linewidth=0.0)
+    size = float(np.abs(values).max(initial=0.0)) or 1.0
+    low, high = min(values.real.min(), 0.0) - 0.1 * size, max(values.real.max(), 0.0) + 0.1 * size
+    axes.set_xlim(low, high)
+    axes.axvspan(0.0, high, color="#D55E00", alpha=0.06, linewidth=0.0)
+    axes.set_ylim(*np.array([-1.1, 1.1]) * max(np.abs(values.imag).max(), 0.1 * size))
     axes.grid(True, color="#d9d9d9", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

@@ -36,7 +36,8 @@ class Variations:
     F: np.ndarray  # (N, N) X_dot = F X
     C: np.ndarray  # (rows, N) of the residuals c; zero in nonholonomic rows
     D: np.ndarray  # (rows, N) of J v - b
-    L: np.ndarray  # (measures, N)
+    L: np.ndarray  # (outputs, N) of the measures
+    outputs: np.ndarray  # (outputs,) their values
     centre: np.ndarray  # (n, 3) r_G [m]
     velocity: np.ndarray  # (n, 6) v_G, w
     acceleration: np.ndarray  # (n, 6) their rates
@@ -48,8 +49,8 @@ class Variations:
 class Field:
     """The equations of motion of a system near a state, for complex states."""
 
-    def __init__(self, compiled: Compiled, state: State) -> None:
-        self.compiled, self.t = compiled, state.t
+    def __init__(self, compiled: Compiled, state: State, outputs: int) -> None:
+        self.compiled, self.t, self.outputs = compiled, state.t, outputs
         self.real, self.data = compiled.data(), compiled.data(complex)
         self.y = load_state(compiled, self.real, state)
         remember(compiled.model, self.real, state.t)  # hinge angles go on from here, also at a later time
@@ -65,7 +66,8 @@ class Field:
         """All variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
         schur = schur_of(model, self.rows_at(t, y), complex)
-        columns = [values(model, self.data, schur, t, y + 1j * STEP * move) for move in moves.T]
+        columns = [values(model, self.data, schur, t, y + 1j * STEP * move, self.outputs) for move in moves.T]
+        self.check_finite(columns)
         n, here = model.body.size, {key: x.real for key, x in columns[0].items()}
         change = {key: np.column_stack([column[key].imag / STEP for column in columns]) for key in here}
         X_dot = np.zeros((moves.shape[1], moves.shape[1]))
@@ -75,9 +77,21 @@ class Field:
         acceleration, velocity = here["acceleration"].reshape(n, 6), here["velocity"].reshape(n, 6)
         holonomic = model.row["holonomic"][:, None] == 1
         return Variations(
-            X_dot, np.where(holonomic, change["c"], 0.0), change["slip"], change["measures"],
+            X_dot, np.where(holonomic, change["c"], 0.0), change["slip"], change["outputs"], here["outputs"],
             here["centre"].reshape(n, 3), velocity, acceleration, here["z_rate"], here["c"], here["slip"],
         )  # fmt: skip
+
+    def check_finite(self, columns: list[dict[str, np.ndarray]]) -> None:
+        """Every force has derivatives; a function of the user's that fails for complex numbers has none."""
+        system, power = self.compiled.system, self.data.force["power"]
+        for force, value in zip(system.forces, power, strict=True):
+            if not np.isfinite(value):
+                raise ValueError(
+                    f"linearize: {type(force).__name__} '{system.name(force)}' has no derivative at this state; "
+                    "linearise about another one, or give a function that also takes complex numbers"
+                )
+        if not all(np.isfinite(x).all() for column in columns for x in column.values()):
+            raise ValueError("linearize: the equations have no finite derivative at this state; give another one")
 
 
 def directions(model: Model, y: np.ndarray) -> np.ndarray:
@@ -102,8 +116,8 @@ def directions(model: Model, y: np.ndarray) -> np.ndarray:
     return moves
 
 
-def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-    """Everything that is varied, at a complex state."""
+def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, outputs: int) -> dict[str, np.ndarray]:
+    """Everything that is varied, at a complex state; the first measures are the outputs."""
     kinematics(model, data, y)
     rows(model, data, t)
     if factor(model, data, schur) != SOLVED or accelerate(model, data, schur, t) != SOLVED:
@@ -123,7 +137,7 @@ def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> d
         "position_rate": np.concatenate([v_G, turn_rate], axis=1).ravel(),
         "acceleration": np.concatenate([a_G, w_dot], axis=1).ravel(),
         "z_rate": data.state_rate[: model.z_work].copy(),
-        "measures": np.array([measure(model, data, i, t) for i in range(model.measure.size)], complex),
+        "outputs": np.array([measure(model, data, i, t) for i in range(outputs)], complex),
         "centre": (body["r"] + s).ravel(),
         "velocity": np.concatenate([v_G, w], axis=1).ravel(),
         "c": data.row["c"].copy(),
