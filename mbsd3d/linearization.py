@@ -180,7 +180,7 @@ def linearize(
     >>> hinge = Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
     >>> swing = linearize(System([rod], [hinge])).mode(0)  # sqrt(m g l / (I + m l^2))
     >>> round(swing.eigenvalue.imag, 9), swing.label
-    (4.952271813, "angle of 'hinge'")
+    (4.952272206, "angle of 'hinge'")
     """
     if not isinstance(system, System):
         raise ValueError(f"linearize: {system!r} is not a System; give System(bodies=[...], joints=[...])")

@@ -9,7 +9,7 @@ from .rotations import matrix
 
 
 def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """The state y with r_G + delta r_G and exp(delta theta) o e for every body; X starts with (delta r_G, delta theta)."""
+    """The state y with r_G + delta r_G and exp(delta theta) o e for every body, from the first 6 n entries of X."""
     moved = y.copy()
     for i, (shift, turn) in enumerate(X[: 6 * model.body.size].reshape(-1, 2, 3)):
         q = 7 * i
