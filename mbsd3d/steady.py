@@ -79,19 +79,18 @@ def find_generator(
         With the body or joint, the residual and what to do.
     """
     model, system = field.compiled.model, field.compiled.system
-    moving, refusals = False, []
+    wrong, changing = [], []
     for g in candidates(model, at, field.y, units.rate):
         slip, drift = motion_residuals(model, at, g, units.rate)
         if max(slip.max(), drift.max(), rest_of_states(at, units, model)) > tolerance:
-            refusals.append((max(slip.max(), drift.max()), motion_message(system, at, units, slip, drift, model)))
+            wrong.append((max(slip.max(), drift.max()), motion_message(system, at, units, slip, drift, model)))
             continue
-        moving = True
         later, Q = later_variations(field, at, g, units)
         change, part = change_along(field, at, later, Q, space, units)
         if change <= 10.0 * tolerance:
             return replace(g, residual=float(max(slip.max(), drift.max(), change))), later, Q
-        refusals.append((change, change_message(change, part)))
-    raise ValueError("linearize: " + (refusals[-1] if moving else min(refusals))[1])
+        changing.append((change, change_message(change, part)))
+    raise ValueError(f"linearize: {min(changing or wrong)[1]}")
 
 
 def rest_of_states(at: Variations, units: Units, model: Model) -> float:

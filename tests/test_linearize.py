@@ -24,6 +24,7 @@ from mbsd3d import (
     SlideDriver,
     SpeedDriver,
     Spherical,
+    SpringDamper,
     State,
     System,
     Table,
@@ -471,6 +472,29 @@ def test_bicycle_at_its_critical_speeds():
         slowest = min((s for s in found.eigenvalues if s != 0.0), key=lambda s: abs(s.real), default=0.0)
         zero = np.sum(found.eigenvalues == 0.0) == 7  # a capsize rate below rounding is a zero like the six others
         assert zero or abs(slowest.real) < 1e-12  # the speeds are published with 15 digits
+
+
+def orbit(factor):
+    """A puck on a table, on a spring to a pin, passing an apsis with ``factor`` times the speed of the circle."""
+    k, m, rest, r = 30.0, 1.5, 0.4, 0.9
+    turn, R = np.sqrt(k / m * (r - rest) / r), matrix(rotation("z", 0.8))
+    pin, away = np.array([0.5, -0.7, 0.2]), R @ [r, 0, 0]
+    puck = Body(
+        "puck", mass=m, inertia=random_inertia(np.random.default_rng(1), m), position=pin + away,
+        velocity=factor * turn * r * R[:, 1], omega=(0, 0, 1.7),
+    )  # fmt: skip
+    spring = SpringDamper(GROUND, puck, at_a=pin, at_b=pin + away, stiffness=k, length=rest)
+    return System([puck], [Planar(GROUND, puck, at=pin, normal=(0, 0, 1))], [spring]), turn, k / m
+
+
+def test_puck_that_circles_on_a_spring():
+    system, turn, stiffness = orbit(1.0)
+    found = linearize(system)
+    (pair,) = moving(found)
+    assert close(pair, 1j * np.sqrt(3 * turn**2 + stiffness))  # r'' = h^2/r^3 - k (r - l)/m
+    assert np.abs(found.generator.rotation - [0, 0, turn]).max() < EXACT * turn
+    with pytest.raises(ValueError, match="change along the motion"):
+        linearize(orbit(1.1)[0])  # at an apsis the acceleration is that of some circle, but not for long
 
 
 def test_free_precession_in_space_is_steady():
