@@ -87,7 +87,8 @@ def candidates(model: Model, at: Variations, y: np.ndarray, rate: float) -> list
         more = np.hstack([np.zeros((rows.shape[0], 3)), rows / rate])
         x = columns * np.linalg.lstsq(np.vstack([A, more]) * columns, np.r_[b, right / rate], rcond=1e-9)[0]
         Omega = up @ np.where(np.abs(x[3:]) < 1e-12 * rate, 0.0, x[3:])  # rounding is no rotation
-        found.append(Generator(x[:3], Omega, w - Omega))
+        if all(np.abs(Omega - other.rotation).max() > 1e-9 * rate for other in found):
+            found.append(Generator(x[:3], Omega, w - Omega))
     return found
 
 
