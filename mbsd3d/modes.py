@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
-from .animation import COLOURS, GREY, animate
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
 from .nearby import closed
@@ -61,6 +59,17 @@ class Mode:
 
     ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
     all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from mbsd3d.linearization import linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> swing = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))])).mode(0)
+    >>> round(swing.frequency, 9), abs(round(swing.damping_ratio, 9))
+    (0.788178601, 0.0)
+    >>> swing.motion(amplitude=0.1, samples=5).position("rod").shape  # .animate() shows it
+    (5, 3)
     """
 
     linearization: Any
@@ -154,6 +163,8 @@ class Mode:
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
         """Matplotlib animation of `motion`; options as in `mbsd3d.animation.animate`; a period takes 2 s of film."""
+        from .animation import animate
+
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
         seconds = 2.0 * cycles
         return animate(moved, **{"speed": float(moved.t[-1]) / seconds, **options})
@@ -244,8 +255,12 @@ def table(linearization: Any) -> str:
     return "\n".join(lines)
 
 
-def plot_eigenvalues(linearization: Any) -> Figure:
+def plot_eigenvalues(linearization: Any) -> Any:
     """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
+    from matplotlib.figure import Figure
+
+    from .animation import COLOURS, GREY
+
     figure = Figure(figsize=(7.5, 4.6), layout="constrained")
     axes, values = figure.subplots(), linearization.eigenvalues
     marks = [(mode.label, mode.eigenvalue) for mode in linearization.modes if mode.eigenvalue]

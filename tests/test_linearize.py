@@ -262,6 +262,19 @@ def test_every_joint_on_springs_to_the_ground(seed):
     assert miss.max() < 1e-9 * np.abs(expected).max()  # many eigenvalues, some close together
 
 
+def test_floating_chain_has_twelve_exact_zeros():
+    rng = np.random.default_rng(6)
+    bodies = [random_body(rng, f"link{k}", position=(k, 0.3 * (-1) ** k, 0.2 * k)) for k in range(8)]
+    at = [b.position - (0.5, 0, 0.1) for b in bodies]
+    hinges = [Revolute(*bodies[k - 1 : k + 1], at=at[k], axis=direction(rng)) for k in range(1, 8)]
+    springs = [TorsionSpring(hinge, stiffness=rng.uniform(1.0, 2.0)) for hinge in hinges]
+    system = System(bodies, hinges, springs, gravity=(0, 0, 0))
+    found = linearize(system, State(0.0, system.assemble().q, np.zeros(48)))
+    # six displacements and six velocities of the whole, in Jordan blocks; an eigenvalue solver makes 1e-8 of them
+    assert np.sum(found.eigenvalues == 0.0) == 12 and len(moving(found)) == 7
+    assert np.abs(found.eigenvalues.real).max() < 1e-12
+
+
 # --- about steady motions -------------------------------------------------------------------------------------------
 
 DISC = dict(mass=2.0, radius=0.5, transverse=0.14, axial=0.24)
