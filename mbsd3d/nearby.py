@@ -1,0 +1,25 @@
+"""Poses near a given one: moved along a small deviation X and closed by the joints again."""
+
+import numpy as np
+
+from .kernels.dynamics import PROJECTED, close
+from .kernels.kinematics import displace_body
+from .kernels.layout import Data, Model, Schur
+from .rotations import matrix
+
+
+def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """The state y with r_G + delta r_G and exp(delta theta) o e for every body, from the first 6 n entries of X."""
+    moved = y.copy()
+    for i, (shift, turn) in enumerate(X[: 6 * model.body.size].reshape(-1, 2, 3)):
+        q = 7 * i
+        before = matrix(y[q + 3 : q + 7]) @ model.body["com"][i]
+        displace_body(moved, q, tuple(shift), tuple(turn))
+        moved[q : q + 3] += before - matrix(moved[q + 3 : q + 7]) @ model.body["com"][i]
+    return moved
+
+
+def closed(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
+    """`displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
+    moved = displaced(model, y, X)
+    return moved if close(model, data, schur, t, moved) == PROJECTED else None
