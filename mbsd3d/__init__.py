@@ -21,6 +21,8 @@ _HOME = {
     "forces": ("AeroDrag", "Bushing", "Force", "JointFriction", "SpringDamper", "TorsionSpring", "Torque"),
     "signals": ("Constant", "Polynomial", "Ramp", "Signal", "Sine", "Table"),
     "simulation": ("accelerations", "simulate"),
+    "linearization": ("Linearization", "linearize"),
+    "modes": ("Mode",),
     "solution": ("Solution",),
     "files": ("load",),
     "errors": ("AssemblyError", "IntegrationError"),
