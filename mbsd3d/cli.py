@@ -123,14 +123,21 @@ def demo(name: str | None, everything: bool, only_list: bool, out: str) -> None:
         raise click.exceptions.Exit(1)
 
 
+drop_option = click.option(
+    "--drop", multiple=True, metavar="KIND", help="Leave out what cannot be imported (.xml, .urdf), e.g. contact."
+)
+
+
 @main.command()
 @click.argument("file")
-def check(file: str) -> None:
+@drop_option
+def check(file: str, drop: tuple[str, ...]) -> None:
     """Find the freedoms and redundant joints of a mechanism.
 
-    FILE is a Python file with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. The exit code is 1 if it is locked or cannot close.
     """
-    diagnosis = load_model(file).check()
+    diagnosis = load_model(file, drop).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
         raise click.exceptions.Exit(1)
@@ -141,15 +148,19 @@ def check(file: str) -> None:
 @click.option("--t-end", type=float, required=True, help="End of the run [s].")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
-@out_option
-def run(file: str, t_end: float, rtol: float, output: int | None, out: str) -> None:
+@drop_option
+@click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
+def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[str, ...], out: str) -> None:
     """Simulate a mechanism.
 
-    FILE is a Python file with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table
-    (.csv) and a figure of the energies. Ctrl-C keeps what was computed. The exit code is 1 if the certificate fails.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
+    keeps what was computed. The exit code is 1 if the certificate fails.
     """
-    system = load_model(file)
-    target = ready_folder(out) / Path(file).stem
+    system = load_model(file, drop)
+    named = Path(out).suffix == ".npz"
+    folder = ready_folder(str(Path(out).parent) if named else out)
+    target = folder / Path(out if named else file).stem
     from .errors import IntegrationError
     from .plots import save_figure
     from .simulation import simulate
@@ -237,7 +248,42 @@ def ready_folder(out: str) -> Path:
     return folder
 
 
-def load_model(file: str) -> Any:
+def load_model(file: str, drop: tuple[str, ...] = ()) -> Any:
+    """The System of a model file, of an imported model, or of ``build()`` of a Python file.
+
+    Raises
+    ------
+    Failure
+        Naming the file and the place in it.
+    """
+    suffix = Path(file).suffix.lower()
+    if suffix in (".xml", ".urdf"):
+        return imported(file, suffix, drop)
+    if drop:
+        raise Failure(f"--drop is for imported models (.xml, .urdf), '{file}' is none; leave it out")
+    if suffix in (".json", ".toml"):
+        from .system import System
+
+        return System.from_file(file)
+    if suffix != ".py":
+        raise Failure(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
+    return built_by(file)
+
+
+def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Any:
+    """The System of an MJCF or URDF file; what was dropped, merged and renamed goes to stderr."""
+    from .importers import read_mjcf, read_urdf
+
+    found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
+    lines = [f"left out {part}" for part in found.dropped]
+    lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
+    lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
+    for line in lines:
+        click.echo(f"mbsd3d: {line}", err=True)
+    return found.system
+
+
+def built_by(file: str) -> Any:
     """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
 
     Raises

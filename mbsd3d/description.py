@@ -100,7 +100,9 @@ class Reader:
         for i, entry in enumerate(data["bodies"]):
             body = self.part({"type": "Body"} | entry, ("bodies", i), Body)
             if body.name in self.bodies:
-                raise ValueError(f"two bodies are named '{body.name}' - at `$.bodies[{i}].name`; give each its own name")
+                raise ValueError(
+                    f"two bodies are named '{body.name}' - at `$.bodies[{i}].name`; give each its own name"
+                )
             self.bodies[body.name] = body
         self.joint_data, self.joints = joint_places(data.get("joints", [])), {}
         self.built = [self.joint(name, ("joints", i)) for i, name in enumerate(self.joint_data)]
@@ -163,7 +165,9 @@ class Reader:
         role = roles(kind)
         values = {key: self.value(x, (*path, key), role.get(key, "")) for key, x in data.items() if key != "type"}
         try:
-            arrays = {key: np.array(x, float) for key, x in values.items() if role.get(key) == "array" and x is not None}
+            arrays = {
+                key: np.array(x, float) for key, x in values.items() if role.get(key) == "array" and x is not None
+            }
             return kind(**values | arrays)
         except (ValueError, *UNREADABLE) as error:
             raise ValueError(f"{error} - at `{place_of(path)}`") from error

@@ -53,7 +53,7 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def to_toml(data: dict[str, Any]) -> str:
     """TOML with a table per part."""
-    return tomlkit.dumps({key: exchanged(value, None, NONE) for key, value in data.items() if value != []})
+    return tomlkit.dumps({key: exchanged(value, None, NONE) for key, value in data.items()})
 
 
 def from_toml(text: str) -> Any:
@@ -98,14 +98,29 @@ def write_model(system: System, path: str | Path, *, replace: bool = False) -> P
     """Write a model file; see `System.to_file`."""
     path = Path(path)
     form = form_of(path)
-    text = form.write(describe(system))
+    data = describe(system)
+    text = form.write(data)
     try:
         content = text.encode()
     except UnicodeEncodeError as error:
         raise ValueError(f"'{path}': {text[error.start]!r} in a name is no character; name the part anew") from error
     if len(content) > form.limit:
         raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
+    if reread(form, text, path) != data:
+        raise ValueError(
+            f"'{path}': the model does not come back from {path.suffix} as it is; use another kind of file"
+        )
     return write_atomically(path, content, replace=replace)
+
+
+def reread(form: Form, text: str, path: Path) -> Any:
+    """The data of a text; errors name the file."""
+    try:
+        return form.read(text)
+    except RecursionError:
+        raise ValueError(f"'{path}' is nested too deep; a model nests a few levels only") from None
+    except ValueError as error:
+        raise ValueError(f"'{path}': {error}") from error
 
 
 def read_text(path: Path, limit: int) -> str:
@@ -138,10 +153,8 @@ def read_model(path: str | Path) -> System:
     """Read a model file; see `System.from_file`."""
     path = Path(path)
     form = form_of(path)
-    text = read_text(path, form.limit)
+    data = reread(form, read_text(path, form.limit), path)
     try:
-        return read_system(form.read(text))[0]
-    except RecursionError:
-        raise ValueError(f"'{path}' is nested too deep; a model nests a few levels only") from None
+        return read_system(data)[0]
     except ValueError as error:
         raise ValueError(f"'{path}': {error}") from error
