@@ -1,13 +1,11 @@
 """The command line: demos, checking and running models, warming up. Nothing heavy is imported before it is needed."""
 
 import signal
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
-from traceback import walk_tb
 from typing import Any
 
 import click
@@ -137,7 +135,7 @@ def check(file: str, drop: tuple[str, ...]) -> None:
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. The exit code is 1 if it is locked or cannot close.
     """
-    diagnosis = load_model(file, drop).check()
+    diagnosis = load(file, drop).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
         raise click.exceptions.Exit(1)
@@ -157,7 +155,7 @@ def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[st
     returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
     keeps what was computed. The exit code is 1 if the certificate fails.
     """
-    system = load_model(file, drop)
+    system = load(file, drop)
     named = Path(out).suffix == ".npz"
     folder = ready_folder(str(Path(out).parent) if named else out)
     target = folder / Path(out if named else file).stem
@@ -179,6 +177,16 @@ def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[st
     click.echo(str(solution.certificate))
     if not solution.certificate.passed:
         raise click.exceptions.Exit(1)
+
+
+def load(file: str, drop: tuple[str, ...]) -> Any:
+    """The System of a file of any kind; what an import did with it goes to stderr."""
+    from .sources import load_model
+
+    system, notes = load_model(file, drop)
+    for note in notes:
+        click.echo(f"mbsd3d: {note}", err=True)
+    return system
 
 
 def keep(solution: Any, target: Path) -> None:
@@ -246,94 +254,3 @@ def ready_folder(out: str) -> Path:
     except OSError as error:
         raise Failure(f"--out '{out}' cannot be written: {error.strerror}; give a folder that can") from error
     return folder
-
-
-def load_model(file: str, drop: tuple[str, ...] = ()) -> Any:
-    """The System of a model file, of an imported model, or of ``build()`` of a Python file.
-
-    Raises
-    ------
-    Failure
-        Naming the file and the place in it.
-    """
-    suffix = Path(file).suffix.lower()
-    if suffix in (".xml", ".urdf"):
-        return imported(file, suffix, drop)
-    if drop:
-        raise Failure(f"--drop is for imported models (.xml, .urdf), '{file}' is none; leave it out")
-    if suffix in (".json", ".toml"):
-        from .system import System
-
-        return System.from_file(file)
-    if suffix != ".py":
-        raise Failure(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
-    return built_by(file)
-
-
-def imported(file: str, suffix: str, drop: tuple[str, ...]) -> Any:
-    """The System of an MJCF or URDF file; what was dropped, merged and renamed goes to stderr."""
-    from .importers import read_mjcf, read_urdf
-
-    found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
-    lines = [f"left out {part}" for part in found.dropped]
-    lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
-    lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
-    for line in lines:
-        click.echo(f"mbsd3d: {line}", err=True)
-    return found.system
-
-
-def built_by(file: str) -> Any:
-    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
-
-    Raises
-    ------
-    Failure
-        Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
-    """
-    from types import ModuleType
-
-    from .system import System
-
-    path = Path(file)
-    try:
-        source = path.read_bytes()
-    except OSError as error:
-        raise Failure(f"'{file}': {error.strerror}; give a Python file with build()") from error
-    module = ModuleType(f"model {path.stem}")
-    module.__file__ = str(path)
-    with importable(module, path.parent):
-        guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
-        build = getattr(module, "build", None)
-        if not callable(build):
-            raise Failure(f"'{file}' has no function build(); define build() and let it return a System")
-        system = guarded(file, build)
-    if not isinstance(system, System):
-        raise Failure(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
-    return system
-
-
-@contextmanager
-def importable(module: Any, folder: Path) -> Iterator[None]:
-    """Inside, the module is known to Python (dataclasses ask for it) and its folder is searched for imports."""
-    place = str(folder.resolve())
-    sys.modules[module.__name__] = module
-    sys.path.insert(0, place)
-    try:
-        yield
-    finally:
-        sys.path.remove(place)
-        del sys.modules[module.__name__]
-
-
-def guarded(file: str, function: Callable[[], Any]) -> Any:
-    """Call code of the user; its errors become a `Failure` with file and line."""
-    try:
-        return function()
-    except SyntaxError as error:
-        raise Failure(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
-    except (Exception, SystemExit) as error:
-        lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
-        where = f", line {lines[-1]}" if lines else ""
-        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
-        raise Failure(f"'{file}'{where}: {kind}{error}") from error

@@ -107,9 +107,7 @@ def write_model(system: System, path: str | Path, *, replace: bool = False) -> P
     if len(content) > form.limit:
         raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
     if reread(form, text, path) != data:
-        raise ValueError(
-            f"'{path}': the model does not come back from {path.suffix} as it is; use another kind of file"
-        )
+        raise ValueError(f"'{path}': the model would not come back from {path.suffix} as it is; use another kind")
     return write_atomically(path, content, replace=replace)
 
 

@@ -152,5 +152,5 @@ def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> No
     except msgspec.ValidationError as error:
         message, _, inside = str(error).partition(" - at `$")
         names = ", ".join(schema.__struct_fields__)
-        remedy = f"; {schema.__name__} has {names}" if message.startswith("Object ") else ""
+        remedy = f"; give {names}" if message.startswith("Object ") else ""
         raise ValueError(f"{what}: {message} - at `{place_of(path)}{inside.rstrip('`')}`{remedy}") from None
