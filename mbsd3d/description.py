@@ -7,6 +7,7 @@ names are looked up in the package's own parts; nothing is imported or evaluated
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from .system import System
 
 FORMAT = 2  # rises when a description or a file of the old form cannot be read any more
 SYSTEM = "mbsd3d system"
+REFERENCES = MappingProxyType({"body": Body, "joint": Joint, "force": ForceElement})
 UNREADABLE = (TypeError, AttributeError, OverflowError, IndexError, KeyError)  # a value no constructor was made for
 
 
@@ -53,12 +55,13 @@ def needed(part: Any) -> dict[str, Any]:
 
 
 class Writer:
-    """Turns values into JSON-able ones; bodies and joints of the system become references by name."""
+    """Turns values into JSON-able ones; parts of the system become references by name."""
 
     def __init__(self, system: System) -> None:
         self.names: dict[int, tuple[str, str]] = {id(GROUND): ("body", GROUND.name)}
         self.names |= {id(body): ("body", body.name) for body in system.bodies}
         self.names |= {id(joint): ("joint", system.name(joint)) for joint in system.joints}
+        self.names |= {id(force): ("force", system.name(force)) for force in system.forces}
 
     def value(self, value: Any, what: str, role: str = "") -> Any:
         """One value; ``what`` names it in errors, ``role`` is that of its field."""
@@ -93,7 +96,7 @@ class Writer:
 
 
 class Reader:
-    """The way back; joints are built when one first refers to them."""
+    """The way back; joints and forces are built when one first refers to them."""
 
     def __init__(self, data: Mapping[str, Any]) -> None:
         self.bodies: dict[str, Body | Ground] = {GROUND.name: GROUND}
@@ -104,8 +107,10 @@ class Reader:
                     f"two bodies are named '{body.name}' - at `$.bodies[{i}].name`; give each its own name"
                 )
             self.bodies[body.name] = body
-        self.joint_data, self.joints = joint_places(data.get("joints", [])), {}
-        self.built = [self.joint(name, ("joints", i)) for i, name in enumerate(self.joint_data)]
+        self.places = {kind: places(data.get(f"{kind}s", []), kind) for kind in ("joint", "force")}
+        self.made: dict[tuple, Any] = {}
+        self.joints = [self.listed("joint", name, ()) for name in self.places["joint"]]
+        self.forces = [self.listed("force", name, ()) for name in self.places["force"]]
 
     def value(self, value: Any, path: tuple, role: str = "") -> Any:
         """One value; ``path`` leads to it, ``role`` is that of its field."""
@@ -117,8 +122,8 @@ class Reader:
             raise ValueError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
         if isinstance(value, dict):
             return self.tagged(value, path)
-        if isinstance(value, str) and role in ("body", "joint"):
-            return getattr(self, role)(value, path)
+        if isinstance(value, str) and role in REFERENCES:
+            return self.referred(role, value, path)
         return value
 
     def tagged(self, value: dict, path: tuple) -> Any:
@@ -126,33 +131,31 @@ class Reader:
         if "type" in value:
             return self.part(value, path)
         key, inner = next(iter(value.items())) if len(value) == 1 else ("", None)
-        if key in ("body", "joint") and isinstance(inner, str):
-            return getattr(self, key)(inner, path)
+        if key in REFERENCES and isinstance(inner, str):
+            return self.referred(key, inner, path)
         if key == "map" and isinstance(inner, dict):
             return {name: self.value(item, (*path, key, name)) for name, item in inner.items()}
         if key == "float" and inner in ("inf", "-inf", "nan"):
             return float(inner)
         raise ValueError(f"{str(value)[:80]} is not understood - at `{place_of(path)}`; give a part with its type")
 
-    def body(self, name: str, path: tuple) -> Body | Ground:
-        """The body of a name."""
-        if name not in self.bodies:
-            have = ", ".join(f"'{known}'" for known in list(self.bodies)[:20])
-            raise ValueError(f"there is no body '{name}' - at `{place_of(path)}`; there are {have}")
-        return self.bodies[name]
+    def referred(self, kind: str, name: str, path: tuple) -> Any:
+        """The part of a name."""
+        known = self.bodies if kind == "body" else self.places[kind]
+        if name not in known:
+            have = ", ".join(f"'{other}'" for other in list(known)[:20]) or "none"
+            raise ValueError(f"there is no {kind} '{name}' - at `{place_of(path)}`; there are {have}")
+        return self.bodies[name] if kind == "body" else self.listed(kind, name, path)
 
-    def joint(self, name: str, path: tuple) -> Any:
-        """The joint of a name; one that is under construction refers to itself."""
-        if name not in self.joint_data:
-            have = ", ".join(f"'{known}'" for known in list(self.joint_data)[:20]) or "none"
-            raise ValueError(f"there is no joint '{name}' - at `{place_of(path)}`; there are {have}")
-        if name not in self.joints:
-            self.joints[name] = None
-            i, entry = self.joint_data[name]
-            self.joints[name] = self.part(entry, ("joints", i), Joint)
-        if self.joints[name] is None:
-            raise ValueError(f"joint '{name}' refers to itself - at `{place_of(path)}`; refer to another joint")
-        return self.joints[name]
+    def listed(self, kind: str, name: str, path: tuple) -> Any:
+        """The joint or force of a name; one that is under construction refers to itself."""
+        if (kind, name) not in self.made:
+            self.made[kind, name] = None
+            i, entry = self.places[kind][name]
+            self.made[kind, name] = self.part(entry, (f"{kind}s", i), REFERENCES[kind])
+        if self.made[kind, name] is None:
+            raise ValueError(f"{kind} '{name}' refers to itself - at `{place_of(path)}`; refer to another {kind}")
+        return self.made[kind, name]
 
     def part(self, data: dict, path: tuple, base: type = object) -> Any:
         """A part from its type and fields, checked against the schema and by its own constructor."""
@@ -173,28 +176,30 @@ class Reader:
             raise ValueError(f"{error} - at `{place_of(path)}`") from error
 
 
-def joint_places(entries: list[dict]) -> dict[str, tuple[int, dict]]:
-    """Name -> (place, entry) of all joints; nameless ones are numbered by type, as `System` does."""
+def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
+    """Name -> (place, entry) of all joints or forces; nameless ones are numbered by type, as `System` does."""
     found: dict[str, tuple[int, dict]] = {}
     counts: dict[str, int] = {}
     for i, entry in enumerate(entries):
-        name, kind = entry.get("name"), str(entry.get("type"))
+        name, cls = entry.get("name"), str(entry.get("type"))
         if name is None:
-            counts[kind] = counts.get(kind, 0) + 1
-            name = f"{kind} {counts[kind]}"
+            counts[cls] = counts.get(cls, 0) + 1
+            name = f"{cls} {counts[cls]}"
         if str(name) in found:
-            raise ValueError(f"two joints are named '{name}' - at `$.joints[{i}]`; give each its own name")
+            raise ValueError(f"two {kind}s are named '{name}' - at `$.{kind}s[{i}]`; give each its own name")
         found[str(name)] = (i, entry)
     return found
 
 
-def describe(system: System) -> dict[str, Any]:
-    """A system as JSON-able data: type names and fields, bodies and joints referred to by name.
+def describe(system: System, *, saved: bool = False) -> dict[str, Any]:
+    """A system as JSON-able data: type names and fields, parts referred to by name.
 
     Parameters
     ----------
     system : System
         Made of the package's own parts.
+    saved : bool
+        Write a part that has a method ``saved()`` as what that returns: for solutions, which need no functions.
 
     Returns
     -------
@@ -207,10 +212,11 @@ def describe(system: System) -> dict[str, Any]:
         If a part holds something that is no number, text, array or part of the package, e.g. a function.
     """
     write = Writer(system)
-    lists = {
-        kind: [write.part(part, f"{type(part).__name__} '{system.name(part)}'") for part in getattr(system, kind)]
-        for kind in ("bodies", "joints", "forces")
-    }
+    lists: dict[str, list] = {"bodies": [], "joints": [], "forces": []}
+    for kind, entries in lists.items():
+        for part in getattr(system, kind):
+            stored = part.saved() if saved and hasattr(part, "saved") else part
+            entries.append(write.part(stored, f"{type(part).__name__} '{system.name(part)}'"))
     for body in lists["bodies"]:
         del body["type"]
     return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}
@@ -243,10 +249,9 @@ def read_system(data: Any) -> tuple[System, Reader]:
     check_format(data, SYSTEM, "system description")
     check(data, Document, (), "system description")
     reader = Reader(data)
-    acting = [reader.part(entry, ("forces", i), ForceElement) for i, entry in enumerate(data.get("forces", []))]
     gravity = reader.value(data["gravity"], ("gravity",))
     bodies = list(reader.bodies.values())[1:]
-    return System(bodies, reader.built, acting, gravity=gravity), reader
+    return System(bodies, reader.joints, reader.forces, gravity=gravity), reader
 
 
 def check_format(data: Any, expected: str, what: str) -> None:

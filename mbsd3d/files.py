@@ -103,7 +103,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         "format": SOLUTION,
         "version": FORMAT,
         "written_by": package_version(),
-        "system": describe(system),
+        "system": describe(system, saved=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
         "estimate": {"error": known and known.error, "order": known and known.order},

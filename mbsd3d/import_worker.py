@@ -60,7 +60,7 @@ class Facts:
                 {
                     "name": self.name("body", i),
                     "parent": int(m.body_parentid[i]),
-                    "weld": int(m.body_weldid[i]),
+                    "weld": 0 if m.body_mocapid[m.body_weldid[i]] >= 0 else int(m.body_weldid[i]),
                     "position": d.xpos[i],
                     "quaternion": d.xquat[i],
                     "mass": m.body_mass[i],

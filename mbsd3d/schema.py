@@ -30,7 +30,7 @@ from .state import State
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
 WORDS = MappingProxyType(
-    dict.fromkeys(("a", "b"), Body)
+    dict.fromkeys(("a", "b", "carrier"), Body)
     | dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
     | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
     | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
@@ -101,9 +101,10 @@ def json_type(annotation: Any) -> Any:
         return str
     if issubclass(kind, Mapping | Signal) or is_dataclass(kind):
         return dict
-    if typing.get_args(annotation)[1:] == (...,):
-        return list[json_type(typing.get_args(annotation)[0])]
-    return list if issubclass(kind, Sequence | np.ndarray) else Any
+    if not issubclass(kind, Sequence | np.ndarray):
+        return Any
+    items = [x for x in typing.get_args(annotation) if x is not ...]
+    return list[json_type(items[0])] if len(items) == 1 and issubclass(kind, Sequence) else list
 
 
 @cache

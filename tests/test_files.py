@@ -300,7 +300,10 @@ def test_a_class_or_function_of_the_user_is_refused():
         (lambda d: d["joints"][5].update(a="nobody"), r"there is no body 'nobody' - at `\$.joints\[5\].a`"),
         (lambda d: d["joints"][5].update(a=True), r"Expected `str`, got `bool` - at `\$.joints\[5\].a`"),
         (lambda d: d["joints"][5].update(plane=[{"eval": "1"}]), r"not understood - at `\$.joints\[5\].plane\[0\]`"),
-        (lambda d: d["joints"][0].update(colour=1), r"unknown field `colour` - at `\$.joints\[0\]`; give name, hinge_a"),
+        (
+            lambda d: d["joints"][0].update(colour=1),
+            r"unknown field `colour` - at `\$.joints\[0\]`; give name, hinge_a",
+        ),
         (lambda d: d["joints"][0].pop("ratio"), r"missing required field `ratio` - at `\$.joints\[0\]`"),
         (lambda d: d["joints"][0].update(hinge_a="Gear 1"), "joint 'Gear 1' refers to itself"),
         (lambda d: d["joints"][4].update(at=["x", 0, 0]), r"Expected `float`, got `str` - at `\$.joints\[4\].at\[0\]`"),
