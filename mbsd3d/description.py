@@ -122,6 +122,8 @@ class Reader:
             raise ValueError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
         if isinstance(value, dict):
             return self.tagged(value, path)
+        if not (value is None or isinstance(value, bool | int | float | str)):  # TOML knows dates
+            raise ValueError(f"{value} is not understood - at `{place_of(path)}`; give numbers, texts and lists")
         if isinstance(value, str) and role in REFERENCES:
             return self.referred(role, value, path)
         return value

@@ -7,7 +7,8 @@ import json
 import re
 import stat
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -84,7 +85,7 @@ class Form(NamedTuple):
     limit: int
 
 
-FORMS = {".json": Form(to_json, from_json, 16_000_000), ".toml": Form(to_toml, from_toml, 2_000_000)}
+FORMS = {".json": Form(to_json, from_json, 16_000_000), ".toml": Form(to_toml, from_toml, 1_000_000)}
 
 
 def form_of(path: Path) -> Form:
@@ -106,15 +107,18 @@ def write_model(system: System, path: str | Path, *, replace: bool = False) -> P
         raise ValueError(f"'{path}': {text[error.start]!r} in a name is no character; name the part anew") from error
     if len(content) > form.limit:
         raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
-    if reread(form, text, path) != data:
+    with named(path):
+        again = form.read(text)
+    if again != data:
         raise ValueError(f"'{path}': the model would not come back from {path.suffix} as it is; use another kind")
     return write_atomically(path, content, replace=replace)
 
 
-def reread(form: Form, text: str, path: Path) -> Any:
-    """The data of a text; errors name the file."""
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Errors inside name the file."""
     try:
-        return form.read(text)
+        yield
     except RecursionError:
         raise ValueError(f"'{path}' is nested too deep; a model nests a few levels only") from None
     except ValueError as error:
@@ -151,8 +155,6 @@ def read_model(path: str | Path) -> System:
     """Read a model file; see `System.from_file`."""
     path = Path(path)
     form = form_of(path)
-    data = reread(form, read_text(path, form.limit), path)
-    try:
-        return read_system(data)[0]
-    except ValueError as error:
-        raise ValueError(f"'{path}': {error}") from error
+    text = read_text(path, form.limit)
+    with named(path):
+        return read_system(form.read(text))[0]

@@ -205,7 +205,7 @@ class System:
         Parameters
         ----------
         path : str or Path
-            Ends in .json (up to 16 MB) or .toml (up to 2 MB), written by `to_file` or by hand.
+            Ends in .json (up to 16 MB) or .toml (up to 1 MB), written by `to_file` or by hand.
 
         Returns
         -------

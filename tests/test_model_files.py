@@ -1,4 +1,4 @@
-"""Model files: every part comes back to the last bit, people can write them, and what is no model is refused at once."""
+"""Model files: every part comes back to the last bit, people can write them, what is no model is refused at once."""
 
 import errno
 import json
@@ -49,14 +49,15 @@ SIGNALS += (Sum((TABLE, Sine(0.1, 2.3))), Scaled(Ramp(0.3), -1.7))
 
 def all_forces(rng):
     """One of each force element, in general position, and with them every signal."""
-    one, two = random_body(rng, "one", velocity=rng.normal(size=3), omega=rng.normal(size=3)), random_body(rng, "two")
+    one, two = random_body(rng, "one"), random_body(rng, "two")
+    three = random_body(rng, "three", velocity=rng.normal(size=3), omega=rng.normal(size=3), shape="box")
     hinge = Cylindrical(GROUND, one, at=one.position + 0.1, axis=direction(rng), name="hinge")
     rail = Prismatic(one, two, at=two.position - 0.2, axis=direction(rng))
     a, b, c, d, e, f, g = SIGNALS
     forces = [
         Force(one, (a, b, c), at=rng.normal(size=3), frame="body"),
         Torque(two, (d, e, f), name="torque"),
-        SpringDamper(one, two, at_a=rng.normal(size=3), at_b=rng.normal(size=3), stiffness=41.0, damping=0.7, length=0.3),
+        SpringDamper(one, two, at_a=rng.normal(size=3), at_b=two.position, stiffness=41.0, damping=0.7, length=0.3),
         TorsionSpring(hinge, stiffness=1.7, damping=0.2, angle=0.3),
         JointFriction(rail, coulomb=0.3, viscous=0.2, transition=0.02),
         Bushing(
@@ -65,7 +66,7 @@ def all_forces(rng):
         ),
         AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, 0.2, 0.3)),
     ]  # fmt: skip
-    return System([one, two], [hinge, rail], forces, gravity=(0.4, -0.8, -9.6))
+    return System([one, two, three], [hinge, rail], forces, gravity=(0.4, -0.8, -9.6))
 
 
 def same_bits(first, second):
@@ -79,6 +80,7 @@ def assert_same_model(first, second):
     models = compile_system(first).model, compile_system(second).model
     for name, a, b in zip(models[0]._fields, *models, strict=True):
         assert same_bits(a, b), name
+    assert [body.shape for body in first.bodies] == [body.shape for body in second.bodies]
 
 
 def round_trip(system, folder, form):
@@ -214,10 +216,11 @@ def test_functions_are_refused_by_name(tmp_path):
     body = Body("box", 1.0, (1, 1, 1))
     with pytest.raises(ValueError, match="Own 'push'.*no functions and no classes of your own"):
         System([body], forces=[Own(body, (1, 2, 3), name="push")]).to_file(tmp_path / "a.json")
-    push = Force(body, (1, 2, 3), name="push")
-    object.__setattr__(push, "frame", lambda t: t)  # stands for any field that holds a function
-    with pytest.raises(ValueError, match="Force 'push': frame: a function cannot be written to a file"):
-        System([body], forces=[push]).to_file(tmp_path / "a.json")
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+    spring = TorsionSpring(hinge, stiffness=2.0, name="push")
+    object.__setattr__(spring, "stiffness", lambda angle: angle)  # stands for any field that holds a function
+    with pytest.raises(ValueError, match="TorsionSpring 'push': stiffness: a function cannot be written to a file"):
+        System([body], [hinge], [spring]).to_file(tmp_path / "a.json")
     assert not list(tmp_path.iterdir())
 
 
@@ -243,6 +246,7 @@ MISTAKES = [
     ("mass = 2", "mass = -2", r"body 'bob': mass: -2.0 is below 0.0.* - at `\$.bodies\[0\]`"),
     ("mass = 2", "mass = nan", r"nan is not finite - at `\$.bodies\[0\].mass`"),
     ("mass = 2", "mass = true", r"Expected `float`, got `bool` - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = 1" + "0" * 400, r"Number out of range - at `\$.bodies\[0\].mass`"),
     ("mass = 2", "mass = 1e999", r"inf is not finite - at `\$.bodies\[0\].mass`"),
     ("mass = 2", "mass = 2\nmas = 3", r"unknown field `mas` - at `\$.bodies\[0\]`; give name, mass"),
     ("mass = 2\n", "", r"missing required field `mass` - at `\$.bodies\[0\]`"),
@@ -260,7 +264,7 @@ MISTAKES = [
     ('type = "Revolute"\n', "", r"type None is unknown - at `\$.joints\[0\]`"),
     ('"Sine"', '"os.system"', r"type 'os.system' is unknown - at `\$.joints\[1\].signal`"),
     ("frequency = 1", "frequency = []", r"Sine: Expected `float`, got `array` - at `\$.joints\[1\].signal.frequency`"),
-    ("version = 2", "version = 3", "hand.toml.*version 3 of the format - at `.*reads 2"),
+    ("version = 2", "version = 3", "version 3 of the format - at `.*reads 2"),
     ("version = 2\n", "", "version None"),
     ('format = "mbsd3d system"', "", 'is no mbsd3d system; its first entry must be format: "mbsd3d system"'),
     ("gravity = [0, 0, -9.81]\n", "", "missing required field `gravity`"),
@@ -299,25 +303,36 @@ def text(content):
 
 def numbers(path, form):
     """As many numbers as fit, in a table."""
-    limit = 15_000_000 if form == ".json" else 1_900_000
+    limit = 15_000_000 if form == ".json" else 900_000
     data = {"format": "mbsd3d system", "version": 2, "gravity": [1] * (limit // 3), "bodies": []}
     content = json.dumps(data)
     path.write_text(content if form == ".json" else f"gravity = [{'1, ' * (limit // 3)}]")
 
 
+def deep_signal(path, form):
+    """A signal that is made of signals, 300 levels deep."""
+    signal = '{"type": "Scaled", "factor": 1, "signal": ' * 300 + "1" + "}" * 300
+    data = {"format": "mbsd3d system", "version": 2, "gravity": [0, 0, 0], "bodies": [], "joints": []}
+    driver = '{"type": "SpeedDriver", "a": "ground", "b": "ground", "axis": [0, 0, 1], "speed": ' + signal + "}"
+    content = json.dumps(data).replace('"joints": []', f'"joints": [{driver}]')
+    toml = 'format = "mbsd3d system"\nversion = 2\ngravity = [0, 0, 0]\nbodies = []\njoints = [' + driver + "]"
+    path.write_text(content if form == ".json" else toml.replace(": ", " = ").replace('"type"', "type"))
+
+
 HOSTILE = {
+    "deep signal": (deep_signal, "is nested too deep"),
     "200 MB of nesting": (huge, "has 200000000 bytes; a model of this kind has at most"),
-    "nesting": (text("[" * 1_900_000), "is nested too deep"),
-    "closed nesting": (text("[" * 900_000 + "]" * 900_000), "is nested too deep"),
-    "objects": (text('{"a":' * 300_000), "nested too deep|line 1"),
+    "nesting": (text("[" * 900_000), "is nested too deep"),
+    "closed nesting": (text("[" * 450_000 + "]" * 450_000), "is nested too deep"),
+    "objects": (text('{"a":' * 150_000), "nested too deep|line 1"),
     "many numbers": (numbers, "Expected `array` of length <= 3 - at `.*gravity|is no mbsd3d system"),
-    "a long number": (text("1" * 1_000_000), "Exceeds the limit"),
-    "dots": (text("1\na" + ".a" * 900_000 + " = 1"), "more than 32 dots|line 2"),
-    "hidden dots": (text("1\nb = {\"=\" = '1', a" + ' ."," . a' * 200_000 + " = 1}"), "more than 32 dots|line 2"),
-    "dots after a comment": (text("1 # it's\n[a" + ".a" * 900_000 + "]"), "more than 32 dots|line 1"),
-    "open quote": (text('"' + '\\"' * 900_000), "line 1"),
-    "tables": (text("1\n" + "".join(f"[b{i}]\n" for i in range(170_000))), "is no mbsd3d system|line 2"),
-    "spaces": (text(" " * 1_900_000), "is empty|line|Expecting"),
+    "a long number": (text("1" * 900_000), "Exceeds the limit"),
+    "dots": (text("1\na" + ".a" * 450_000 + " = 1"), "more than 32 dots|line 2"),
+    "hidden dots": (text("1\nb = {\"=\" = '1', a" + ' ."," . a' * 90_000 + " = 1}"), "more than 32 dots|line 2"),
+    "dots after a comment": (text("1 # it's\n[a" + ".a" * 450_000 + "]"), "more than 32 dots|line 1"),
+    "open quote": (text('"' + '\\"' * 450_000), "line 1|Unterminated string"),
+    "tables": (text("1\n" + "".join(f"[b{i}]\n" for i in range(70_000))), "is no mbsd3d system|line 2"),
+    "spaces": (text(" " * 900_000), "is empty|Expecting|Invalid value"),
     "not UTF-8": (lambda path, form: path.write_bytes(b'{"a": "\xff"}'), "is no UTF-8 text .line 1."),
     "UTF-16": (lambda path, form: path.write_bytes("{}".encode("utf-16")), "is no UTF-8 text"),
     "empty": (lambda path, form: path.write_bytes(b" \n"), "is empty"),
