@@ -41,7 +41,7 @@ def same(first: Any, second: Any) -> bool:
 
 def needed(part: Any) -> dict[str, Any]:
     """The fields from which the constructor makes the same part: what it fills in by itself is left out."""
-    values = {x.name: getattr(part, x.name) for x in fields(part) if x.init}
+    values = {x.name: getattr(part, x.name) for x in fields(part) if x.init and getattr(part, x.name) is not x.default}
     optional = [x.name for x in fields(part) if x.default is not MISSING or x.default_factory is not MISSING]
     for name in (name for name in optional if name in values):
         rest = {key: value for key, value in values.items() if key != name}

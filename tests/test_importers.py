@@ -321,6 +321,15 @@ HOSTILE = {
     "empty": ("", "is empty"),
     "other": (hostile("", "sdf"), "its root is <sdf>, not <mujoco>"),
     "unknown element": (hostile("<nonsense/>"), "MuJoCo cannot read it: .*nonsense"),
+    "memory": (hostile('<size memory="1000G"/>'), "MuJoCo cannot read it: .*memory"),
+    "texture of 30 GB": (
+        hostile('<asset><texture name="t" type="2d" builtin="checker" width="60000" height="60000"/></asset>'),
+        "cannot read it: .*memory",
+    ),
+    "mesh that takes minutes": (
+        hostile('<asset><mesh name="m" builtin="supertorus" params="3000 1 1 1"/></asset>'),
+        "MuJoCo (takes more than|cannot read it|broke off)",
+    ),
     "mesh that is missing": (hostile('<asset><mesh file="a.stl"/></asset>'), "MuJoCo cannot read it: .*a.stl"),
 }
 
