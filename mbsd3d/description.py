@@ -219,6 +219,8 @@ def describe(system: System, *, saved: bool = False) -> dict[str, Any]:
         for part in getattr(system, kind):
             stored = part.saved() if saved and hasattr(part, "saved") else part
             entries.append(write.part(stored, f"{type(part).__name__} '{system.name(part)}'"))
+            if stored is not part:  # another type: a number by type would be another name
+                entries[-1]["name"] = system.name(part)
     for body in lists["bodies"]:
         del body["type"]
     return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}

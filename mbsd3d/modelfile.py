@@ -44,11 +44,11 @@ def from_json(text: str) -> Any:
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A dict of pairs without duplicates."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in found if keys.count(key) > 1)
-        raise ValueError(f"key '{twice}' stands twice in {str(found)[:80]}; keep one")
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"key '{key}' stands twice in one object (value {str(value)[:40]}); keep one")
+        found[key] = value
     return found
 
 

@@ -52,12 +52,16 @@ class Scan:
         File(self, path, times).parse(text)
 
     def check_named(self) -> None:
-        """Every file that is named lies in the folder of the model, links followed."""
-        folder = self.root.resolve().parent
+        """Every file that is named lies in the folder of the model, links followed; URDF may drop its folders."""
         for place, name in self.named:
             for base in self.folders:
-                if not (folder / base / name).resolve().is_relative_to(folder):
-                    raise ValueError(f"{place} leads out of the folder of the model; copy '{name}' into the folder")
+                for candidate in {name, PurePosixPath(name).name}:
+                    self.inside(self.root.parent / base / candidate, place)
+
+    def inside(self, path: Path, place: str) -> None:
+        """Refuse a path whose links lead elsewhere."""
+        if not path.resolve().is_relative_to(self.root.resolve().parent):
+            raise ValueError(f"{place} leads out of the folder of the model; copy '{path.name}' into the folder")
 
 
 def inner(name: str, place: str) -> str:
@@ -117,14 +121,14 @@ class File:
             elif key.startswith("file"):
                 scan.named.append((f"{place} {key}", inner(value, f"{place} {key}")))
                 if name in OPENED:
-                    self.open(value)
+                    self.open(value, place)
 
-    def open(self, name: str) -> None:
+    def open(self, name: str, place: str) -> None:
         """Scan a file that is included: beside the model, or beside the file that names it."""
+        self.scan.folders.add(str(self.path.parent.relative_to(self.scan.root.parent)))
         for folder in dict.fromkeys((self.scan.root.parent, self.path.parent)):
             if (folder / name).is_file():
-                self.scan.folders.add(str(PurePosixPath(name).parent))
-                self.scan.check_named()
+                self.scan.inside(folder / name, place)
                 self.scan.read(folder / name, self.times[-1])
 
     def end(self, name: str) -> None:

@@ -297,6 +297,8 @@ HOSTILE = {
     "absolute include": (hostile('<include file="/etc/passwd"/>'), "outside of the folder"),
     "include above": (hostile('<include file="../secret.xml"/>'), "outside of the folder"),
     "include through a link": (hostile('<include file="link/secret.xml"/>'), "leads out of the folder"),
+    "include in an include through a link": (hostile('<include file="parts/a.xml"/>'), "leads out of the folder"),
+    "mesh that is a link": (hostile('<asset><mesh file="x/secret.stl"/></asset>'), "leads out of the folder"),
     "mesh elsewhere": (hostile('<asset><mesh file="/tmp/a.stl"/></asset>'), "line 1: <mesh> file names"),
     "meshdir elsewhere": (hostile('<compiler meshdir="/tmp"/>'), "<compiler> meshdir names"),
     "drive": (hostile('<asset><mesh file="C:\\a.stl"/></asset>'), "outside of the folder"),
@@ -341,9 +343,13 @@ def test_hostile_files_are_refused_at_once(tmp_path, case):
     folder = tmp_path / "models"
     folder.mkdir()
     (folder / "link").symlink_to(tmp_path)
+    (folder / "secret.stl").symlink_to(tmp_path / "secret.xml")
+    (folder / "parts").mkdir()
+    (folder / "parts" / "a.xml").write_text('<mujocoinclude><include file="b.xml"/></mujocoinclude>')
+    (folder / "parts" / "b.xml").symlink_to(tmp_path / "secret.xml")
     (folder / "part.xml").write_text('<mujocoinclude><include file="/etc/passwd"/></mujocoinclude>')
     began = time.perf_counter()
-    with pytest.raises(ValueError, match=rf"(model|part).xml'(?s:.*)({message})"):
+    with pytest.raises(ValueError, match=rf"(model|part|a).xml'(?s:.*)({message})"):
         read_mjcf(written(folder, content))
     assert time.perf_counter() - began < BRIEF
 

@@ -34,6 +34,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.cli import main
+from mbsd3d.description import describe
 from mbsd3d.forces import ForceElement
 from mbsd3d.joints import Joint
 from mbsd3d.model import compile_system
@@ -224,6 +225,16 @@ def test_functions_are_refused_by_name(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_solutions_keep_a_part_as_what_it_says_it_saves():
+    body = Body("box", 1.0, (1, 1, 1))
+    push = Force(body, (1, 2, 3))
+    object.__setattr__(push, "saved", lambda: Torque(body, (0.0, 0.0, 0.1)))  # as a force without its function
+    system = System([body], forces=[push])
+    assert describe(system)["forces"][0]["type"] == "Force"
+    entry = describe(system, saved=True)["forces"][0]
+    assert entry["type"] == "Torque" and entry["name"] == "Force 1"  # the name by which results are asked for
+
+
 @pytest.mark.parametrize("name", ["model.yaml", "model", "model.npz"])
 def test_other_suffixes_are_refused(tmp_path, name):
     with pytest.raises(ValueError, match=f"{name}': a model file ends in .json or .toml"):
@@ -326,6 +337,10 @@ HOSTILE = {
     "closed nesting": (text("[" * 450_000 + "]" * 450_000), "is nested too deep"),
     "objects": (text('{"a":' * 150_000), "nested too deep|line 1"),
     "many numbers": (numbers, "Expected `array` of length <= 3 - at `.*gravity|is no mbsd3d system"),
+    "many keys": (
+        text('{"a":1,' + ",".join(f'"k{i}":1' for i in range(90_000)) + ',"k89999":1}'),
+        "stands twice|line 1",
+    ),
     "a long number": (text("1" * 900_000), "Exceeds the limit"),
     "dots": (text("1\na" + ".a" * 450_000 + " = 1"), "more than 32 dots|line 2"),
     "hidden dots": (text("1\nb = {\"=\" = '1', a" + ' ."," . a' * 90_000 + " = 1}"), "more than 32 dots|line 2"),
