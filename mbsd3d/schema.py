@@ -76,11 +76,11 @@ def members(annotation: Any) -> tuple:
 
 @cache
 def roles(kind: type) -> Mapping[str, str]:
-    """Field -> "body" or "joint" where a name stands for a part, "array" where numbers become an array."""
+    """Field -> "body" or "joint" where a name stands for a part, "signal", and "array" where numbers become one."""
     found = {}
     for field in fields(kind):
         classes = [x for x in members(meaning(field)) if isinstance(x, type)]
-        for role, base in (("body", Body | Ground), ("joint", Joint), ("array", np.ndarray)):
+        for role, base in (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("array", np.ndarray)):
             if any(issubclass(x, base) for x in classes):
                 found[field.name] = role
     return MappingProxyType(found)

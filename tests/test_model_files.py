@@ -274,6 +274,11 @@ MISTAKES = [
     ('"Revolute"', '"Body"', r"type 'Body' is unknown - at `\$.joints\[0\]`"),
     ('type = "Revolute"\n', "", r"type None is unknown - at `\$.joints\[0\]`"),
     ('"Sine"', '"os.system"', r"type 'os.system' is unknown - at `\$.joints\[1\].signal`"),
+    (
+        '"Sine", amplitude = 0.3, frequency = 1',
+        '"Body", name = "a"',
+        "type 'Body' is unknown.*give one of Constant, Poly",
+    ),
     ("frequency = 1", "frequency = []", r"Sine: Expected `float`, got `array` - at `\$.joints\[1\].signal.frequency`"),
     ("version = 2", "version = 3", "version 3 of the format - at `.*reads 2"),
     ("version = 2\n", "", "version None"),
