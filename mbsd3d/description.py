@@ -84,6 +84,8 @@ class Writer:
     def part(self, part: Any, what: str) -> dict[str, Any]:
         """Type and fields of a part, a signal or a method."""
         kind = type(part)
+        if hasattr(part, "saved"):
+            raise ValueError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
         if types().get(kind.__name__) is not kind:
             raise ValueError(
                 f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
@@ -194,15 +196,15 @@ def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
     return found
 
 
-def describe(system: System, *, saved: bool = False) -> dict[str, Any]:
+def describe(system: System, *, without_functions: bool = False) -> dict[str, Any]:
     """A system as JSON-able data: type names and fields, parts referred to by name.
 
     Parameters
     ----------
     system : System
         Made of the package's own parts.
-    saved : bool
-        Write a part that has a method ``saved()`` as what that returns: for solutions, which need no functions.
+    without_functions : bool
+        Write a force by a function as what its method ``saved()`` says is left of it, for results; else it is refused.
 
     Returns
     -------
@@ -218,7 +220,7 @@ def describe(system: System, *, saved: bool = False) -> dict[str, Any]:
     lists: dict[str, list] = {"bodies": [], "joints": [], "forces": []}
     for kind, entries in lists.items():
         for part in getattr(system, kind):
-            stored = part.saved() if saved and hasattr(part, "saved") else part
+            stored = part.saved() if without_functions and hasattr(part, "saved") else part
             entries.append(write.part(stored, f"{type(part).__name__} '{system.name(part)}'"))
             if stored is not part:  # another type: a number by type would be another name
                 entries[-1]["name"] = system.name(part)

@@ -4,7 +4,6 @@ A new joint, force or signal needs nothing here. Annotations decide; where one i
 the same word means the same thing in all parts.
 """
 
-import inspect
 import typing
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -40,17 +39,12 @@ PLAIN = (float, int, str, bool, NoneType)
 
 @cache
 def types() -> Mapping[str, type]:
-    """Name -> class of all a file may hold: every part class with content of its own, and what a record is made of."""
+    """Name -> class of all a file may hold: every part class without subclasses, and what a record is made of."""
     from . import _HOME
 
     for module in _HOME:  # so that all classes are known
         import_module(f".{module}", __package__)
-    found = {
-        kind.__name__: kind
-        for base, content in ((Joint, "rows"), (ForceElement, "record"), (Signal, "terms"))
-        for kind in below(base)
-        if getattr(kind, content) is not getattr(base, content) and not inspect.isabstract(kind)
-    }
+    found = {kind.__name__: kind for base in (Joint, ForceElement, Signal) for kind in below(base) if not below(kind)}
     others = (Body, Measure, Condition, Coordinate, State, Switches, Record, *METHODS)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 

@@ -111,7 +111,7 @@ def test_every_force_and_signal_comes_back(tmp_path, form):
 
 
 def test_no_part_is_forgotten():
-    functions = {"CustomForce", "FunctionForce", "SavedForce"}  # hold a function or stand for one
+    functions = {"CustomForce", "SavedForce"}  # hold a function or stand for one
     covered = (
         set(EXAMPLES) | {type(force) for force in all_forces(np.random.default_rng(1)).forces} | set(map(type, SIGNALS))
     )
@@ -225,13 +225,14 @@ def test_functions_are_refused_by_name(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_solutions_keep_a_part_as_what_it_says_it_saves():
+def test_forces_by_a_function_are_kept_in_solutions_only(tmp_path):
     body = Body("box", 1.0, (1, 1, 1))
     push = Force(body, (1, 2, 3))
-    object.__setattr__(push, "saved", lambda: Torque(body, (0.0, 0.0, 0.1)))  # as a force without its function
+    object.__setattr__(push, "saved", lambda: Torque(body, (0.0, 0.0, 0.1)))  # as a CustomForce does
     system = System([body], forces=[push])
-    assert describe(system)["forces"][0]["type"] == "Force"
-    entry = describe(system, saved=True)["forces"][0]
+    with pytest.raises(ValueError, match="Force 'Force 1': its function cannot be written to a file"):
+        system.to_file(tmp_path / "a.json")
+    entry = describe(system, without_functions=True)["forces"][0]
     assert entry["type"] == "Torque" and entry["name"] == "Force 1"  # the name by which results are asked for
 
 
