@@ -327,8 +327,8 @@ def numbers(path, form):
 
 
 def deep_signal(path, form):
-    """A signal that is made of signals, 300 levels deep."""
-    signal = '{"type": "Scaled", "factor": 1, "signal": ' * 300 + "1" + "}" * 300
+    """A signal that is made of signals, 900 levels deep."""
+    signal = '{"type": "Scaled", "factor": 1, "signal": ' * 900 + "1" + "}" * 900
     data = {"format": "mbsd3d system", "version": 2, "gravity": [0, 0, 0], "bodies": [], "joints": []}
     driver = '{"type": "SpeedDriver", "a": "ground", "b": "ground", "axis": [0, 0, 1], "speed": ' + signal + "}"
     content = json.dumps(data).replace('"joints": []', f'"joints": [{driver}]')
