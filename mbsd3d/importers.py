@@ -91,7 +91,7 @@ def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -
 
 def compiled_facts(path: Path, timeout: float) -> dict[str, Any]:
     """What the worker says, or why it says nothing."""
-    command = [sys.executable, "-m", "mbsd3d.import_worker", str(path.resolve()), str(int(timeout) + 1)]
+    command = [sys.executable, "-m", "mbsd3d.import_worker", str(path.absolute()), str(int(timeout) + 1)]
     place = str(Path(__file__).resolve().parents[1])
     extra = {"PYTHONPATH": os.pathsep.join(filter(None, (place, os.environ.get("PYTHONPATH"))))}
     extra |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # every thread takes address space

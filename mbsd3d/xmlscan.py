@@ -13,7 +13,7 @@ from .modelfile import read_text
 
 LIMIT = 8_000_000  # [bytes] of all files together
 COPIES = 20_000  # elements after all copies are made
-FILES = 100
+FILES, NAMED, BASES = 100, 2000, 10  # models that are included, other files, and folders they are looked for in
 FOLDERS = ("meshdir", "texturedir", "assetdir")
 COUNTED = ("replicate", "composite", "flexcomp")
 OPENED = ("include", "model")  # elements whose files are models again
@@ -39,7 +39,7 @@ class Scan:
     files: int = 0
     kind: str = ""
     folders: set[str] = field(default_factory=lambda: {"."})
-    named: list[tuple[str, str]] = field(default_factory=list)  # (place, file) of everything that is opened
+    named: dict[str, str] = field(default_factory=dict)  # file -> place, of everything that is opened
     unknown: list[tuple[str, str]] = field(default_factory=list)  # elements of URDF that MuJoCo passes over
 
     def read(self, path: Path, times: int = 1) -> None:
@@ -53,14 +53,16 @@ class Scan:
 
     def check_named(self) -> None:
         """Every file that is named lies in the folder of the model, links followed; URDF may drop its folders."""
-        for place, name in self.named:
+        if len(self.named) > NAMED or len(self.folders) > BASES:
+            raise ValueError(f"'{self.root}': names more than {NAMED} files or {BASES} folders; use fewer")
+        for name, place in self.named.items():
             for base in self.folders:
                 for candidate in {name, PurePosixPath(name).name}:
                     self.inside(self.root.parent / base / candidate, place)
 
     def inside(self, path: Path, place: str) -> None:
         """Refuse a path whose links lead elsewhere."""
-        if not path.resolve().is_relative_to(self.root.resolve().parent):
+        if not path.resolve().is_relative_to(self.root.parent.resolve()):
             raise ValueError(f"{place} leads out of the folder of the model; copy '{path.name}' into the folder")
 
 
@@ -119,7 +121,7 @@ class File:
             if key in FOLDERS:
                 scan.folders.add(inner(value, f"{place} {key}"))
             elif key.startswith("file"):
-                scan.named.append((f"{place} {key}", inner(value, f"{place} {key}")))
+                scan.named.setdefault(inner(value, f"{place} {key}"), f"{place} {key}")
                 if name in OPENED:
                     self.open(value, place)
 

@@ -299,6 +299,15 @@ HOSTILE = {
     "include through a link": (hostile('<include file="link/secret.xml"/>'), "leads out of the folder"),
     "include in an include through a link": (hostile('<include file="parts/a.xml"/>'), "leads out of the folder"),
     "mesh that is a link": (hostile('<asset><mesh file="x/secret.stl"/></asset>'), "leads out of the folder"),
+    "many files in many folders": (
+        hostile(
+            "".join(f'<compiler meshdir="d{i}"/>' for i in range(5000))
+            + "<asset>"
+            + "".join(f'<mesh file="m{i}.stl"/>' for i in range(9000))
+            + "</asset>"
+        ),
+        "names more than 2000 files or 10 folders",
+    ),
     "mesh elsewhere": (hostile('<asset><mesh file="/tmp/a.stl"/></asset>'), "line 1: <mesh> file names"),
     "meshdir elsewhere": (hostile('<compiler meshdir="/tmp"/>'), "<compiler> meshdir names"),
     "drive": (hostile('<asset><mesh file="C:\\a.stl"/></asset>'), "outside of the folder"),
