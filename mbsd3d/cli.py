@@ -1,13 +1,11 @@
 """The command line: demos, checking and running models, warming up. Nothing heavy is imported before it is needed."""
 
 import signal
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
-from traceback import walk_tb
 from typing import Any
 
 import click
@@ -123,14 +121,21 @@ def demo(name: str | None, everything: bool, only_list: bool, out: str) -> None:
         raise click.exceptions.Exit(1)
 
 
+drop_option = click.option(
+    "--drop", multiple=True, metavar="KIND", help="Leave out what cannot be imported (.xml, .urdf), e.g. contact."
+)
+
+
 @main.command()
 @click.argument("file")
-def check(file: str) -> None:
+@drop_option
+def check(file: str, drop: tuple[str, ...]) -> None:
     """Find the freedoms and redundant joints of a mechanism.
 
-    FILE is a Python file with build(), which returns a System. The exit code is 1 if it is locked or cannot close.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. The exit code is 1 if it is locked or cannot close.
     """
-    diagnosis = load_model(file).check()
+    diagnosis = load(file, drop).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
         raise click.exceptions.Exit(1)
@@ -141,15 +146,19 @@ def check(file: str) -> None:
 @click.option("--t-end", type=float, required=True, help="End of the run [s].")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
-@out_option
-def run(file: str, t_end: float, rtol: float, output: int | None, out: str) -> None:
+@drop_option
+@click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
+def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[str, ...], out: str) -> None:
     """Simulate a mechanism.
 
-    FILE is a Python file with build(), which returns a System. Writes a solution (.npz, read by mbsd3d.load), a table
-    (.csv) and a figure of the energies. Ctrl-C keeps what was computed. The exit code is 1 if the certificate fails.
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
+    keeps what was computed. The exit code is 1 if the certificate fails.
     """
-    system = load_model(file)
-    target = ready_folder(out) / Path(file).stem
+    system = load(file, drop)
+    named = Path(out).suffix == ".npz"
+    folder = ready_folder(str(Path(out).parent) if named else out)
+    target = folder / Path(out if named else file).stem
     from .errors import IntegrationError
     from .plots import save_figure
     from .simulation import simulate
@@ -168,6 +177,16 @@ def run(file: str, t_end: float, rtol: float, output: int | None, out: str) -> N
     click.echo(str(solution.certificate))
     if not solution.certificate.passed:
         raise click.exceptions.Exit(1)
+
+
+def load(file: str, drop: tuple[str, ...]) -> Any:
+    """The System of a file of any kind; what an import did with it goes to stderr."""
+    from .sources import load_model
+
+    system, notes = load_model(file, drop)
+    for note in notes:
+        click.echo(f"mbsd3d: {note}", err=True)
+    return system
 
 
 def keep(solution: Any, target: Path) -> None:
@@ -235,59 +254,3 @@ def ready_folder(out: str) -> Path:
     except OSError as error:
         raise Failure(f"--out '{out}' cannot be written: {error.strerror}; give a folder that can") from error
     return folder
-
-
-def load_model(file: str) -> Any:
-    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
-
-    Raises
-    ------
-    Failure
-        Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
-    """
-    from types import ModuleType
-
-    from .system import System
-
-    path = Path(file)
-    try:
-        source = path.read_bytes()
-    except OSError as error:
-        raise Failure(f"'{file}': {error.strerror}; give a Python file with build()") from error
-    module = ModuleType(f"model {path.stem}")
-    module.__file__ = str(path)
-    with importable(module, path.parent):
-        guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
-        build = getattr(module, "build", None)
-        if not callable(build):
-            raise Failure(f"'{file}' has no function build(); define build() and let it return a System")
-        system = guarded(file, build)
-    if not isinstance(system, System):
-        raise Failure(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
-    return system
-
-
-@contextmanager
-def importable(module: Any, folder: Path) -> Iterator[None]:
-    """Inside, the module is known to Python (dataclasses ask for it) and its folder is searched for imports."""
-    place = str(folder.resolve())
-    sys.modules[module.__name__] = module
-    sys.path.insert(0, place)
-    try:
-        yield
-    finally:
-        sys.path.remove(place)
-        del sys.modules[module.__name__]
-
-
-def guarded(file: str, function: Callable[[], Any]) -> Any:
-    """Call code of the user; its errors become a `Failure` with file and line."""
-    try:
-        return function()
-    except SyntaxError as error:
-        raise Failure(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
-    except (Exception, SystemExit) as error:
-        lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
-        where = f", line {lines[-1]}" if lines else ""
-        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
-        raise Failure(f"'{file}'{where}: {kind}{error}") from error

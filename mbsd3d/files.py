@@ -14,7 +14,7 @@ import numpy as np
 
 from .description import FORMAT, Writer, check_format, describe, read_system
 from .job import Record
-from .model import Compiled, Switches, compile_system
+from .model import Compiled, compile_system
 from .solution import Solution
 from .state import State
 
@@ -32,15 +32,17 @@ def with_suffix(path: str | Path, suffix: str) -> Path:
     return path if path.name.endswith(suffix) else path.with_name(path.name + suffix)
 
 
-def write_atomically(path: Path, content: bytes) -> Path:
+def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Path:
     """Write a whole file or nothing: under a temporary name in the same folder, then renamed.
 
     Parameters
     ----------
     path : Path
-        Where the content will be; an older file is replaced.
+        Where the content will be.
     content : bytes
         All of it.
+    replace : bool
+        Whether an older file is replaced.
 
     Returns
     -------
@@ -50,8 +52,10 @@ def write_atomically(path: Path, content: bytes) -> Path:
     Raises
     ------
     ValueError
-        If the folder does not exist or cannot be written.
+        If the folder does not exist or cannot be written, or there is an older file that is not to be replaced.
     """
+    if not replace and path.exists():
+        raise ValueError(f"'{path}' exists; give replace=True to replace it, or another name")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     try:
         try:
@@ -75,7 +79,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     Parameters
     ----------
     solution : Solution
-        Of a system that `describe` can write.
+        Of a system that `describe` can write; of a CustomForce all but its function is kept.
     path : str or Path
         ".npz" is appended if it is missing; an older file is replaced in one go.
 
@@ -99,7 +103,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         "format": SOLUTION,
         "version": FORMAT,
         "written_by": package_version(),
-        "system": describe(system),
+        "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
         "estimate": {"error": known and known.error, "order": known and known.order},
@@ -161,9 +165,8 @@ def read_solution(handle: Any) -> Solution:
     document = json.loads(bytes(arrays.pop("json")))
     check_format(document, SOLUTION, "its text")
     system, reader = read_system(document["system"])
-    record, final = reader.part(document["record"]), reader.part(document["final"])
-    if not isinstance(record, Record) or not isinstance(record.switches, Switches) or not isinstance(final, State):
-        raise ValueError("record and final state are of the wrong type")
+    record = reader.part(document["record"], ("record",), Record)
+    final = reader.part(document["final"], ("final",), State)
     record.rank_events = list(record.rank_events)
     compiled = compile_system(system, (), record.switches)
     check_arrays(compiled, arrays, final)

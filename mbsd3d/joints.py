@@ -12,15 +12,16 @@ import numpy as np
 from .kernels import kinds
 from .parts import Body, Ground, number, vector
 from .primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
+from .rotations import UNIT
 
 
 def unit(value: Any, what: str) -> np.ndarray:
-    """A (3,) unit vector along ``value``; zero length is a ValueError."""
+    """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
     axis = vector(value, what)
     length = np.linalg.norm(axis)
     if length < 1e-12:
         raise ValueError(f"{what} has zero length; give a direction")
-    return axis / length
+    return axis if abs(length - 1.0) < UNIT else axis / length
 
 
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 ORIENTATION = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
+UNIT = 1e-15  # what normalising leaves of a length; smaller differences stay, so that doing it twice changes nothing
 TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisation does not
 
 
@@ -77,7 +78,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
             f"divide it by its norm, or give rotation(axis, angle)"
         )
-    return values / norm
+    return values.copy() if abs(norm - 1.0) < UNIT else values / norm
 
 
 def matrix(e: ArrayLike) -> np.ndarray:

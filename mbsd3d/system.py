@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -162,6 +163,63 @@ class System:
         from .assembly import assemble
 
         return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
+
+    def to_file(self, path: str | Path, *, replace: bool = False) -> Path:
+        """Write the system to a model file that people can read and edit; every number comes back bit for bit.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in .json or .toml.
+        replace : bool
+            Whether an older file is replaced.
+
+        Returns
+        -------
+        Path
+            The file; it is written whole or not at all.
+
+        Raises
+        ------
+        ValueError
+            If the name ends otherwise, the file exists, the folder cannot be written, or a part cannot be written: one
+            with a function (CustomForce) or of a class of your own.
+
+        Examples
+        --------
+        >>> from tempfile import TemporaryDirectory
+        >>> from mbsd3d import Body, System
+        >>> with TemporaryDirectory() as folder:
+        ...     path = System([Body("stone", mass=1.5, inertia=(1, 2, 2))]).to_file(f"{folder}/stone.toml")
+        ...     System.from_file(path).bodies
+        (Body('stone', mass=1.5),)
+        """
+        from .modelfile import write_model
+
+        return write_model(self, path, replace=replace)
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> "System":
+        """The system of a model file.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in .json (up to 16 MB) or .toml (up to 1 MB), written by `to_file` or by hand.
+
+        Returns
+        -------
+        System
+            Checked by the constructors of its parts.
+
+        Raises
+        ------
+        ValueError
+            Naming file and place, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
+        """
+        from .modelfile import read_model
+
+        return read_model(path)
 
     def show(self) -> Any:
         """Draw the reference pose: bodies, joints with their axes, centres of mass; returns a matplotlib figure."""

@@ -207,7 +207,7 @@ def expect_one_line(result, message):
     ("arguments", "message"),
     [
         (("check", "absent.py"), "'absent.py': No such file or directory; give a Python file with build"),
-        (("check", "."), "'.': Is a directory"),
+        (("check", "."), "'.': give a model"),
         (("run", "absent.py", "--t-end", 1), "'absent.py': No such file"),
         (("run", "model.py", "--t-end", 0), "t_end = 0 s does not lie after the start"),
         (("run", "model.py", "--t-end", "nan"), "t_end: not finite"),

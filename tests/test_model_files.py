@@ -1,0 +1,427 @@
+"""Model files: every part comes back to the last bit, people can write them, what is no model is refused at once."""
+
+import errno
+import json
+import os
+import re
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from models import EXAMPLES, all_joints_mechanism, direction, example_system, random_body, random_orientation
+
+import mbsd3d
+from mbsd3d import (
+    GROUND,
+    AeroDrag,
+    Body,
+    Bushing,
+    Constant,
+    Cylindrical,
+    Force,
+    JointFriction,
+    Polynomial,
+    Prismatic,
+    Ramp,
+    Revolute,
+    Sine,
+    SpringDamper,
+    System,
+    Table,
+    Torque,
+    TorsionSpring,
+    simulate,
+)
+from mbsd3d.cli import main
+from mbsd3d.description import describe
+from mbsd3d.forces import ForceElement
+from mbsd3d.joints import Joint
+from mbsd3d.model import compile_system
+from mbsd3d.schema import types
+from mbsd3d.signals import Scaled, Signal, Sum
+
+FORMS = (".json", ".toml")
+BRIEF = 5.0  # [s] within which a file that is no model is refused
+TABLE = Table([0.0, 0.13, 0.31, 0.7, 1.1], [0.2, -0.4, 0.3, 0.1, 0.7])
+SIGNALS = (Constant(0.7), Ramp(0.3, -0.2), Sine(0.4, 1.3, 0.2, 0.1), Polynomial((0.3, -0.1, 0.7)), TABLE)
+SIGNALS += (Sum((TABLE, Sine(0.1, 2.3))), Scaled(Ramp(0.3), -1.7))
+
+
+def all_forces(rng):
+    """One of each force element, in general position, and with them every signal."""
+    one, two = random_body(rng, "one"), random_body(rng, "two")
+    three = random_body(rng, "three", velocity=rng.normal(size=3), omega=rng.normal(size=3), shape="box")
+    hinge = Cylindrical(GROUND, one, at=one.position + 0.1, axis=direction(rng), name="hinge")
+    rail = Prismatic(one, two, at=two.position - 0.2, axis=direction(rng))
+    a, b, c, d, e, f, g = SIGNALS
+    forces = [
+        Force(one, (a, b, c), at=rng.normal(size=3), frame="body"),
+        Torque(two, (d, e, f), name="torque"),
+        SpringDamper(one, two, at_a=rng.normal(size=3), at_b=two.position, stiffness=41.0, damping=0.7, length=0.3),
+        TorsionSpring(hinge, stiffness=1.7, damping=0.2, angle=0.3),
+        JointFriction(rail, coulomb=0.3, viscous=0.2, transition=0.02),
+        Bushing(
+            GROUND, two, at=rng.normal(size=3), stiffness=(31.0, 42.0, 53.0), turning_stiffness=(3.0, 4.0, 5.0),
+            damping=(0.1, 0.2, 0.3), turning_damping=0.2, axes=random_orientation(rng),
+        ),
+        AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, 0.2, 0.3)),
+    ]  # fmt: skip
+    return System([one, two, three], [hinge, rail], forces, gravity=(0.4, -0.8, -9.6))
+
+
+def same_bits(first, second):
+    """Equal shapes, types and bytes."""
+    first, second = np.asarray(first), np.asarray(second)
+    return first.shape == second.shape and first.dtype == second.dtype and first.tobytes() == second.tobytes()
+
+
+def assert_same_model(first, second):
+    """All compiled arrays equal, to the last bit."""
+    models = compile_system(first).model, compile_system(second).model
+    for name, a, b in zip(models[0]._fields, *models, strict=True):
+        assert same_bits(a, b), name
+    assert [body.shape for body in first.bodies] == [body.shape for body in second.bodies]
+
+
+def round_trip(system, folder, form):
+    """The system through a file."""
+    return System.from_file(system.to_file(folder / f"model{form}"))
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_every_joint_comes_back(tmp_path, kind, form):
+    for seed in range(5):
+        system = example_system(kind, seed)
+        copy = round_trip(system, tmp_path, form)
+        assert_same_model(system, copy)
+        assert [type(joint) for joint in copy.joints] == [type(joint) for joint in system.joints]
+        (tmp_path / f"model{form}").unlink()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_every_force_and_signal_comes_back(tmp_path, form):
+    for seed in range(5):
+        system = all_forces(np.random.default_rng(seed))
+        copy = round_trip(system, tmp_path, form)
+        assert_same_model(system, copy)
+        assert copy.names.values() and list(copy.names.values()) == list(system.names.values())
+        (tmp_path / f"model{form}").unlink()
+
+
+def test_no_part_is_forgotten():
+    functions = {"CustomForce", "SavedForce"}  # hold a function or stand for one
+    covered = (
+        set(EXAMPLES) | {type(force) for force in all_forces(np.random.default_rng(1)).forces} | set(map(type, SIGNALS))
+    )
+    wanted = {kind for kind in types().values() if issubclass(kind, Joint | ForceElement | Signal)}
+    assert {kind.__name__ for kind in wanted - covered} <= functions
+
+
+@pytest.mark.parametrize("build", [all_joints_mechanism, lambda seed: all_forces(np.random.default_rng(seed))])
+def test_simulations_are_equal_to_the_last_bit(tmp_path, build):
+    system = build(3)
+    runs = [simulate(x, 0.02, output=5) for x in (system, round_trip(system, tmp_path, ".json"))]
+    runs.append(simulate(round_trip(system, tmp_path, ".toml"), 0.02, output=5))
+    for name, array in runs[0].arrays.items():
+        assert all(same_bits(array, run.arrays[name]) for run in runs[1:]), name
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_extreme_numbers_and_names_come_back(tmp_path, form):
+    numbers = (5e-324, -0.0, 1.7976931348623157e308)
+    names = ("a\x7fb", "q\"uo'te", "new\nline", "\x00", "ünï😀", "back\\slash", "a.b", 'x"', "\u2028", "\r", "#", " ")
+    bodies = [Body(name, 1.0, (1, 1, 1), position=numbers) for name in names]
+    copy = round_trip(System(bodies, [Revolute(GROUND, bodies[1], at=(0, 0, 0), axis=(0, 0, 1))]), tmp_path, form)
+    assert [body.name for body in copy.bodies] == list(names) and copy.joints[0].b is copy.bodies[1]
+    assert all(same_bits(body.position, np.array(numbers)) for body in copy.bodies)
+
+
+def test_files_are_short_and_read_like_the_call(tmp_path):
+    bob = Body("bob", mass=1.5, inertia=(0.1, 0.1, 0.02), position=(0, 0, -0.5))
+    hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    system = System([bob], [hinge], [TorsionSpring(hinge, stiffness=2.0)])
+    data = json.loads(system.to_file(tmp_path / "a.json").read_text())
+    assert data["joints"] == [
+        {"type": "Revolute", "name": "hinge", "a": "ground", "b": "bob", "at": [0.0, 0.0, 0.0], "axis": [0.0, 1.0, 0.0]}
+    ]
+    assert data["forces"] == [{"type": "TorsionSpring", "hinge": "hinge", "stiffness": 2.0}]
+    text = system.to_file(tmp_path / "a.toml").read_text()
+    assert '[[joints]]\ntype = "Revolute"\nname = "hinge"\na = "ground"\nb = "bob"\nat = [0.0, 0.0, 0.0]\n' in text
+
+
+HAND = """
+format = "mbsd3d system"
+version = 2
+gravity = [0, 0, -9.81]
+
+[[bodies]]
+name = "bob"
+mass = 2
+inertia = [0.1, 0.1, 0.02]
+position = [0, 0, -0.5]
+
+[[joints]]
+type = "Revolute"
+a = "ground"
+b = "bob"
+at = [0, 0, 0]
+axis = [0, 2, 0]
+
+[[joints]]
+type = "AngleDriver"
+hinge = "Revolute 1"
+signal = {type = "Sine", amplitude = 0.3, frequency = 1}
+"""
+
+
+@pytest.fixture
+def hand(tmp_path):
+    """A model written by hand."""
+    path = tmp_path / "hand.toml"
+    path.write_text(HAND)
+    return path
+
+
+def test_a_model_written_by_hand(hand):
+    system = System.from_file(hand)
+    assert system.check().mobility == 0 and system.joints[1].hinge is system.joints[0]
+    assert system.joints[0].axis.tolist() == [0, 1, 0] and system.bodies[0].mass == 2.0
+
+
+def test_files_are_not_replaced_unless_asked(hand):
+    system = System.from_file(hand)
+    with pytest.raises(ValueError, match="hand.toml' exists; give replace=True"):
+        system.to_file(hand)
+    assert hand.read_text() == HAND
+    system.to_file(hand, replace=True)
+    assert_same_model(System.from_file(hand), system) and hand.read_text() != HAND
+
+
+def test_a_full_disk_leaves_the_old_file(hand, monkeypatch):
+    def full(handle):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    system = System.from_file(hand)
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(ValueError, match="hand.toml' cannot be written: No space left"):
+        system.to_file(hand, replace=True)
+    assert hand.read_text() == HAND and [path.name for path in hand.parent.iterdir()] == ["hand.toml"]
+
+
+def test_functions_are_refused_by_name(tmp_path):
+    class Own(Force):
+        pass
+
+    body = Body("box", 1.0, (1, 1, 1))
+    with pytest.raises(ValueError, match="Own 'push'.*no functions and no classes of your own"):
+        System([body], forces=[Own(body, (1, 2, 3), name="push")]).to_file(tmp_path / "a.json")
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+    spring = TorsionSpring(hinge, stiffness=2.0, name="push")
+    object.__setattr__(spring, "stiffness", lambda angle: angle)  # stands for any field that holds a function
+    with pytest.raises(ValueError, match="TorsionSpring 'push': stiffness: a function cannot be written to a file"):
+        System([body], [hinge], [spring]).to_file(tmp_path / "a.json")
+    assert not list(tmp_path.iterdir())
+
+
+def test_forces_by_a_function_are_kept_in_solutions_only(tmp_path):
+    body = Body("box", 1.0, (1, 1, 1))
+    push = Force(body, (1, 2, 3))
+    object.__setattr__(push, "saved", lambda: Torque(body, (0.0, 0.0, 0.1)))  # as a CustomForce does
+    system = System([body], forces=[push])
+    with pytest.raises(ValueError, match="Force 'Force 1': its function cannot be written to a file"):
+        system.to_file(tmp_path / "a.json")
+    entry = describe(system, without_functions=True)["forces"][0]
+    assert entry["type"] == "Torque" and entry["name"] == "Force 1"  # the name by which results are asked for
+
+
+@pytest.mark.parametrize("name", ["model.yaml", "model", "model.npz"])
+def test_other_suffixes_are_refused(tmp_path, name):
+    with pytest.raises(ValueError, match=f"{name}': a model file ends in .json or .toml"):
+        System([Body("box", 1.0, (1, 1, 1))]).to_file(tmp_path / name)
+    with pytest.raises(ValueError, match=f"{name}': a model file ends in .json or .toml"):
+        System.from_file(tmp_path / name)
+
+
+def edit(**changes):
+    """HAND with some texts replaced."""
+    text = HAND
+    for old, new in changes.values():
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+MISTAKES = [
+    ("mass = 2", 'mass = "2"', r"Body 'bob': Expected `float`, got `str` - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = -2", r"body 'bob': mass: -2.0 is below 0.0.* - at `\$.bodies\[0\]`"),
+    ("mass = 2", "mass = nan", r"nan is not finite - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = true", r"Expected `float`, got `bool` - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = 1" + "0" * 400, r"Number out of range - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = 1e999", r"inf is not finite - at `\$.bodies\[0\].mass`"),
+    ("mass = 2", "mass = 2\nmas = 3", r"unknown field `mas` - at `\$.bodies\[0\]`; give name, mass"),
+    ("mass = 2\n", "", r"missing required field `mass` - at `\$.bodies\[0\]`"),
+    ("mass = 2", "mass = 2\nmass = 3", "line 9"),
+    ("mass = 2", "mass = ", "line 8"),
+    ("mass = 2", "mass = 2\nshape = 2020-01-01", r"not understood - at `\$.bodies\[0\].shape`"),
+    ("mass = 2", 'mass = {type = "None"}', r"Expected `float`, got `null` - at `\$.bodies\[0\].mass`"),
+    ("-0.5]", "-0.5, 1]", r"Expected `array` of length <= 3 - at `\$.bodies\[0\].position`"),
+    ("-0.5]", "inf]", r"inf is not finite - at `\$.bodies\[0\].position\[2\]`"),
+    ('"ground"', '"Ground"', r"there is no body 'Ground' - at `\$.joints\[0\].a`; there are 'ground', 'bob'"),
+    ('"Revolute 1"', '"Revolute 2"', r"there is no joint 'Revolute 2' - at `\$.joints\[1\].hinge`"),
+    ('"Revolute 1"', '"bob"', r"there is no joint 'bob' - at `\$.joints\[1\].hinge`"),
+    ('"Revolute"', '"Revolut"', r"type 'Revolut' is unknown - at `\$.joints\[0\]`; give one of AngleDriver"),
+    ('"Revolute"', '"Body"', r"type 'Body' is unknown - at `\$.joints\[0\]`"),
+    ('type = "Revolute"\n', "", r"type None is unknown - at `\$.joints\[0\]`"),
+    ('"Sine"', '"os.system"', r"type 'os.system' is unknown - at `\$.joints\[1\].signal`"),
+    (
+        '"Sine", amplitude = 0.3, frequency = 1',
+        '"Body", name = "a"',
+        "type 'Body' is unknown.*give one of Constant, Poly",
+    ),
+    ("frequency = 1", "frequency = []", r"Sine: Expected `float`, got `array` - at `\$.joints\[1\].signal.frequency`"),
+    ("version = 2", "version = 3", "version 3 of the format - at `.*reads 2"),
+    ("version = 2\n", "", "version None"),
+    ('format = "mbsd3d system"', "", 'is no mbsd3d system; its first entry must be format: "mbsd3d system"'),
+    ("gravity = [0, 0, -9.81]\n", "", "missing required field `gravity`"),
+    ('type = "AngleDriver"', 'type = "AngleDriver"\nname = "bob"', "two parts are named 'bob'"),
+    ("axis = [0, 2, 0]", "axis = [0, 0, 0]", r"axis has zero length; give a direction - at `\$.joints\[0\]`"),
+    ("version = 2", 'version = 2\nnote = """\n"""', "texts of several lines"),
+    ("version = 2", "version = 2\na" + ".a" * 100 + " = 1", "line 4 has more than 32 dots in one name"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), MISTAKES)
+def test_mistakes_are_named_with_their_place(hand, old, new, message):
+    hand.write_text(edit(change=(old, new)))
+    with pytest.raises(ValueError, match=rf"hand.toml': (?s:.*){message}"):
+        System.from_file(hand)
+
+
+def test_keys_that_stand_twice_are_refused_in_json(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text('{"format": "mbsd3d system", "format": "mbsd3d system"}')
+    with pytest.raises(ValueError, match="a.json': key 'format' stands twice"):
+        System.from_file(path)
+
+
+def huge(path, form):
+    """200 MB of brackets, of which nothing is read."""
+    with path.open("wb") as handle:
+        for _ in range(200):
+            handle.write(b"[" * 1_000_000)
+
+
+def text(content):
+    """A file of a text."""
+    return lambda path, form: path.write_text(content if form == ".json" else f"a = {content}")
+
+
+def numbers(path, form):
+    """As many numbers as fit, in a table."""
+    limit = 15_000_000 if form == ".json" else 900_000
+    data = {"format": "mbsd3d system", "version": 2, "gravity": [1] * (limit // 3), "bodies": []}
+    content = json.dumps(data)
+    path.write_text(content if form == ".json" else f"gravity = [{'1, ' * (limit // 3)}]")
+
+
+def deep_signal(path, form):
+    """A signal that is made of signals, 900 levels deep."""
+    signal = '{"type": "Scaled", "factor": 1, "signal": ' * 900 + "1" + "}" * 900
+    data = {"format": "mbsd3d system", "version": 2, "gravity": [0, 0, 0], "bodies": [], "joints": []}
+    driver = '{"type": "SpeedDriver", "a": "ground", "b": "ground", "axis": [0, 0, 1], "speed": ' + signal + "}"
+    content = json.dumps(data).replace('"joints": []', f'"joints": [{driver}]')
+    toml = 'format = "mbsd3d system"\nversion = 2\ngravity = [0, 0, 0]\nbodies = []\njoints = [' + driver + "]"
+    path.write_text(content if form == ".json" else toml.replace(": ", " = ").replace('"type"', "type"))
+
+
+HOSTILE = {
+    "deep signal": (deep_signal, "is nested too deep"),
+    "200 MB of nesting": (huge, "has 200000000 bytes; a model of this kind has at most"),
+    "nesting": (text("[" * 900_000), "is nested too deep"),
+    "closed nesting": (text("[" * 450_000 + "]" * 450_000), "is nested too deep"),
+    "objects": (text('{"a":' * 150_000), "nested too deep|line 1"),
+    "many numbers": (numbers, "Expected `array` of length <= 3 - at `.*gravity|is no mbsd3d system"),
+    "many keys": (
+        text('{"a":1,' + ",".join(f'"k{i}":1' for i in range(90_000)) + ',"k89999":1}'),
+        "stands twice|line 1",
+    ),
+    "a long number": (text("1" * 900_000), "Exceeds the limit"),
+    "dots": (text("1\na" + ".a" * 450_000 + " = 1"), "more than 32 dots|line 2"),
+    "hidden dots": (text("1\nb = {\"=\" = '1', a" + ' ."," . a' * 90_000 + " = 1}"), "more than 32 dots|line 2"),
+    "dots after a comment": (text("1 # it's\n[a" + ".a" * 450_000 + "]"), "more than 32 dots|line 1"),
+    "open quote": (text('"' + '\\"' * 450_000), "line 1|Unterminated string"),
+    "tables": (text("1\n" + "".join(f"[b{i}]\n" for i in range(70_000))), "is no mbsd3d system|line 2"),
+    "spaces": (text(" " * 900_000), "is empty|Expecting|Invalid value"),
+    "not UTF-8": (lambda path, form: path.write_bytes(b'{"a": "\xff"}'), "is no UTF-8 text .line 1."),
+    "UTF-16": (lambda path, form: path.write_bytes("{}".encode("utf-16")), "is no UTF-8 text"),
+    "empty": (lambda path, form: path.write_bytes(b" \n"), "is empty"),
+    "folder": (lambda path, form: path.mkdir(), "is a folder or a device"),
+    "pipe": (lambda path, form: os.mkfifo(path), "is a folder or a device"),
+    "device": (lambda path, form: path.symlink_to("/dev/zero"), "is a folder or a device"),
+    "missing": (lambda path, form: None, "cannot be read: No such file"),
+    "a solution": (lambda path, form: np.savez(path.open("wb"), t=np.zeros(3)), "is no UTF-8 text"),
+    "a list": (text("[]"), "is no mbsd3d system"),
+    "a number": (text("1"), "is no mbsd3d system"),
+    "lone surrogate": (text('{"format": "\\ud800"}'), "is no mbsd3d system|line 1"),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("case", HOSTILE)
+def test_what_is_no_model_is_refused_at_once(tmp_path, case, form):
+    make, message = HOSTILE[case]
+    make(tmp_path / f"model{form}", form)
+    began = time.perf_counter()
+    with pytest.raises(ValueError, match=rf"model{form}'(?s:.*)({message})"):
+        System.from_file(tmp_path / f"model{form}")
+    assert time.perf_counter() - began < BRIEF
+
+
+def command(*arguments):
+    """Run a command in this process."""
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments], prog_name="mbsd3d")
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+def test_check_and_run_take_model_files(hand, monkeypatch):
+    monkeypatch.chdir(hand.parent)
+    assert "mobility 0" in command("check", hand).stdout
+    result = command("run", "hand.toml", "--t-end", 0.1, "--out", "results/swing.npz")
+    assert result.exit_code == 0 and "passed" in result.stdout
+    assert {path.name for path in (hand.parent / "results").iterdir()} == {
+        f"swing.{k}" for k in ("npz", "csv", "png", "svg")
+    }
+    assert mbsd3d.load("results/swing.npz").t[-1] == 0.1
+
+
+def test_check_and_run_take_models_of_mujoco(tmp_path):
+    path = tmp_path / "arm.xml"
+    inertial = '<inertial mass="2" pos="0 0 -0.6" diaginertia="0.1 0.1 0.02"/>'
+    joint = '<joint name="hinge" axis="0 1 0" range="-1 1" limited="true"/>'
+    path.write_text(f'<mujoco><worldbody><body name="bob">{joint}{inertial}</body></worldbody></mujoco>')
+    refused = command("check", path)
+    assert refused.exit_code == 2 and re.search(
+        r"cannot import limit: range of hinge.*drop=\['limit'\]", refused.stderr
+    )
+    result = command("check", path, "--drop", "limit")
+    assert result.exit_code == 0 and result.stderr == "mbsd3d: left out limit: range of hinge\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("check", "none.json"), "'none.json' cannot be read: No such file"),
+        (("check", "hand.txt"), "'hand.txt': give a model"),
+        (("check", "hand.toml", "--drop", "contact"), "--drop is for imported models"),
+        (("run", "bad.toml", "--t-end", 1), r"'bad.toml': .*got `str` - at `\$.bodies\[0\].mass`"),
+        (("run", "none.urdf", "--t-end", 1), "'none.urdf' cannot be read"),
+    ],
+)
+def test_failures_of_the_commands_are_one_line(hand, monkeypatch, arguments, message):
+    monkeypatch.chdir(hand.parent)
+    (hand.parent / "bad.toml").write_text(edit(change=("mass = 2", 'mass = "2"')))
+    result = command(*arguments)
+    assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1 and re.search(message, result.stderr)
