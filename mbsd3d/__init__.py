@@ -25,6 +25,8 @@ _HOME = {
     "modes": ("Mode",),
     "solution": ("Solution",),
     "files": ("load",),
+    "importers": ("read_mjcf", "read_urdf"),
+    "imported": ("Imported",),
     "errors": ("AssemblyError", "IntegrationError"),
     "integrators.dop853": ("DOP853",),
     "integrators.rk4": ("RK4",),
