@@ -360,3 +360,45 @@ def concrete_subclasses(base):
         queue += below
         found |= {cls for cls in below if not any(c.__module__.startswith("mbsd3d") for c in cls.__subclasses__())}
     return found
+
+
+def revolute_chain(n, seed=1):
+    """A hanging chain of n links with alternating axes, neither along the links nor aligned, r_G != 0."""
+    rng = np.random.default_rng(seed)
+    axes = [np.array([0.9, 0.4, 0.17]), np.array([-0.35, 0.9, 0.26])]
+    along = np.array([0.3, 0.1, -1.0])
+    bodies, joints, before, at = [], [], GROUND, np.array([0.2, -0.1, 0.4])
+    for k in range(n):
+        step = 0.8 * along + 0.02 * rng.normal(size=3)
+        mass = rng.uniform(0.8, 1.2)
+        body = Body(f"link {k}", mass, random_inertia(rng, mass), com=(0.05, -0.08, 0.03), position=at + 0.4 * step,
+                    orientation=random_orientation(rng))  # fmt: skip
+        joints.append(Revolute(before, body, at=at, axis=axes[k % 2], name=f"hinge {k}"))
+        bodies.append(body)
+        before, at = body, at + step
+    return System(bodies=bodies, joints=joints)
+
+
+def four_bar_ladder(n, tilt=0.7):
+    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows."""
+    R = matrix(mbsd3d.rotation((1.0, 2.0, 3.0), tilt))
+
+    def place(x, z):
+        return R @ np.array([x, 0.0, z])
+
+    axis, lean, r_G = R[:, 1], 0.4, (0.03, 0.01, -0.05)
+    foot = [np.array([1.0 * k, 0.0]) for k in range(n + 1)]
+    head = [at + [np.sin(lean), np.cos(lean)] for at in foot]
+
+    def rod(name, near, far, mass):
+        inertia = (0.02 * mass, 0.09 * mass, 0.085 * mass)
+        middle = place(*(0.45 * near + 0.55 * far))
+        return Body(name, mass, inertia, com=r_G, position=middle, orientation=R)
+
+    rods = [rod(f"rod {k}", foot[k], head[k], 1.0 + 0.1 * (k % 3)) for k in range(n + 1)]
+    couplers = [rod(f"coupler {k}", head[k], head[k + 1], 1.3 - 0.1 * (k % 2)) for k in range(n)]
+    joints = [Revolute(GROUND, rods[k], at=place(*foot[k]), axis=axis, name=f"foot {k}") for k in range(n + 1)]
+    for k in range(n):
+        joints.append(Revolute(rods[k], couplers[k], at=place(*head[k]), axis=axis, name=f"left {k}"))
+        joints.append(Revolute(couplers[k], rods[k + 1], at=place(*head[k + 1]), axis=axis, name=f"right {k}"))
+    return System(bodies=[*rods, *couplers], joints=joints)
