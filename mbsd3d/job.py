@@ -22,7 +22,7 @@ from .measures import Condition
 from .model import Compiled, Switches
 from .parts import number
 from .progress import Progress
-from .selection import choose_rows, dense_jacobian
+from .selection import block_rows, choose_rows
 from .solution import Solution
 from .state import State
 
@@ -217,7 +217,7 @@ class Job:
         scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)
         v = self.start.v.reshape(-1, 6)
         speed = max(1.0, float(np.abs(v / np.repeat([model.length, 1.0], 3)).max(initial=0.0)))
-        slip = dense_jacobian(model, self.data) @ self.start.v - row["b"]
+        slip = block_rows(model, self.data).sparse() @ self.start.v - row["b"]
         checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
         for residual, unit, limit in checks:
             if np.abs(residual * scale).max() > limit:

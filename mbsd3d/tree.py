@@ -79,6 +79,7 @@ def loop_weights(compiled: Compiled) -> np.ndarray:
 
     def root(i: int) -> int:
         while group.get(i, i) != i:
+            group[i] = group.get(group[i], group[i])  # shortens the way for the next time
             i = group[i]
         return i
 
