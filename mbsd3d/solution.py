@@ -77,7 +77,8 @@ class Solution:
         return self.arrays["t"]
 
     def _body(self, body: Any) -> int:
-        return self.compiled.body_index[id(self.system.part(body))]
+        index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
+        return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
 
     def position(self, body: Any) -> np.ndarray:
         """Reference point of a body [m]."""
