@@ -340,7 +340,7 @@ def unit_quaternions(q: np.ndarray) -> np.ndarray:
 def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
     """(samples, n, 6) world velocities (r_dot, w) from states y with u = (r_dot, R'w)."""
     v = np.empty((states.shape[0], n, 6))
-    some = max(1, 2**17 // n)  # samples at a time: their rotation matrices take 9 MB
+    some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
     for k in range(0, states.shape[0], some):
         y = states[k : k + some]
         u = y[:, 7 * n : 13 * n].reshape(-1, n, 6)

@@ -379,14 +379,17 @@ def revolute_chain(n, seed=1):
     return System(bodies=bodies, joints=joints)
 
 
-def four_bar_ladder(n, tilt=0.7):
-    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows."""
+def four_bar_ladder(n, tilt=0.7, lean=0.4):
+    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows.
+
+    The rods lean by an angle [rad]; at a right angle all rods lie on one line, a singular pose.
+    """
     R = matrix(mbsd3d.rotation((1.0, 2.0, 3.0), tilt))
 
     def place(x, z):
         return R @ np.array([x, 0.0, z])
 
-    axis, lean, r_G = R[:, 1], 0.4, (0.03, 0.01, -0.05)
+    axis, r_G = R[:, 1], (0.03, 0.01, -0.05)
     foot = [np.array([1.0 * k, 0.0]) for k in range(n + 1)]
     head = [at + [np.sin(lean), np.cos(lean)] for at in foot]
 
@@ -402,3 +405,27 @@ def four_bar_ladder(n, tilt=0.7):
         joints.append(Revolute(rods[k], couplers[k], at=place(*head[k]), axis=axis, name=f"left {k}"))
         joints.append(Revolute(couplers[k], rods[k + 1], at=place(*head[k + 1]), axis=axis, name=f"right {k}"))
     return System(bodies=[*rods, *couplers], joints=joints)
+
+
+def random_loops(seed, n=14):
+    """n general bodies on a random tree of joints, loops closed by joints that coincide there, doubled hinges, a gear.
+
+    At the reference pose every joint closes, so loops are consistent; some rows repeat others.
+    """
+    rng = np.random.default_rng(seed)
+    bodies, joints = [], []
+    kinds = (Revolute, Spherical, Universal, Prismatic, Cylindrical, Fixed, Planar)
+    for k in range(n):
+        bodies.append(random_body(rng, f"body {k}", position=np.array([0.8 * k, 0.5 * (-1.0) ** k, 0.3 * (k % 3)])))
+        before = GROUND if k == 0 else bodies[rng.integers(max(0, k - 3), k)]
+        joints += EXAMPLES[kinds[rng.integers(len(kinds))]](rng, before, bodies[-1], None, None)
+        if k % 3 == 1:  # a second hinge on the axis of the first: five redundant rows
+            joints.append(Revolute(before, bodies[-1], at=middle(rng, before, bodies[-1]), axis=direction(rng)))
+            at = joints[-1].at + 0.4 * joints[-1].axis
+            joints.append(Revolute(before, bodies[-1], at=at, axis=joints[-1].axis))
+    for _ in range(n // 3):
+        a, b = rng.choice(n, size=2, replace=False)
+        joints += EXAMPLES[kinds[rng.integers(len(kinds))]](rng, bodies[a], bodies[b], None, None)
+    hinges = [joint for joint in joints if isinstance(joint, Revolute)]
+    joints.append(Gear(hinges[0], hinges[-1], ratio=-1.7))
+    return System(bodies=bodies, joints=joints)
