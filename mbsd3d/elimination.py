@@ -57,17 +57,23 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Step:
+class Repeat:
+    """Rows ``rest`` lose C times the rows ``picked``."""
+
+    picked: np.ndarray
+    rest: np.ndarray
+    C: np.ndarray  # (rest, picked)
+
+
+@dataclass(frozen=True)
+class Step(Repeat):
     """One eliminated body."""
 
     columns: np.ndarray  # its columns: y_1 stands in the first of them, y_2 in the others
     others: np.ndarray  # columns of F
-    picked: np.ndarray
-    rest: np.ndarray
     Q: np.ndarray
     L: np.ndarray
     F: np.ndarray  # (picked, others)
-    C: np.ndarray  # (rest, picked)
 
 
 @dataclass(frozen=True)
@@ -80,7 +86,7 @@ class Core:
 
 
 class Elimination:
-    """Bodies eliminated one by one; ``steps``, ``cores`` and ``redundant`` rows are the outcome."""
+    """Bodies eliminated one by one; ``changes``, ``cores`` and ``redundant`` rows are the outcome."""
 
     def __init__(self, rows: BlockRows, tolerance: float, safe: float = SAFE, core_rows: int = CORE_ROWS) -> None:
         self.n, self.m = rows.n, rows.body.shape[0]
@@ -90,7 +96,7 @@ class Elimination:
         self.columns = [np.arange(6 * b, 6 * b + 6) for b in range(self.n)]
         self.parts: dict[int, Part] = {}
         self.on: list[set[int]] = [set() for _ in range(self.n)]  # parts on each body
-        self.steps: list[Step] = []
+        self.changes: list[Repeat] = []
         self.redundant: list[int] = []
         self.made = self.left = 0  # parts so far; rows in the present ones
         for part in parts_of(rows):
@@ -104,6 +110,11 @@ class Elimination:
             used[core.columns] = True
         self.free = np.flatnonzero(~used)  # columns that no row touches
 
+    @property
+    def steps(self) -> list[Step]:
+        """The changes that eliminated bodies."""
+        return [change for change in self.changes if isinstance(change, Step)]
+
     def add(self, part: Part) -> None:
         """Take in rows; those that vanish are redundant."""
         large = np.abs(part.F).max(axis=1, initial=0.0) > self.zero if part.bodies else np.zeros(part.rows.size, bool)
@@ -115,6 +126,25 @@ class Elimination:
         self.left += int(large.sum())
         for b in part.bodies:
             self.on[b].add(key)
+
+    def pivoted(self, rows: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """(p, q, Q, L): rows p of F, well independent, and the others; F_p Q = [L 0]."""
+        Q, R, pivot = scipy.linalg.qr((F / self.size[rows][:, None]).T, pivoting=True, check_finite=False)
+        r = int((np.abs(np.diag(R)) > self.safe).sum())
+        p, q = pivot[:r], np.sort(pivot[r:])
+        return p, q, Q, R[:r, :r].T * self.size[rows[p]][:, None]
+
+    def without_repeats(self, part: Part) -> Part:
+        """More rows than columns: those that are combinations of others go to zero, so that parts do not grow."""
+        if part.rows.size <= part.F.shape[1] or not part.bodies:
+            return part
+        p, q, Q, L = self.pivoted(part.rows, part.F)
+        C = np.linalg.solve(L.T, (part.F[q] @ Q[:, : p.size]).T).T
+        rest = part.F[q] - C @ part.F[p]
+        zero = np.abs(rest).max(axis=1) <= self.zero
+        self.changes.append(Repeat(part.rows[p], part.rows[q[zero]], C[zero]))
+        part.F[q[zero]] = 0.0
+        return part
 
     def neighbours(self, b: int) -> int:
         """Number of other bodies that share rows with b."""
@@ -161,21 +191,18 @@ class Elimination:
         rows, bodies, F = self.merged(set(self.on[b]), [b])
         columns, others = self.columns[b], bodies[1:]
         w = columns.size
-        Q, R, pivot = scipy.linalg.qr((F[:, :w] / self.size[rows][:, None]).T, pivoting=True, check_finite=False)
-        r = int((np.abs(np.diag(R)) > self.safe).sum())
-        p, q = pivot[:r], np.sort(pivot[r:])
-        L = R[:r, :r].T * self.size[rows[p]][:, None]
-        G = F[q, :w] @ Q
-        C = np.linalg.solve(L.T, G[:, :r].T).T if r else np.zeros((q.size, 0))
+        p, q, Q, L = self.pivoted(rows, F[:, :w])
+        r, G = p.size, F[q, :w] @ Q
+        C = np.linalg.solve(L.T, G[:, :r].T).T
         rest = F[q, w:] - C @ F[p, w:]
         undecided = np.abs(G[:, r:]).max(initial=0.0) > self.zero
         ids = np.concatenate([np.zeros(0, np.int64), *(self.columns[c] for c in others)])
-        self.steps.append(Step(columns, ids, rows[p], rows[q], Q, L, F[p, w:], C))
+        self.changes.append(Step(rows[p], rows[q], C, columns, ids, Q, L, F[p, w:]))
         self.columns[b] = columns[r:]
         if undecided:
             others, rest = [*others, b], np.hstack([rest, G[:, r:]])
         if q.size:
-            self.add(Part(rows[q], others, rest))
+            self.add(self.without_repeats(Part(rows[q], others, rest)))
         return others
 
     def connected(self) -> list[Core]:
@@ -195,8 +222,8 @@ class Elimination:
 
     def row_combinations(self, N: np.ndarray) -> np.ndarray:
         """Combinations of the rows left (cores, redundant) as combinations of all rows, in place; (m, k)."""
-        for step in reversed(self.steps):
-            N[step.picked] = -step.C.T @ N[step.rest]
+        for change in reversed(self.changes):
+            N[change.picked] -= change.C.T @ N[change.rest]
         return N
 
     def motion(self, x: np.ndarray) -> np.ndarray:
