@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
+from .blocks import BlockRows
 from .drivers import Driver
-from .elimination import BlockRows
 from .evaluation import load_state
 from .joints import (
     AxisJoint,

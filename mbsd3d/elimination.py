@@ -20,32 +20,10 @@ import scipy.linalg
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from .blocks import BlockRows
+
 SAFE = 1e-3  # smallest part of a picked row on its body, relative to the row: bounds the growth of the rest
 CORE_ROWS = 64  # what is left is analysed as a whole: a dense decomposition of this size takes a millisecond
-
-
-class BlockRows(NamedTuple):
-    """Rows of a Jacobian by blocks: row i has ``J[i, slot]`` in the columns of ``body[i, slot]``."""
-
-    body: np.ndarray  # (m, 4); outside 0 ... n - 1: the ground, or unused
-    J: np.ndarray  # (m, 4, 6)
-    n: int
-
-    def take(self, rows: np.ndarray) -> "BlockRows":
-        """Some of the rows."""
-        return BlockRows(self.body[rows], self.J[rows], self.n)
-
-    def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
-        """Rows times ``rows``, columns in units of ``length`` and radians."""
-        columns = np.repeat([length, 1.0], 3)
-        return self._replace(J=self.J * (np.asarray(rows)[:, None, None] * columns))
-
-    def sparse(self) -> csr_array:
-        """(m, 6 n) matrix."""
-        i, slot = np.nonzero((self.body >= 0) & (self.body < self.n))
-        columns = 6 * self.body[i, slot][:, None] + np.arange(6)
-        at = (np.repeat(i, 6), columns.ravel())
-        return csr_array((self.J[i, slot].ravel(), at), shape=(self.body.shape[0], 6 * self.n))
 
 
 class Part(NamedTuple):
@@ -91,8 +69,10 @@ class Elimination:
     def __init__(self, rows: BlockRows, tolerance: float, safe: float = SAFE, core_rows: int = CORE_ROWS) -> None:
         self.n, self.m = rows.n, rows.body.shape[0]
         self.size = np.sqrt((rows.J.real**2).sum(axis=(1, 2)))
-        self.zero = tolerance * self.size.max(initial=0.0)
-        self.safe = safe
+        if not np.isfinite(self.size).all():
+            k = int(np.flatnonzero(~np.isfinite(self.size))[0])
+            raise ValueError(f"rank: row {k} of the Jacobian is not finite; correct the geometry of its joint")
+        self.zero, self.safe = tolerance * self.size.max(initial=0.0), safe
         self.columns = [np.arange(6 * b, 6 * b + 6) for b in range(self.n)]
         self.parts: dict[int, Part] = {}
         self.on: list[set[int]] = [set() for _ in range(self.n)]  # parts on each body
@@ -103,12 +83,16 @@ class Elimination:
             self.add(part)
         self.run(core_rows)
         self.cores = self.connected()
+        self.free = self.free_columns()
+
+    def free_columns(self) -> np.ndarray:
+        """Columns that no row touches any more."""
         used = np.zeros(6 * self.n, bool)
         for step in self.steps:
             used[step.columns[: step.picked.size]] = True
         for core in self.cores:
             used[core.columns] = True
-        self.free = np.flatnonzero(~used)  # columns that no row touches
+        return np.flatnonzero(~used)
 
     @property
     def steps(self) -> list[Step]:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .elimination import BlockRows
+from .blocks import BlockRows
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import kinematics
 from .kernels.layout import Data

@@ -158,6 +158,8 @@ class Job:
         if before is not None and run.count[base.STEPS] == self.last_event:
             self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
         load_rows(self.compiled, self.data, run.y, run.clock[base.T])
+        if not np.isfinite(self.data.row["J"]).all():
+            self.fail(base.NO_SOLUTION)
         self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
         self.record.svd_calls += 1
         self.last_event = int(run.count[base.STEPS]) if before is not None else -1

@@ -11,7 +11,8 @@ import numpy as np
 import scipy.linalg
 from threadpoolctl import threadpool_limits
 
-from .elimination import SAFE, BlockRows, Core, Elimination
+from .blocks import BlockRows
+from .elimination import SAFE, Core, Elimination
 
 RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a redundant row look independent
 
@@ -27,6 +28,20 @@ class Analysis:
         Of the rank, relative to the largest singular value.
     safe : float
         Smallest relative size of what is decided without singular values; must exceed the tolerance.
+
+    Raises
+    ------
+    ValueError
+        If a row is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> on, J = np.array([[0, 1, -1, -1]] * 3), np.zeros((3, 4, 6))
+    >>> J[:, 0, 0], J[:, 1, 0] = -1.0, (1.0, 1.0, 2.0)  # two bodies along x: one row twice, and another
+    >>> found = Analysis(BlockRows(on, J, 2))
+    >>> found.rank, np.abs(found.redundant()).round(3).ravel().tolist()
+    (2, [0.707, 0.707, 0.0])
     """
 
     def __init__(self, rows: BlockRows, tolerance: float = RANK_TOLERANCE, safe: float = SAFE, **options: int) -> None:

@@ -7,9 +7,10 @@ import numpy as np
 import scipy.linalg
 
 from .assembly import close_pose, gap_size, newton, reference_pose
+from .blocks import BlockRows
 from .cures import Cure, find_cures
 from .drivers import Driver
-from .elimination import SAFE, BlockRows, Core
+from .elimination import SAFE, Core
 from .evaluation import driven_coordinates, load_state, worst_joint
 from .kernels.kinematics import displace
 from .model import Compiled, compile_system

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from threadpoolctl import threadpool_limits
 
-from .elimination import BlockRows
+from .blocks import BlockRows
 from .kernels.layout import Data, Model, Schur, schur_records, table
 from .rank import RANK_TOLERANCE, Analysis
 

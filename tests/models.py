@@ -32,11 +32,13 @@ from mbsd3d import (
     System,
     Universal,
 )
+from mbsd3d.assembly import reference_pose
+from mbsd3d.evaluation import load_state
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
 from mbsd3d.model import compile_system
 from mbsd3d.rotations import matrix, multiply
-from mbsd3d.selection import dense_jacobian
+from mbsd3d.selection import dense_jacobian, scaled_jacobian
 
 
 def derivative(function, step=1e-3):
@@ -429,3 +431,16 @@ def random_loops(seed, n=14):
     hinges = [joint for joint in joints if isinstance(joint, Revolute)]
     joints.append(Gear(hinges[0], hinges[-1], ratio=-1.7))
     return System(bodies=bodies, joints=joints)
+
+
+def at_reference(system):
+    """(compiled, data) with the rows of the reference pose."""
+    compiled = compile_system(system)
+    data = compiled.data()
+    load_state(compiled, data, reference_pose(system))
+    return compiled, data
+
+
+def dense_rows(compiled, data):
+    """The whole scaled J."""
+    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))

@@ -1,0 +1,30 @@
+"""A sparse Jacobian by its blocks: rows that touch up to four bodies, six columns each."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+
+class BlockRows(NamedTuple):
+    """Rows of a Jacobian by blocks: row i has ``J[i, slot]`` in the columns of ``body[i, slot]``."""
+
+    body: np.ndarray  # (m, 4); outside 0 ... n - 1: the ground, or unused
+    J: np.ndarray  # (m, 4, 6)
+    n: int
+
+    def take(self, rows: np.ndarray) -> "BlockRows":
+        """Some of the rows."""
+        return BlockRows(self.body[rows], self.J[rows], self.n)
+
+    def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
+        """Rows times ``rows``, columns in units of ``length`` and radians."""
+        columns = np.repeat([length, 1.0], 3)
+        return self._replace(J=self.J * (np.asarray(rows)[:, None, None] * columns))
+
+    def sparse(self) -> csr_array:
+        """(m, 6 n) matrix."""
+        i, slot = np.nonzero((self.body >= 0) & (self.body < self.n))
+        columns = 6 * self.body[i, slot][:, None] + np.arange(6)
+        at = (np.repeat(i, 6), columns.ravel())
+        return csr_array((self.J[i, slot].ravel(), at), shape=(self.body.shape[0], 6 * self.n))
