@@ -5,8 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, eye_array, vstack
+from scipy.sparse import csr_array, eye_array, vstack
 
+from .blocks import scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from .joints import coordinate_of
@@ -115,9 +116,10 @@ def newton(
             best, best_y = size, y.copy()
         if size < 1e-15 or stalled > (8 if best > 1e-12 else 1):
             break
-        J = diags_array(scale[holonomic]) @ block_rows(model, data).take(holonomic).sparse()
-        A = vstack([J, J_extra]) @ diags_array(columns)
-        dx = columns * least(eye_array(columns.size), A, -c)
+        J = scaled(block_rows(model, data).take(holonomic).sparse(), scale[holonomic], columns)
+        if J_extra.shape[0]:
+            J = vstack([J, scaled(J_extra, np.ones(J_extra.shape[0]), columns)], format="csr")
+        dx = columns * least(eye_array(columns.size), J, -c)
         turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
         shift = np.abs(dx.reshape(-1, 6)[:, :3]).max(initial=0.0) / model.length
         dx *= min(1.0, 0.5 / max(turn, shift, 1e-300))  # stay on the branch: half a radian, half a length

@@ -28,3 +28,16 @@ class BlockRows(NamedTuple):
         columns = 6 * self.body[i, slot][:, None] + np.arange(6)
         at = (np.repeat(i, 6), columns.ravel())
         return csr_array((self.J[i, slot].ravel(), at), shape=(self.body.shape[0], 6 * self.n))
+
+
+def scaled(A: csr_array, rows: np.ndarray, columns: np.ndarray) -> csr_array:
+    """Rows and columns of a sparse matrix times factors."""
+    data = A.data * np.repeat(rows, np.diff(A.indptr)) * columns[A.indices]
+    return csr_array((data, A.indices, A.indptr), shape=A.shape)
+
+
+def largest_in_rows(A: csr_array) -> np.ndarray:
+    """Largest absolute entry of every row, 0 for an empty one."""
+    largest = np.zeros(A.shape[0])
+    np.maximum.at(largest, np.repeat(np.arange(A.shape[0]), np.diff(A.indptr)), np.abs(A.data))
+    return largest

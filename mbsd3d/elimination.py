@@ -17,8 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from .blocks import BlockRows
 
@@ -191,15 +189,15 @@ class Elimination:
 
     def connected(self) -> list[Core]:
         """The remaining rows by connected sets of bodies, rows ascending."""
-        keys = list(self.parts)
-        if not keys:
-            return []
-        pairs = np.array([(i, b) for i, key in enumerate(keys) for b in self.parts[key].bodies])
-        incidence = csr_array((np.ones(len(pairs)), pairs.T), shape=(len(keys), self.n))
-        count, label = connected_components(csr_array(incidence @ incidence.T), directed=False)
         found = []
-        for group in range(count):
-            rows, bodies, F = self.merged({keys[i] for i in np.flatnonzero(label == group)}, [])
+        while self.parts:
+            reached, queue = set(), [min(self.parts)]
+            while queue:
+                key = queue.pop()
+                if key not in reached:
+                    reached.add(key)
+                    queue += [other for b in self.parts[key].bodies for other in self.on[b]]
+            rows, bodies, F = self.merged(reached, [])
             order = np.argsort(rows)
             found.append(Core(rows[order], np.concatenate([self.columns[b] for b in bodies]), F[order]))
         return found

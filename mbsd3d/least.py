@@ -9,7 +9,7 @@ further passes with b - d p in the place of b take that away.
 """
 
 import numpy as np
-from scipy.sparse import block_array, csc_array, csr_array, eye_array
+from scipy.sparse import coo_array, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
 DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
@@ -43,7 +43,11 @@ def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None
     """
     n, m = D.shape[0], A.shape[0]
     f = np.zeros(n) if f is None else f
-    factor = splu(csc_array(block_array([[D, A.T], [A, -DAMPING * eye_array(m)]]) if m else D))
+    D, A, own = coo_array(D), coo_array(A), np.arange(n, n + m)
+    data = np.concatenate([D.data, A.data, A.data, np.full(m, -DAMPING)])
+    i = np.concatenate([D.row, A.row + n, A.col, own])
+    j = np.concatenate([D.col, A.col, A.row + n, own])
+    factor = splu(csc_array((data, (i, j)), shape=(n + m, n + m)))
     p = np.zeros(m)
     for _ in range(passes):
         x, p = np.split(factor.solve(np.concatenate([f, b - DAMPING * p])), [n])

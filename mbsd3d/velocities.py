@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse import block_diag, csr_array, diags_array, vstack
+from scipy.sparse import bsr_array, csr_array, vstack
 
+from .blocks import largest_in_rows, scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
 from .least import least
@@ -42,7 +43,8 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         J.append(csr_array(coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]))
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
-    v = least_energy(compiled, pose, vstack(J, format="csr"), b, given_velocities(system), names, tolerance)
+    J = vstack(J, format="csr") if len(J) > 1 else J[0]
+    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 
@@ -55,18 +57,20 @@ def least_energy(
     known = ~np.isnan(given)
     v = np.where(known, given, 0.0)
     scale = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
-    units = diags_array(scale)
-    unit_rows = 1.0 / np.maximum(abs(J @ units).max(axis=1).toarray().ravel(), 1e-300)
-    A = diags_array(unit_rows) @ J @ units
-    M = units @ sparse_mass_matrix(compiled.system, pose) @ units
-    M = M / max(abs(M).max(), 1e-300)
+    A = scaled(J, np.ones(J.shape[0]), scale)
+    unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
+    A = scaled(A, unit_rows, np.ones(known.size))
+    M = scaled(sparse_mass_matrix(compiled.system, pose), scale, scale)
+    M = M / max(np.abs(M.data).max(), 1e-300)
     free = np.flatnonzero(~known)
     if model.singular:
         check_determined(compiled.system, A, M, np.arange(known.size))  # accelerations need what given values may hide
         check_determined(compiled.system, A, M, free)
     if free.size:
-        x = least(M[free][:, free], A[:, free], (b - J @ v) * unit_rows, -(M @ (v / scale))[free], passes=3)
-        v[free] += scale[free] * x
+        f, rest = -(M @ (v / scale))[free], (b - J @ v) * unit_rows
+        if free.size < known.size:
+            M, A = M[free][:, free], A[:, free]
+        v[free] += scale[free] * least(M, A, rest, f, passes=3)
     residual = J @ v - b
     size = np.abs(residual) * unit_rows
     speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
@@ -82,9 +86,9 @@ def least_energy(
 
 def sparse_mass_matrix(system: Any, pose: State) -> csr_array:
     """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
-    e = pose.q.reshape(-1, 7)[:, 3:]
+    e, n = pose.q.reshape(-1, 7)[:, 3:], len(system.bodies)
     blocks = [inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)]
-    return csr_array(block_diag(blocks))
+    return csr_array(bsr_array((np.array(blocks), np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
 
 
 def check_determined(system: Any, A: csr_array, M: csr_array, free: np.ndarray) -> None:
