@@ -30,7 +30,7 @@ from .joints import (
 )
 from .model import compile_system
 from .parts import GROUND
-from .rank import Analysis
+from .rank import Analysis, without_rounding
 from .selection import block_rows
 from .state import State
 
@@ -161,7 +161,9 @@ def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
     _, R, pivot = scipy.linalg.qr(B[:, touched], mode="economic", pivoting=True)
     rank = int((np.abs(np.diag(R)) > 1e-9).sum())
     ended, others = touched[pivot[:rank]], touched[pivot[rank:]]
-    N[:, others] -= N[:, ended] @ scipy.linalg.solve_triangular(R[:rank, :rank], R[:rank, rank:])
+    rows = np.flatnonzero(N[:, ended].any(axis=1))
+    change = N[np.ix_(rows, ended)] @ np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+    N[np.ix_(rows, others)] = without_rounding(N[np.ix_(rows, others)] - change)
     N[:, ended] = 0.0
     return rank
 

@@ -101,7 +101,7 @@ class Analysis:
         for core, rank, (U, _, _) in zip(self.cores, ranks, self.decompositions, strict=True):
             N[core.rows, j : j + core.rows.size - rank] = U[:, rank:]
             j += core.rows.size - rank
-        return self.left.row_combinations(N) if N.shape[1] else N
+        return without_rounding(self.left.row_combinations(N)) if N.shape[1] else N
 
     def free_motion(self, weights: np.random.Generator) -> np.ndarray:
         """(6 n,) a random motion that all rows leave free."""
@@ -117,6 +117,11 @@ class Analysis:
         whole = np.zeros((6 * self.n, 1))
         whole[core.columns, 0] = x
         return self.left.motion(whole)[:, 0]
+
+
+def without_rounding(N: np.ndarray) -> np.ndarray:
+    """Combinations of order one without the entries that are only rounding: N is sparse, like loops are."""
+    return np.where(np.abs(N) > 1e-13, N, 0.0)
 
 
 def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
