@@ -1,5 +1,7 @@
 """Rank, null spaces and least squares of sparse rows against dense analysis of the whole Jacobian."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -8,13 +10,15 @@ from models import (
     all_joints_mechanism,
     at_reference,
     dense_rows,
+    direction,
     four_bar_ladder,
+    middle,
     random_body,
     random_loops,
 )
 from scipy.sparse import csr_array, eye_array
 
-from mbsd3d import GROUND, Body, Revolute, State, System, Universal, rotation
+from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
 from mbsd3d.assembly import reference_pose
 from mbsd3d.blocks import BlockRows
 from mbsd3d.evaluation import load_state
@@ -57,6 +61,46 @@ def test_rank_of_every_case_is_that_of_the_whole_jacobian(name, core_rows):
 def test_rank_of_random_loops_is_that_of_the_whole_jacobian(seed, core_rows):
     found = check_against_dense(random_loops(seed), core_rows)
     assert found.rank < found.m  # the doubled hinges
+
+
+def star(rng):
+    """Thirty bodies on one carrier, neighbours tied by rods."""
+    bodies = [random_body(rng, f"body {k}") for k in range(31)]
+    hinges = [Revolute(bodies[0], b, at=middle(rng, bodies[0], b), axis=direction(rng)) for b in bodies[1:]]
+    rods = [Distance(a, b, at_a=a.position + 0.2, at_b=b.position - 0.1) for a, b in pairwise(bodies[1:])]
+    return System(
+        bodies=bodies, joints=[Revolute(GROUND, bodies[0], at=(1, 2, 3), axis=direction(rng)), *hinges, *rods]
+    )
+
+
+def ring(rng):
+    """One loop of forty hinges with general axes."""
+    angles = 2 * np.pi * np.arange(40) / 40
+    bodies = [random_body(rng, f"body {k}", position=(6 * np.cos(x), 6 * np.sin(x), 0.1)) for k, x in enumerate(angles)]
+    hinges = [Revolute(a, b, at=middle(rng, a, b), axis=direction(rng)) for a, b in pairwise([*bodies, bodies[0]])]
+    return System(bodies=bodies, joints=[Spherical(GROUND, bodies[0], at=bodies[0].position), *hinges])
+
+
+def gear_train(rng):
+    """Fifty wheels on hinges of the ground; each drives the next, the last one the first at a wrong ratio."""
+    bodies = [random_body(rng, f"wheel {k}", position=(k, 0.1 * (k % 7), 0.3)) for k in range(50)]
+    hinges = [Revolute(GROUND, b, at=b.position + 0.1, axis=direction(rng)) for b in bodies]
+    gears = [Gear(a, b, ratio=-2.0 if k % 2 else -0.5) for k, (a, b) in enumerate(pairwise([*hinges, hinges[0]]))]
+    return System(bodies=bodies, joints=[*hinges, *gears])
+
+
+def lattice(rng):
+    """Six by six bodies, neighbours joined by ball joints."""
+    bodies = [[random_body(rng, f"{i}, {k}", position=(i, k, 0.2 * (i * k % 3))) for k in range(6)] for i in range(6)]
+    pairs = [pair for line in (*bodies, *zip(*bodies, strict=True)) for pair in pairwise(line)]
+    joints = [Spherical(a, b, at=middle(rng, a, b)) for a, b in pairs]
+    return System(bodies=sum(bodies, []), joints=[Fixed(GROUND, bodies[0][0], at=(0, 0, 0)), *joints])
+
+
+@pytest.mark.parametrize("core_rows", [64, 0])
+@pytest.mark.parametrize("build", [star, ring, gear_train, lattice])
+def test_rank_of_other_shapes(build, core_rows):
+    check_against_dense(build(np.random.default_rng(1)), core_rows)
 
 
 @pytest.mark.parametrize("seed", range(3))

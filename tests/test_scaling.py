@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from models import at_reference, dense_rows, four_bar_ladder, revolute_chain
 
-from mbsd3d import RK4, PointOnLine, System, samples, simulate
+from mbsd3d import RK4, PointOnLine, Revolute, System, samples, simulate
 from mbsd3d.elimination import Elimination
 from mbsd3d.model import compile_system
 from mbsd3d.rotations import conjugate, logarithm, multiply
@@ -79,6 +79,18 @@ def test_cure_of_a_ladder_is_found_and_cures():
     cured = System(bodies=system.bodies, joints=joints)
     A = dense_rows(*at_reference(cured))
     assert independent_rows(A)[0].size == len(A) == 6 * len(system.bodies) - 1
+
+
+@pytest.mark.parametrize("n", [2, 20])
+def test_misfit_of_a_hinge_is_found_in_short_and_in_long_ladders(n):
+    """The last hinge is built 1 um out of line along its axis: play, and the only misfit there is."""
+    system, out = four_bar_ladder(n), 1e-6
+    *others, last = system.joints
+    off = Revolute(last.a, last.b, at=last.at, at_b=last.at + out * last.axis, axis=last.axis, name="off")
+    found = System(bodies=system.bodies, joints=[*others, off]).check()
+    assert found.verdict.startswith("redundant within the as-built tolerance")
+    assert (found.mobility, found.redundant) == (1, 3 * n)
+    assert found.misfit == pytest.approx(out, rel=1e-3)  # second-order tilt of the rods
 
 
 def test_a_ladder_assembles_as_parallelograms_do():
