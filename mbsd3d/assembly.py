@@ -5,8 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.linalg
+from scipy.sparse import csr_array, eye_array, vstack
 
+from .blocks import scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from .joints import coordinate_of
@@ -15,11 +16,12 @@ from .kernels.kinematics import displace, displace_body, kinematics
 from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
+from .least import least
 from .measures import Measure
 from .model import Compiled, compile_system
 from .parts import number
 from .rotations import conjugate, logarithm, multiply
-from .selection import dense_jacobian
+from .selection import block_rows
 from .state import State
 from .tree import loop_weights, swing
 from .velocities import with_velocities
@@ -56,25 +58,27 @@ def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
 
 def constraint_extras(
     compiled: Compiled, data: Data, t: float, targets: list[tuple[int, float]], probes: list[float], y: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, csr_array]:
     """(residuals, Jacobian) of the asked-for coordinate values and measures at y."""
     model, n = compiled.model, compiled.model.body.size
     residual, blocks = [], []
     for i, value in targets:
         x, row = coordinate_row(compiled, data, i, t)
         residual.append(x - value)
-        blocks.append(row)
+        blocks.append(csr_array(row[None]))
     for i, value in enumerate(probes):
         residual.append(measure(model, data, i, t) - value)
-        blocks.append(measure_gradient(compiled, data, t, i, y))
-    return np.array(residual), np.array(blocks).reshape(len(residual), 6 * n)
+        blocks.append(csr_array(measure_gradient(compiled, data, t, i, y)[None]))
+    return np.array(residual), vstack(blocks, format="csr") if blocks else csr_array((0, 6 * n))
 
 
 def measure_gradient(compiled: Compiled, data: Data, t: float, i: int, y: np.ndarray) -> np.ndarray:
     """d(measure)/d(world displacement) by central differences; Newton needs no better."""
     model, n = compiled.model, compiled.model.body.size
     gradient, step = np.zeros((n, 6)), 1e-6
-    for body in range(n):
+    probe = model.measure[i]
+    on = probe["body"] if probe["coordinate"] < 0 else model.coordinate[probe["coordinate"]]["body"]
+    for body in sorted({int(b) for b in on} - {n}):
         for j in range(6):
             values = []
             for sign in (1.0, -1.0):
@@ -112,9 +116,10 @@ def newton(
             best, best_y = size, y.copy()
         if size < 1e-15 or stalled > (8 if best > 1e-12 else 1):
             break
-        J = dense_jacobian(model, data)[holonomic] * scale[holonomic][:, None]
-        A = np.concatenate([J, J_extra]) * columns
-        dx = columns * scipy.linalg.lstsq(A, -c, cond=1e-9)[0]
+        J = scaled(block_rows(model, data).take(holonomic).sparse(), scale[holonomic], columns)
+        if J_extra.shape[0]:
+            J = vstack([J, scaled(J_extra, np.ones(J_extra.shape[0]), columns)], format="csr")
+        dx = columns * least(eye_array(columns.size), J, -c)
         turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
         shift = np.abs(dx.reshape(-1, 6)[:, :3]).max(initial=0.0) / model.length
         dx *= min(1.0, 0.5 / max(turn, shift, 1e-300))  # stay on the branch: half a radian, half a length

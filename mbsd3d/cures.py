@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .assembly import reference_pose
+from .blocks import BlockRows
 from .drivers import Driver
 from .evaluation import load_state
 from .joints import (
@@ -29,9 +29,13 @@ from .joints import (
     perpendiculars,
 )
 from .model import compile_system
-from .selection import dense_jacobian, scaled_jacobian
+from .parts import GROUND
+from .rank import Analysis, without_rounding
+from .selection import block_rows
+from .state import State
 
 LIMIT = 12  # cures reported
+SEARCHED = 40  # joints among which single ones and pairs are searched; beyond, a set is built up greedily
 UNCOMMON = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
 
 
@@ -65,129 +69,148 @@ def weaker(joint: Joint) -> list[Joint | None]:
     return [*[option for option in options if type(option) is not type(joint)], None]
 
 
-def jacobian_of(system: Any, joint: Joint, length: float) -> np.ndarray:
-    """Scaled rows of a single joint at the reference pose, columns of the whole system, in units of ``length``."""
+def rows_of(compiled: Any, pose: State, joint: Joint) -> BlockRows:
+    """Scaled rows of a joint that may not be in the system, at the pose."""
     from .system import System
 
-    alone = System(bodies=system.bodies, joints=[joint], gravity=system.gravity)
-    compiled = compile_system(alone)
-    data = compiled.data()
-    load_state(compiled, data, reference_pose(alone))
+    bodies = [body for body in joint.bodies() if body is not GROUND]
+    index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
+    alone = compile_system(System(bodies=bodies, joints=[joint]))
+    data, length = alone.data(), compiled.model.length
+    load_state(alone, data, State(pose.t, pose.q.reshape(-1, 7)[index[:-1]].ravel(), np.zeros(6 * len(bodies))))
     metres = np.repeat([row.in_metres for row in joint.rows()], [row.n_rows for row in joint.rows()])
-    row = compiled.model.row.copy()
-    row["scale"] = np.where(metres, 1.0 / length, 1.0)
-    return scaled_jacobian(compiled.model._replace(row=row, length=length), dense_jacobian(compiled.model, data))
+    on = alone.model.row["body"]
+    rows = block_rows(alone.model, data)._replace(body=np.where(on >= 0, index[on], -1), n=int(index[-1]))
+    return rows.scaled(np.where(metres, 1.0 / length, 1.0), length)
 
 
-def options_of(compiled: Any, A: np.ndarray, joint: Joint, N: np.ndarray) -> list[tuple[Joint | None, np.ndarray]]:
-    """(weaker joint, projector P that vanishes on range T') for the replacements whose rows lie in the joint's own."""
-    rows = compiled.rows[id(joint)]
-    own, found = A[rows], []
-    for option in weaker(joint):
+class Search:
+    """What replacements do to the redundant combinations N (columns); projectors are made when first asked for."""
+
+    def __init__(self, compiled: Any, pose: State, rows: BlockRows, N: np.ndarray) -> None:
+        self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
+        self.projectors: dict[tuple[Joint, Joint | None], np.ndarray | None] = {}
+
+    def own(self, joint: Joint) -> slice:
+        """Rows of a joint."""
+        return self.compiled.rows[id(joint)]
+
+    def candidates(self, joint: Joint) -> list[tuple[Joint, Joint | None]]:
+        """(joint, weaker joint) for all weaker joints with fewer rows."""
+        return [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+
+    def lost(self, chosen: list) -> int:
+        """Rows given up by a set of replacements."""
+        own = sum(self.own(joint).stop - self.own(joint).start for joint, _ in chosen)
+        return own - sum(row.n_rows for _, option in chosen if option is not None for row in option.rows())
+
+    def projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
+        """P that vanishes on range T' with J_option = T J_joint; None where the rows are not in the joint's own."""
+        if (joint, option) not in self.projectors:
+            self.projectors[joint, option] = self.make_projector(joint, option)
+        return self.projectors[joint, option]
+
+    def make_projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
+        """See `projector`."""
+        own = self.rows.take(self.own(joint)).sparse().toarray()
         if option is None:
-            found.append((None, np.eye(own.shape[0])))
-            continue
-        if sum(row.n_rows for row in option.rows()) >= own.shape[0]:
-            continue
-        J = jacobian_of(compiled.system, option, compiled.model.length)
-        T = scipy.linalg.lstsq(own.T, J.T)[0].T  # J = T own
+            return np.eye(own.shape[0])
+        J, used = rows_of(self.compiled, self.pose, option).sparse().toarray(), own.any(axis=0)
+        T = scipy.linalg.lstsq(own[:, used].T, J[:, used].T)[0].T
         if np.abs(T @ own - J).max(initial=0.0) > 1e-8 * max(np.abs(J).max(initial=0.0), 1e-300):
-            continue
+            return None
         basis = scipy.linalg.orth(T.T) if T.size else np.zeros((own.shape[0], 0))
-        found.append((option, np.eye(own.shape[0]) - basis @ basis.T))
-    return found
+        return np.eye(own.shape[0]) - basis @ basis.T
+
+    def cured(self, chosen: list) -> bool:
+        """No redundancy left, and not one row more than that given up: the mobility stays."""
+        k = self.N.shape[1]
+        if self.lost(chosen) != k:
+            return False
+        projectors = [self.projector(*c) for c in chosen]
+        if any(P is None for P in projectors):
+            return False
+        stacked = np.vstack([P @ self.N[self.own(c[0])] for P, c in zip(projectors, chosen, strict=True)])
+        return rank_in_N(stacked) == k
+
+    def greedy(self, joints: list) -> list:
+        """Replace joint by joint, most rows first, where just as many redundancies go as rows, until none is left."""
+        chosen, done, left, N = [], set(), self.N.shape[1], self.N.copy()
+        candidates = [(self.lost([c]), c) for joint in joints for c in self.candidates(joint)]
+        for lost, (joint, option) in sorted(candidates, key=lambda pair: -pair[0]):  # stable: joints in their order
+            own = N[self.own(joint)]
+            if joint in done or lost > left or rank_in_N(own) < lost:
+                continue
+            P = self.projector(joint, option)
+            if P is not None and rank_in_N(P @ own) == lost:
+                left -= remove_redundancies(P @ own, N)
+                done.add(joint)
+                chosen.append((joint, option))
+        return chosen if left == 0 else []
 
 
-def redundancy_left(parts: list[np.ndarray], k: int) -> int:
-    """Dimension of the null vectors that survive: k minus the rank of the stacked P N_i."""
-    stacked = np.vstack(parts)
-    s = scipy.linalg.svdvals(stacked)
-    return k - int((s > 1e-9).sum())
+def rank_in_N(B: np.ndarray) -> int:
+    """Rank of a few rows of combinations, entries of order one."""
+    touched = B.any(axis=0)
+    return int((scipy.linalg.svdvals(B[:, touched]) > 1e-9).sum()) if touched.any() else 0
 
 
-def find_cures(compiled: Any, A: np.ndarray, N: np.ndarray, mobility: int) -> list[Cure]:
+def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
+    """Replace the columns of N by combinations with B = 0, in place, zero columns for those that end; their number."""
+    touched = np.flatnonzero(B.any(axis=0))
+    _, R, pivot = scipy.linalg.qr(B[:, touched], mode="economic", pivoting=True)
+    rank = int((np.abs(np.diag(R)) > 1e-9).sum())
+    ended, others = touched[pivot[:rank]], touched[pivot[rank:]]
+    rows = np.flatnonzero(N[:, ended].any(axis=1))
+    change = N[np.ix_(rows, ended)] @ np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+    N[np.ix_(rows, others)] = without_rounding(N[np.ix_(rows, others)] - change)
+    N[:, ended] = 0.0
+    return rank
+
+
+def find_cures(compiled: Any, pose: State, rows: BlockRows, N: np.ndarray, mobility: int) -> list[Cure]:
     """Single replacements, then pairs, then a greedy set; fewest joints touched and fewest rows lost first."""
-    k = N.shape[1]
+    search = Search(compiled, pose, rows, N)
     involved = [j for j in compiled.system.joints if np.abs(N[compiled.rows[id(j)]]).max(initial=0.0) > 1e-8]
     involved = [j for j in involved if not isinstance(j, Driver)]
-    table = [(j, compiled.rows[id(j)], options_of(compiled, A, j, N)) for j in involved[:40]]
-    candidates = [[(j, o, P @ N[rows]) for o, P in options] for j, rows, options in table]
-
-    def cured(chosen: list) -> bool:
-        """No redundancy left, and not one row more than that given up: the mobility stays."""
-        return lost_rows(compiled, chosen) == k and redundancy_left([c[2] for c in chosen], k) == 0
-
-    sets = [[c] for group in candidates for c in group if cured([c])]
+    candidates = [search.candidates(joint) for joint in involved[:SEARCHED]]
+    sets = [[c] for group in candidates for c in group if search.cured([c])]
     if len(candidates) <= 20:
         sets += [
             [c, d]
             for one, two in combinations(candidates, 2)
             for c in one
             for d in two
-            if c[1] is not None and d[1] is not None and cured([c, d])
+            if c[1] is not None and d[1] is not None and search.cured([c, d])
         ]
     if not sets:
-        greedy = greedy_set(compiled, candidates, k)
+        greedy = search.greedy(involved)
         sets = [greedy] if greedy else []
-    cures, before = [], A.shape[0]
-    for chosen in sorted(sets, key=lambda s: (len(s), sum(UNCOMMON.get(type(option), 0) for _, option, _ in s))):
+    cures = []
+    for chosen in sorted(sets, key=lambda s: (len(s), sum(UNCOMMON.get(type(option), 0) for _, option in s))):
         if len(cures) == LIMIT:
             break
-        if verified(compiled, chosen, mobility):
-            cures.append(describe(compiled, chosen, before))
+        if verified(compiled, pose, rows, chosen, mobility):
+            cures.append(describe(compiled, chosen, search.lost(chosen)))
     return cures
 
 
-def lost_rows(compiled: Any, chosen: list) -> int:
-    """Rows given up by a set of replacements."""
-    own = sum(compiled.rows[id(j)].stop - compiled.rows[id(j)].start for j, _, _ in chosen)
-    return own - sum(row.n_rows for _, option, _ in chosen if option is not None for row in option.rows())
-
-
-def greedy_set(compiled: Any, candidates: list, k: int) -> list:
-    """Replace joint by joint, each time the one that removes most redundancy and no other row."""
-    chosen, left, remaining = [], k, list(candidates)
-    while left > 0 and remaining:
-        best = None
-        for group in remaining:
-            for c in group:
-                after = redundancy_left([x[2] for x in chosen] + [c[2]], k)
-                if 0 < left - after == lost_rows(compiled, [c]) and (best is None or after < best[2]):
-                    best = (c, group, after)
-        if best is None:
-            return []
-        chosen.append(best[0])
-        remaining = [group for group in remaining if group is not best[1]]
-        left = best[2]
-    return chosen
-
-
-def verified(compiled: Any, chosen: list, mobility: int) -> bool:
+def verified(compiled: Any, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:
     """Rebuild the rows with the replacements: all independent, and the mobility unchanged."""
-    system = compiled.system
-    swap = {id(j): option for j, option, _ in chosen}
-    blocks = []
-    for joint in system.joints:
-        option = swap.get(id(joint), joint)
-        if option is joint:
-            blocks.append(None)
-        elif option is not None:
-            blocks.append(jacobian_of(system, option, compiled.model.length))
-    compiled_rows = [compiled.rows[id(j)] for j in system.joints if swap.get(id(j), j) is j]
-    data = compiled.data()
-    load_state(compiled, data, reference_pose(system))
-    A = scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
-    rows = [A[r] for r in compiled_rows] + [block for block in blocks if block is not None]
-    stacked = np.vstack(rows) if rows else np.zeros((0, A.shape[1]))
-    s = scipy.linalg.svdvals(stacked) if stacked.size else np.zeros(0)
-    rank = int((s > 1e-10 * s[0]).sum()) if s.size else 0
-    return rank == stacked.shape[0] and A.shape[1] - rank == mobility
+    swapped = [rows_of(compiled, pose, option) for _, option in chosen if option is not None]
+    kept = np.ones(rows.body.shape[0], bool)
+    for joint, _ in chosen:
+        kept[compiled.rows[id(joint)]] = False
+    parts = [rows.take(kept), *swapped]
+    cured = BlockRows(np.concatenate([p.body for p in parts]), np.concatenate([p.J for p in parts]), rows.n)
+    rank = Analysis(cured).rank
+    return rank == cured.body.shape[0] and 6 * rows.n - rank == mobility
 
 
-def describe(compiled: Any, chosen: list, before: int) -> Cure:
+def describe(compiled: Any, chosen: list, lost: int) -> Cure:
     """The cure in words."""
     system, texts, pairs = compiled.system, [], []
-    for joint, option, _ in chosen:
+    for joint, option in chosen:
         name = system.name(joint)
         pairs.append((name, None if option is None else type(option).__name__))
         if option is None:
@@ -195,8 +218,7 @@ def describe(compiled: Any, chosen: list, before: int) -> Cure:
         else:
             detail = axis_text(option)
             texts.append(f"'{name}' {type(joint).__name__} -> {type(option).__name__}{detail}")
-    lost = lost_rows(compiled, chosen)
-    left = before - lost
+    left = compiled.model.row.size - lost
     return Cure(tuple(pairs), lost, f"{' and '.join(texts)} ({left} rows, all independent)")
 
 

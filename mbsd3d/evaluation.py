@@ -4,13 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from .blocks import BlockRows
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import kinematics
 from .kernels.layout import Data
 from .kernels.rows import rows
 from .model import Compiled
 from .rotations import matrix
-from .selection import dense_jacobian, scaled_jacobian
+from .selection import scaled_rows
 from .state import State
 
 
@@ -67,10 +68,10 @@ def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float) -> None:
     rows(compiled.model, data, t)
 
 
-def jacobian_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> np.ndarray:
-    """Scaled J at y."""
+def rows_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> BlockRows:
+    """Scaled rows at y."""
     load_rows(compiled, data, y, t)
-    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
+    return scaled_rows(compiled.model, data)
 
 
 def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:

@@ -22,14 +22,13 @@ from .measures import Condition
 from .model import Compiled, Switches
 from .parts import number
 from .progress import Progress
-from .selection import choose_rows, dense_jacobian
+from .samples import Samples, buffer_size
+from .selection import block_rows, choose_rows
 from .solution import Solution
 from .state import State
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
-CAPACITY = 1024  # samples a buffer holds
-
-OUTPUTS = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power", "residual")
+CAPACITY = 1024  # samples between visits to Python where every step is one
 
 FAILURES = {
     base.STEP_TOO_SMALL: (
@@ -79,14 +78,14 @@ class Job:
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.schur = None
         self.memory = self.new_run(y, start.t, t_end, times, rtol)
-        self.chunks: list[dict[str, np.ndarray]] = []
         self.last_event = -1
 
     def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
         """Memory of the time loop."""
         m, ny, n = self.model, y.size, self.model.body.size
-        capacity = (CAPACITY if times is None else times.size + 1) + 2
-        width = 1 + ny + 6 * n + m.row.size + m.coordinate.size + 2 * m.force.size + 2
+        widths = (1, ny, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
+        capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
+        self.samples = Samples(widths, capacity if times is None else times.size + 1)
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
         clock, count = np.zeros(16), np.zeros(9, np.int64)
@@ -103,7 +102,7 @@ class Job:
             y=y, dy=np.zeros(ny), trial=np.zeros(ny), work=np.zeros(ny), work_rate=np.zeros(ny),
             carry=np.zeros(ny), trial_carry=np.zeros(ny),
             K=np.zeros((stages, ny)), F=np.zeros((terms, ny)), clock=clock, count=count,
-            times=np.zeros(0) if times is None else times, out=np.zeros((capacity, width)),
+            times=np.zeros(0) if times is None else times, out=np.zeros((capacity, sum(widths))),
         )  # fmt: skip
 
     def run(self, progress: Progress) -> Solution:
@@ -161,6 +160,8 @@ class Job:
         if before is not None and run.count[base.STEPS] == self.last_event:
             self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
         load_rows(self.compiled, self.data, run.y, run.clock[base.T])
+        if not np.isfinite(self.data.row["J"]).all():
+            self.fail(base.NO_SOLUTION)
         self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
         self.record.svd_calls += 1
         self.last_event = int(run.count[base.STEPS]) if before is not None else -1
@@ -219,7 +220,7 @@ class Job:
         scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)
         v = self.start.v.reshape(-1, 6)
         speed = max(1.0, float(np.abs(v / np.repeat([model.length, 1.0], 3)).max(initial=0.0)))
-        slip = dense_jacobian(model, self.data) @ self.start.v - row["b"]
+        slip = block_rows(model, self.data).sparse() @ self.start.v - row["b"]
         checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
         for residual, unit, limit in checks:
             if np.abs(residual * scale).max() > limit:
@@ -243,19 +244,17 @@ class Job:
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""
-        self.chunks.append(self.memory.out[: int(self.memory.count[base.WRITTEN])].copy())
+        self.samples.take(self.memory.out[: int(self.memory.count[base.WRITTEN])])
         self.memory.count[base.WRITTEN] = 0
 
     def solution(self) -> Solution:
         """The samples so far."""
         self.drain()
-        run, record, m = self.memory, self.record, self.model
+        run, record = self.memory, self.record
         record.steps, record.rejected = int(run.count[base.STEPS]), int(run.count[base.REJECTED])
         record.evaluations = int(run.count[base.EVALUATIONS])
-        widths = (1, run.y.size, 6 * m.body.size, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
-        parts = np.split(np.concatenate(self.chunks), np.cumsum(widths)[:-1], axis=1)
-        arrays = {name: np.ascontiguousarray(part) for name, part in zip(OUTPUTS, parts, strict=True)}
-        arrays["t"] = arrays["t"][:, 0].copy()
+        arrays = self.samples.finished()
+        arrays["t"] = arrays["t"][:, 0]
         return Solution.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
 
     def fail(self, status: int) -> None:

@@ -13,17 +13,16 @@ import scipy.linalg
 
 from .evaluation import load_state
 from .kernels.loads import loads
-from .model import Compiled, compile_system, inertia_about_origin
+from .model import Compiled, compile_system
 from .rotations import matrix
 from .selection import RANK_TOLERANCE, dense_jacobian
 from .state import State
+from .velocities import sparse_mass_matrix
 
 
 def mass_matrix(system: Any, state: State) -> np.ndarray:
     """(6 n, 6 n) dense reference-point mass matrix."""
-    e = state.q.reshape(-1, 7)[:, 3:]
-    blocks = [inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)]
-    return scipy.linalg.block_diag(*blocks)
+    return sparse_mass_matrix(system, state).toarray()
 
 
 def quadratic_term(system: Any, state: State) -> np.ndarray:

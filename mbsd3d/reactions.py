@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
-from threadpoolctl import threadpool_limits
 
-from .evaluation import jacobian_at
+from .evaluation import rows_at
 from .model import Compiled
-from .selection import RANK_TOLERANCE
+from .rank import redundant_combinations
 
 
 @dataclass(frozen=True)
@@ -26,20 +24,10 @@ class Reaction:
     unique: bool
 
 
-def left_null_space(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """(rows, k) orthonormal N with A'N = 0; k is the number of redundant rows."""
-    if not A.size:
-        return np.eye(A.shape[0])
-    with threadpool_limits(1):
-        U, s, _ = scipy.linalg.svd(A, full_matrices=True)
-    rank = int((s > tolerance * s[0]).sum()) if s.size and s[0] > 0.0 else 0
-    return U[:, rank:]
-
-
 def may_be_redundant(compiled: Compiled, data: Any, t: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Left null space at the middle sample, where no special start position hides the general rank."""
     k = t.size // 2
-    return left_null_space(jacobian_at(compiled, data, t[k], states[k]))
+    return redundant_combinations(rows_at(compiled, data, t[k], states[k]))
 
 
 def unique_wrench(compiled: Compiled, t: np.ndarray, states: np.ndarray, parts: list) -> bool:
@@ -68,7 +56,7 @@ def minimum_norm(compiled: Compiled, t: np.ndarray, states: np.ndarray, lam: np.
         return lam
     scale, shared = compiled.model.row["scale"], np.empty_like(lam)
     for k in range(t.size):
-        N = left_null_space(jacobian_at(compiled, data, t[k], states[k]))
+        N = redundant_combinations(rows_at(compiled, data, t[k], states[k]))
         mu = lam[k] / scale
         shared[k] = (mu - N @ (N.T @ mu)) * scale
     return shared

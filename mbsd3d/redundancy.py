@@ -5,16 +5,17 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from threadpoolctl import threadpool_limits
 
 from .assembly import close_pose, gap_size, newton, reference_pose
+from .blocks import BlockRows
 from .cures import Cure, find_cures
 from .drivers import Driver
+from .elimination import SAFE, Core
 from .evaluation import driven_coordinates, load_state, worst_joint
 from .kernels.kinematics import displace
 from .model import Compiled, compile_system
-from .reactions import left_null_space
-from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
+from .rank import RANK_TOLERANCE, Analysis
+from .selection import scaled_rows
 from .state import State
 from .tree import loop_weights
 
@@ -81,110 +82,101 @@ def diagnose(system: Any, as_built: float) -> Diagnosis:
     """See `System.check`."""
     compiled = compile_system(system)
     pose, misfit, stuck = closed_pose(compiled, as_built)
-    data = compiled.data()
+    data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
     load_state(compiled, data, pose)
-    A = scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
-    s = singular_values(A)
-    exact = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0 else 0
-    loose, slip = rank_as_built(A, compiled.model.length, as_built)
-    misaligned = slip > 0.0 and loose < exact
-    rank = loose if misaligned else exact
+    rows = scaled_rows(compiled.model, data)
+    found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))
+    loose, slip = rank_as_built(found, length, as_built)
+    misaligned = slip > 0.0 and loose < found.rank
+    rank = loose if misaligned else found.rank
     misfit = max(misfit, slip if misaligned else 0.0)
-    holonomic = compiled.model.row["holonomic"].astype(bool)
-    N = left_null_space(A, as_built_cut(A, compiled.model.length, as_built) if misaligned else RANK_TOLERANCE)
-    neighbours = tuple(neighbour_ranks(compiled, pose))
-    shares = tuple(joint_shares(compiled, A, N))
-    n = 6 * len(system.bodies)
-    cures = tuple(find_cures(compiled, A, N, n - rank)) if N.shape[1] and not stuck else ()
-    offset = misfit_of_lock(A, exact, compiled.model.length) if not misaligned else 0.0
-    verdict = stuck or verdict_text(compiled, A.shape[0], rank, n, misfit, as_built, offset)
+    N = found.redundant(as_built_cut(found, length, as_built) if misaligned else None)
+    neighbours = tuple(neighbour_ranks(compiled, pose, found))
+    shares = tuple(joint_shares(compiled, rows, N))
+    cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
+    offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
     notes = (
         [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
-        if neighbours and (max(neighbours) > exact)
+        if neighbours and (max(neighbours) > found.rank)
         else []
     )
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
-        rows=A.shape[0],
+        rows=found.m,
         rank=rank,
-        gruebler=n - A.shape[0],
+        gruebler=n - found.m,
         mobility=n - rank,
-        configuration_freedom=n - rank_of(A[holonomic]),
-        redundant=A.shape[0] - rank,
+        configuration_freedom=n - holonomic_rank(compiled, rows, found),
+        redundant=found.m - rank,
         shares=shares,
         verdict=verdict,
         misfit=misfit or offset,
         cures=cures,
         neighbour_ranks=neighbours,
-        length=compiled.model.length,
+        length=length,
         notes=tuple(notes),
     )
 
 
-def singular_values(A: np.ndarray) -> np.ndarray:
-    """Singular values, largest first."""
-    if not A.size:
-        return np.zeros(0)
-    with threadpool_limits(1):
-        return scipy.linalg.svdvals(A)
+def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
+    """Rank of the rows that have a residual."""
+    holonomic = compiled.model.row["holonomic"].astype(bool)
+    return found.rank if holonomic.all() else Analysis(rows.take(holonomic)).rank
 
 
-def rank_of(A: np.ndarray) -> int:
-    """Rank at the tolerance of the solver."""
-    s = singular_values(A)
-    return int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
-
-
-def as_built_cut(A: np.ndarray, length: float, as_built: float) -> float:
+def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
     """Relative cut-off of singular values that stand for misfits below ``as_built`` metres."""
-    s = singular_values(A)
-    return max(RANK_TOLERANCE, as_built / length / s[0]) if s.size and s[0] > 0.0 else RANK_TOLERANCE
+    return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
 
 
-def rank_as_built(A: np.ndarray, length: float, as_built: float) -> tuple[int, float]:
+def rank_as_built(found: Analysis, length: float, as_built: float) -> tuple[int, float]:
     """(rank when misfits below ``as_built`` are taken up by play, the largest misfit [m] that is).
 
     A unit motion (one radian, one model length) along a right singular vector violates the rows by its singular value.
     """
-    s = singular_values(A)
-    if not s.size or s[0] == 0.0:
-        return 0, 0.0
-    small = (s > RANK_TOLERANCE * s[0]) & (s * length <= as_built)
+    s = found.singular
+    small = (s > RANK_TOLERANCE * found.largest) & (s * length <= as_built)
     if not small.any():
-        return int((s > RANK_TOLERANCE * s[0]).sum()), 0.0
-    return int((s * length > as_built).sum()), violation(A, 10.0 * s[small].max()) * length
+        return found.rank, 0.0
+    return found.picked.size + int((s * length > as_built).sum()), violation(found, 10.0 * s[small].max()) * length
 
 
-def violation(A: np.ndarray, tolerance: float) -> float:
-    """Violation of the spared rows (scaled, norm), per radian or model length of a motion the kept rows leave free.
+def violation(found: Analysis, tolerance: float) -> float:
+    """Largest violation of spared rows, per radian or model length of a motion that the kept rows leave free."""
+    return max((core_violation(found, core, tolerance) for core in found.cores), default=0.0)
+
+
+def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
+    """Violation of the spared rows of a core (scaled, norm).
 
     Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
     """
-    kept, basis = [], np.zeros((0, A.shape[1]))
-    for k, row in enumerate(A):
+    kept, basis = [], np.zeros((0, core.columns.size))
+    for k, row in enumerate(core.F):
         rest = row - basis.T @ (basis @ row)
         rest -= basis.T @ (basis @ rest)
         if np.linalg.norm(rest) > tolerance:
             kept.append(k)
             basis = np.vstack([basis, rest / np.linalg.norm(rest)])
-    spared = np.setdiff1d(np.arange(A.shape[0]), kept)
-    Z = left_null_space(basis.T, 1e-6)
+    spared = np.setdiff1d(np.arange(core.rows.size), kept)
+    Z = scipy.linalg.null_space(basis, rcond=1e-6) if kept else np.eye(core.columns.size)
     if not spared.size or not Z.shape[1]:
         return 0.0
-    _, _, Vt = scipy.linalg.svd(A[spared] @ Z)
-    motion = (Z @ Vt[0]).reshape(-1, 6)
+    _, _, Vt = scipy.linalg.svd(core.F[spared] @ Z)
+    x = Z @ Vt[0]
+    motion = found.core_motion(core, x).reshape(-1, 6)
     turn, shift = np.linalg.norm(motion[:, 3:], axis=1).max(), np.linalg.norm(motion[:, :3], axis=1).max()
     size = turn if turn > 1e-6 * shift else shift
-    return float(np.linalg.norm(A[spared] @ motion.ravel()) / size)
+    return float(np.linalg.norm(core.F[spared] @ x) / size)
 
 
-def misfit_of_lock(A: np.ndarray, rank: int, length: float) -> float:
+def misfit_of_lock(found: Analysis, length: float) -> float:
     """Misfit [m] that takes the last freedom of a mechanism without mobility, 0 if it is a plain structure."""
-    if not A.size or rank < A.shape[1]:
+    if found.rank < 6 * found.n or not found.least < 1e-2 * found.largest:
         return 0.0
-    s = singular_values(A)
-    return violation(A, 10.0 * s[rank - 1]) * length if s[rank - 1] < 1e-2 * s[0] else 0.0
+    return violation(found, 10.0 * found.least) * length
 
 
 def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str | None]:
@@ -209,19 +201,13 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
 
 
-def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:
+def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[int]:
     """Rank at two poses moved a little along the motions the rows leave free."""
     model, data = compiled.model, compiled.data()
+    if found.rank in (0, 6 * found.n):
+        return []
     y = load_state(compiled, data, pose)
-    A = scaled_jacobian(model, dense_jacobian(model, data))
-    if not A.size:
-        return []
-    with threadpool_limits(1):
-        _, s, Vt = scipy.linalg.svd(A)
-    rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
-    if rank == A.shape[1]:
-        return []
-    free = Vt[rank:].T @ np.random.default_rng(0).normal(size=A.shape[1] - rank)
+    free = found.free_motion(np.random.default_rng(0))
     columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
     free = columns * free / max(np.abs(free).max(), 1e-300)
     ranks = []
@@ -233,28 +219,27 @@ def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:
         moved, residual = newton(compiled, start, [], [], set())
         if gap_size(compiled, residual) <= 1e-9:
             load_state(compiled, data, moved)
-            ranks.append(rank_of(scaled_jacobian(model, dense_jacobian(model, data))))
+            ranks.append(Analysis(scaled_rows(model, data)).rank)
     return ranks
 
 
-def joint_shares(compiled: Compiled, A: np.ndarray, N: np.ndarray) -> list[Share]:
+def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Share]:
     """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart."""
     system, shares = compiled.system, []
     if not N.shape[1]:
         return shares
     for joint in system.joints:
-        rows = compiled.rows[id(joint)]
-        involved = int((np.linalg.norm(N[rows], axis=1) > 1e-8).sum())
+        own = compiled.rows[id(joint)]
+        involved = int((np.linalg.norm(N[own], axis=1) > 1e-8).sum())
         if not involved:
             continue
-        moving = [body for body in (joint.b, joint.a) if id(body) in {id(b) for b in system.bodies}]
-        i = 6 * compiled.body_index[id(moving[0])]
-        G = A[rows, i : i + 6].T @ N[rows]
-        arm = moment_arm(compiled, joint, moving[0])
-        moment = G[3:] - np.cross(arm, G[:3], axis=0) if G.size else G[3:]
+        moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
+        on = rows.body[own] == compiled.body_index[id(moving)]
+        G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
+        moment = G[3:] - np.cross(moment_arm(compiled, joint, moving), G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
         force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
-        shares.append(Share(name, rows.stop - rows.start, involved, bool(force_unique), bool(moment_unique)))
+        shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
     return shares
 
 

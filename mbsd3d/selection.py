@@ -1,7 +1,8 @@
 """Which rows the fast path keeps, and in which order it eliminates them.
 
-Rank is decided here and nowhere else: column-pivoted QR of the scaled J' (columns: displacements in units of the
-model's length, rotations in radians), confirmed by its singular values, at accepted states only.
+Rank is decided here and nowhere else, at accepted states only: by the singular values of the scaled J (columns:
+displacements in units of the model's length, rotations in radians), of which the bodies have been eliminated that need
+no such decision (see `mbsd3d.elimination`).
 """
 
 import numpy as np
@@ -10,20 +11,24 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from threadpoolctl import threadpool_limits
 
+from .blocks import BlockRows
 from .kernels.layout import Data, Model, Schur, schur_records, table
+from .rank import RANK_TOLERANCE, Analysis
 
-RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a redundant row look independent
+
+def block_rows(model: Model, data: Data) -> BlockRows:
+    """J by its blocks in ``data``, not scaled."""
+    return BlockRows(model.row["body"], data.row["J"], model.body.size)
+
+
+def scaled_rows(model: Model, data: Data) -> BlockRows:
+    """J by its blocks, rows and columns in units of the model's length and radians: entries are of order one."""
+    return block_rows(model, data).scaled(model.row["scale"], model.length)
 
 
 def dense_jacobian(model: Model, data: Data) -> np.ndarray:
     """J as an (m, 6 n) matrix from the blocks in ``data``; the ground's columns are left out."""
-    m, n = model.row.size, model.body.size
-    blocks, bodies = data.row["J"], model.row["body"]
-    J = np.zeros((m, n + 1, 6), blocks.dtype)
-    for slot in range(4):
-        used = np.flatnonzero(bodies[:, slot] >= 0)
-        np.add.at(J, (used, bodies[used, slot]), blocks[used, slot])
-    return J[:, :n].reshape(m, 6 * n)
+    return block_rows(model, data).sparse().toarray()
 
 
 def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
@@ -33,16 +38,16 @@ def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
 
 
 def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, float]:
-    """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest)."""
+    """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest).
+
+    The readable truth: column-pivoted QR of A', its singular values as the authority on the rank, cost cubic.
+    """
     if not A.size or not A.any():
         return np.zeros(0, np.int64), 1.0
     with threadpool_limits(1):
-        _, triangle, pivot = scipy.linalg.qr(A.T, mode="economic", pivoting=True)
-        sizes = np.abs(np.diag(triangle))
-        rank = int((sizes > tolerance * sizes[0]).sum())
+        _, pivot = scipy.linalg.qr(A.T, mode="r", pivoting=True)
         singular = scipy.linalg.svdvals(A)
-        rank_svd = int((singular > tolerance * singular[0]).sum())
-    rank = min(rank, rank_svd) if rank_svd < rank else rank_svd  # the singular values are the authority
+    rank = int((singular > tolerance * singular[0]).sum())
     return np.sort(pivot[:rank]).astype(np.int64), float(singular[rank - 1] / singular[0])
 
 
@@ -96,11 +101,11 @@ def choose_rows(
     The set ``before`` is kept where it is as good as the best one: at a singular position all sets are bad, and one
     chosen there may be bad everywhere.
     """
-    A = scaled_jacobian(model, dense_jacobian(model, data))
-    chosen, smallest = independent_rows(A, tolerance)
-    if before is not None and before.size == chosen.size and before.size:
-        with threadpool_limits(1):
-            singular = scipy.linalg.svdvals(A[before])
-        if singular[-1] > 0.1 * smallest * scipy.linalg.norm(A, 2):
+    rows = scaled_rows(model, data)
+    found = Analysis(rows, tolerance)
+    chosen = found.independent()
+    if before is not None and before.size == chosen.size:
+        kept = Analysis(rows.take(before), tolerance)
+        if kept.rank == before.size and kept.least > 0.1 * found.least:
             chosen = np.sort(before)
-    return schur_of(model, chosen, data.row["c"].dtype.type), smallest
+    return schur_of(model, chosen, data.row["c"].dtype.type), found.smallest

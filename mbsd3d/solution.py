@@ -77,7 +77,8 @@ class Solution:
         return self.arrays["t"]
 
     def _body(self, body: Any) -> int:
-        return self.compiled.body_index[id(self.system.part(body))]
+        index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
+        return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
 
     def position(self, body: Any) -> np.ndarray:
         """Reference point of a body [m]."""
@@ -338,6 +339,12 @@ def unit_quaternions(q: np.ndarray) -> np.ndarray:
 
 def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
     """(samples, n, 6) world velocities (r_dot, w) from states y with u = (r_dot, R'w)."""
-    u = states[:, 7 * n : 13 * n].reshape(-1, n, 6)
-    R = matrix(states[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
-    return np.concatenate([u[..., :3], np.einsum("tbij,tbj->tbi", R, u[..., 3:])], axis=2)
+    v = np.empty((states.shape[0], n, 6))
+    some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
+    for k in range(0, states.shape[0], some):
+        y = states[k : k + some]
+        u = y[:, 7 * n : 13 * n].reshape(-1, n, 6)
+        R = matrix(y[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
+        v[k : k + some, :, :3] = u[..., :3]
+        v[k : k + some, :, 3:] = np.einsum("tbij,tbj->tbi", R, u[..., 3:])
+    return v

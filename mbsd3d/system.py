@@ -68,15 +68,17 @@ class System:
         """Names of all parts; nameless ones are numbered by type."""
         names: dict[int, str] = {id(GROUND): "ground"}
         counts: dict[str, int] = {}
+        taken = {"ground"}
         for part in (*self.bodies, *self.joints, *self.forces):
             name = part.name
             if name is None:
                 kind = type(part).__name__
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind} {counts[kind]}"
-            if name in names.values():
+            if name in taken:
                 raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
             names[id(part)] = name
+            taken.add(name)
         return names
 
     def _check_members(self) -> None:
@@ -111,8 +113,10 @@ class System:
     def part(self, key: Any, kind: str = "bodies") -> Any:
         """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
         parts = getattr(self, kind)
+        if isinstance(key, Body | Joint | ForceElement) and key in parts:
+            return key
         for part in parts:
-            if part is key or (isinstance(key, str) and self.name(part) == key):
+            if isinstance(key, str) and self.name(part) == key:
                 return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
         shown = repr(key) if isinstance(key, str) else f"'{getattr(key, 'name', key)}'"

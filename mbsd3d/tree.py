@@ -6,6 +6,7 @@ import numpy as np
 
 from .kernels import kinds
 from .model import Compiled
+from .primitives import Coordinate
 from .rotations import exponential, matrix, multiply
 from .state import State
 
@@ -15,62 +16,70 @@ def swing(compiled: Compiled, pose: State, targets: list[tuple[Any, float]]) -> 
     system, index = compiled.system, compiled.body_index
     n = len(system.bodies)
     poses = pose.q.reshape(n, 7).copy()
+    links, points = joint_links(system, index), hinge_points(system)
     for x, value in targets:
-        beyond = bodies_beyond(system, index, x)
-        if beyond is None:
+        k = bodies_beyond(links, index[id(x.a)], index[id(x.b)])
+        if k is None:
             continue  # the joint closes a loop: Newton's task
-        side = next(body for body in (x.b, x.a) if index[id(body)] in beyond)
-        sign = 1.0 if side is x.b else -1.0
-        fixed = x.a if side is x.b else x.b
+        sign = 1.0 if index[id(x.b)] in k else -1.0
+        fixed = x.a if sign > 0.0 else x.b
         i = index[id(fixed)]
         e, r = (fixed.orientation, fixed.position) if i == n else (poses[i, 3:], poses[i, :3])
         own = x.axis if fixed is x.a else x.axis_b
         axis = matrix(e) @ fixed.local_axis(own)
-        point_of = x.point_a if fixed is x.a else x.point_b
-        pivot = r + matrix(e) @ fixed.local_point(hinge_point(system, x, point_of))
-        for k in beyond:
-            if x.kind == kinds.SLIDE:
-                poses[k, :3] += sign * value * axis
-                continue
-            turn = exponential(sign * value * axis)
-            poses[k, :3] = pivot + matrix(turn) @ (poses[k, :3] - pivot)
-            poses[k, 3:] = multiply(turn, poses[k, 3:])
+        if x.kind == kinds.SLIDE:
+            poses[k, :3] += sign * value * axis
+            continue
+        point = points.get(line_of(x), x.point_a if fixed is x.a else x.point_b)
+        pivot = r + matrix(e) @ fixed.local_point(point)
+        turn = exponential(sign * value * axis)
+        poses[k, :3] = pivot + (poses[k, :3] - pivot) @ matrix(turn).T
+        poses[k, 3:] = multiply(turn, poses[k, 3:])
     return State(pose.t, poses.ravel(), pose.v, pose.z)
 
 
-def hinge_point(system: Any, x: Any, default: np.ndarray) -> np.ndarray:
-    """A point on the hinge line, world at the reference pose."""
-    for joint in system.joints:
-        own = joint.angle()
-        if own is not None and own.a is x.a and own.b is x.b and np.array_equal(own.axis, x.axis):
-            return getattr(joint, "at", default)
-    return default
+def line_of(x: Coordinate) -> tuple:
+    """Coordinates of one line: same bodies, same axis."""
+    return id(x.a), id(x.b), x.axis.tobytes()
 
 
-def bodies_beyond(system: Any, index: dict[int, int], x: Any) -> set[int] | None:
-    """Bodies that hang on the ground through this hinge only; None where the hinge is part of a loop."""
-    ground = len(system.bodies)
-    links: dict[int, set[int]] = {i: set() for i in range(ground + 1)}
-    pair = {index[id(x.a)], index[id(x.b)]}
+def hinge_points(system: Any) -> dict[tuple, np.ndarray]:
+    """A point on the line of each hinge, world at the reference pose."""
+    points: dict[tuple, np.ndarray] = {}
     for joint in system.joints:
-        ends = [index[id(body)] for body in joint.bodies()]
+        x = joint.angle()
+        if x is not None and hasattr(joint, "at"):
+            points.setdefault(line_of(x), joint.at)
+    return points
+
+
+def joint_links(system: Any, index: dict[int, int]) -> list[set[int]]:
+    """Bodies that share a joint with each body; the ground is the last."""
+    links: list[set[int]] = [set() for _ in range(len(system.bodies) + 1)]
+    for joint in system.joints:
+        ends = {index[id(body)] for body in joint.bodies()}
         for i in ends:
-            links[i].update(j for j in ends if j != i and {i, j} != pair)
-    reached, queue = {ground}, [ground]
-    while queue:
-        for j in links[queue.pop()] - reached:
-            reached.add(j)
-            queue.append(j)
-    inside = pair & reached
-    if len(inside) != 1:
+            links[i] |= ends - {i}
+    return links
+
+
+def bodies_beyond(links: list[set[int]], a: int, b: int) -> list[int] | None:
+    """Bodies that hang on the ground through the hinge of a and b only; None where the hinge is part of a loop."""
+    reached = reachable(links, len(links) - 1, {a, b})
+    if (a in reached) == (b in reached):
         return None
-    start = (pair - inside).pop()
-    beyond, queue = {start}, [start]
+    return sorted(reachable(links, b if a in reached else a, {a, b}))
+
+
+def reachable(links: list[set[int]], start: int, cut: set[int]) -> set[int]:
+    """Bodies connected to one, without the direct way between the two of ``cut``."""
+    reached, queue = {start}, [start]
     while queue:
-        for j in links[queue.pop()] - beyond:
-            beyond.add(j)
-            queue.append(j)
-    return beyond
+        i = queue.pop()
+        new = links[i] - reached - (cut if i in cut else set())
+        reached |= new
+        queue += new
+    return reached
 
 
 def loop_weights(compiled: Compiled) -> np.ndarray:
@@ -79,6 +88,7 @@ def loop_weights(compiled: Compiled) -> np.ndarray:
 
     def root(i: int) -> int:
         while group.get(i, i) != i:
+            group[i] = group.get(group[i], group[i])  # shortens the way for the next time
             i = group[i]
         return i
 

@@ -5,12 +5,15 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+from scipy.sparse import bsr_array, csr_array, vstack
 
+from .blocks import largest_in_rows, scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
+from .least import least
 from .model import Compiled, inertia_about_origin
 from .parts import number
-from .selection import dense_jacobian
+from .selection import block_rows
 from .state import State
 
 
@@ -29,58 +32,45 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
     """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
     system, model, data = compiled.system, compiled.model, compiled.data()
     load_state(compiled, data, pose)
-    J, b = dense_jacobian(model, data), data.row["b"].copy()
-    names = [f"{type(system.joints[j]).__name__} '{system.name(system.joints[j])}'" for j in compiled.row_joint]
+    J, b = [block_rows(model, data).sparse()], data.row["b"].copy()
+    names = [f"{type(joint).__name__} '{system.name(joint)}'" for joint in system.joints]
+    names = [names[j] for j in compiled.row_joint]
     for key, value in rates.items():
         joint = system.part(key, "joints")
         x = joint.angle() or joint.slide()
         if x is None:
             raise ValueError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
-        _, row = coordinate_row(compiled, data, compiled.coordinate(x), pose.t)
-        J, b = np.vstack([J, row]), np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
+        J.append(csr_array(coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]))
+        b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
+    J = vstack(J, format="csr") if len(J) > 1 else J[0]
     v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: np.ndarray, b: np.ndarray, given: np.ndarray, names: list[str],
+    compiled: Compiled, pose: State, J: csr_array, b: np.ndarray, given: np.ndarray, names: list[str],
     tolerance: float,
 ) -> np.ndarray:  # fmt: skip
     """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
-    system, model = compiled.system, compiled.model
-    n = len(system.bodies)
+    model = compiled.model
     known = ~np.isnan(given)
     v = np.where(known, given, 0.0)
-    scale = np.tile(np.repeat([model.length, 1.0], 3), n)
-    unit_rows = np.array([1.0 / max(np.abs(row * scale).max(), 1e-300) for row in J])
-    A, rhs = (J[:, ~known] * scale[~known]) * unit_rows[:, None], (b - J @ v) * unit_rows
-    M = scipy.linalg.block_diag(
-        *[
-            inertia_about_origin(pose.q[7 * i + 3 : 7 * i + 7], body.com, body.mass, body.inertia)
-            for i, body in enumerate(system.bodies)
-        ]
-    )
-    if model.singular:  # the accelerations need what given velocities may hide
-        everything = np.ones(6 * n, bool)
-        Z = scale[:, None] * scipy.linalg.null_space(J * scale, rcond=1e-10) if J.size else np.diag(scale)
-        if Z.shape[1]:
-            check_determined(system, Z.T @ M @ Z, Z, everything)
-    free = ~known
-    x, null = np.zeros(free.sum()), np.eye(int(free.sum()))
-    if A.shape[0] and A.shape[1]:
-        U, s, Vt = scipy.linalg.svd(A)
-        rank = int((s > 1e-10 * s[0]).sum()) if s.size and s[0] > 0 else 0
-        x = Vt[:rank].T @ ((U[:, :rank].T @ rhs) / s[:rank])
-        null = Vt[rank:].T
-    N = scale[free, None] * null
-    if N.shape[1]:
-        momentum = M @ v
-        momentum += M[:, free] @ (scale[free] * x)
-        reduced = N.T @ M[np.ix_(free, free)] @ N
-        check_determined(system, reduced, N, free)
-        x = x - null @ np.linalg.solve(reduced, N.T @ momentum[free])
-    v[free] += scale[free] * x
+    scale = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    A = scaled(J, np.ones(J.shape[0]), scale)
+    unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
+    A = scaled(A, unit_rows, np.ones(known.size))
+    M = scaled(sparse_mass_matrix(compiled.system, pose), scale, scale)
+    M = M / max(np.abs(M.data).max(), 1e-300)
+    free = np.flatnonzero(~known)
+    if model.singular:
+        check_determined(compiled.system, A, M, np.arange(known.size))  # accelerations need what given values may hide
+        check_determined(compiled.system, A, M, free)
+    if free.size:
+        f, rest = -(M @ (v / scale))[free], (b - J @ v) * unit_rows
+        if free.size < known.size:
+            M, A = M[free][:, free], A[:, free]
+        v[free] += scale[free] * least(M, A, rest, f, passes=3)
     residual = J @ v - b
     size = np.abs(residual) * unit_rows
     speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
@@ -94,12 +84,25 @@ def least_energy(
     return v
 
 
-def check_determined(system: Any, reduced: np.ndarray, N: np.ndarray, free: np.ndarray) -> None:
-    """A motion without kinetic energy has an undetermined velocity: an error that names the massless body."""
-    values, vectors = np.linalg.eigh(reduced)
+def sparse_mass_matrix(system: Any, pose: State) -> csr_array:
+    """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
+    e, n = pose.q.reshape(-1, 7)[:, 3:], len(system.bodies)
+    blocks = [inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)]
+    return csr_array(bsr_array((np.array(blocks), np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
+
+
+def check_determined(system: Any, A: csr_array, M: csr_array, free: np.ndarray) -> None:
+    """A motion without kinetic energy has an undetermined velocity: an error that names the massless body.
+
+    Dense, as the equations of such models are.
+    """
+    N = scipy.linalg.null_space(A[:, free].toarray(), rcond=1e-10) if A.shape[0] else np.eye(free.size)
+    if not N.shape[1]:
+        return
+    values, vectors = np.linalg.eigh(N.T @ (M[free][:, free] @ N))
     if values[0] > 1e-14 * max(values[-1], 1e-300):
         return
-    motion = np.zeros(free.size)
+    motion = np.zeros(M.shape[0])
     motion[free] = N @ vectors[:, 0]
     i = int(np.argmax(np.abs(motion))) // 6
     name = system.name(system.bodies[i])

@@ -33,11 +33,13 @@ from mbsd3d import (
     System,
     Universal,
 )
+from mbsd3d.assembly import reference_pose
+from mbsd3d.evaluation import load_state
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
 from mbsd3d.model import compile_system
 from mbsd3d.rotations import matrix, multiply
-from mbsd3d.selection import dense_jacobian
+from mbsd3d.selection import dense_jacobian, scaled_jacobian
 
 
 def derivative(function, step=1e-3):
@@ -371,3 +373,85 @@ def concrete_subclasses(base):
         queue += below
         found |= {cls for cls in below if not any(c.__module__.startswith("mbsd3d") for c in cls.__subclasses__())}
     return found
+
+
+def revolute_chain(n, seed=1):
+    """A hanging chain of n links with alternating axes, neither along the links nor aligned, r_G != 0."""
+    rng = np.random.default_rng(seed)
+    axes = [np.array([0.9, 0.4, 0.17]), np.array([-0.35, 0.9, 0.26])]
+    along = np.array([0.3, 0.1, -1.0])
+    bodies, joints, before, at = [], [], GROUND, np.array([0.2, -0.1, 0.4])
+    for k in range(n):
+        step = 0.8 * along + 0.02 * rng.normal(size=3)
+        mass = rng.uniform(0.8, 1.2)
+        body = Body(f"link {k}", mass, random_inertia(rng, mass), com=(0.05, -0.08, 0.03), position=at + 0.4 * step,
+                    orientation=random_orientation(rng))  # fmt: skip
+        joints.append(Revolute(before, body, at=at, axis=axes[k % 2], name=f"hinge {k}"))
+        bodies.append(body)
+        before, at = body, at + step
+    return System(bodies=bodies, joints=joints)
+
+
+def four_bar_ladder(n, tilt=0.7, lean=0.4):
+    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows.
+
+    The rods lean by an angle [rad]; at a right angle all rods lie on one line, a singular pose.
+    """
+    R = matrix(mbsd3d.rotation((1.0, 2.0, 3.0), tilt))
+
+    def place(x, z):
+        return R @ np.array([x, 0.0, z])
+
+    axis, r_G = R[:, 1], (0.03, 0.01, -0.05)
+    foot = [np.array([1.0 * k, 0.0]) for k in range(n + 1)]
+    head = [at + [np.sin(lean), np.cos(lean)] for at in foot]
+
+    def rod(name, near, far, mass):
+        inertia = (0.02 * mass, 0.09 * mass, 0.085 * mass)
+        middle = place(*(0.45 * near + 0.55 * far))
+        return Body(name, mass, inertia, com=r_G, position=middle, orientation=R)
+
+    rods = [rod(f"rod {k}", foot[k], head[k], 1.0 + 0.1 * (k % 3)) for k in range(n + 1)]
+    couplers = [rod(f"coupler {k}", head[k], head[k + 1], 1.3 - 0.1 * (k % 2)) for k in range(n)]
+    joints = [Revolute(GROUND, rods[k], at=place(*foot[k]), axis=axis, name=f"foot {k}") for k in range(n + 1)]
+    for k in range(n):
+        joints.append(Revolute(rods[k], couplers[k], at=place(*head[k]), axis=axis, name=f"left {k}"))
+        joints.append(Revolute(couplers[k], rods[k + 1], at=place(*head[k + 1]), axis=axis, name=f"right {k}"))
+    return System(bodies=[*rods, *couplers], joints=joints)
+
+
+def random_loops(seed, n=14):
+    """n general bodies on a random tree of joints, loops closed by joints that coincide there, doubled hinges, a gear.
+
+    At the reference pose every joint closes, so loops are consistent; some rows repeat others.
+    """
+    rng = np.random.default_rng(seed)
+    bodies, joints = [], []
+    kinds = (Revolute, Spherical, Universal, Prismatic, Cylindrical, Fixed, Planar)
+    for k in range(n):
+        bodies.append(random_body(rng, f"body {k}", position=np.array([0.8 * k, 0.5 * (-1.0) ** k, 0.3 * (k % 3)])))
+        before = GROUND if k == 0 else bodies[rng.integers(max(0, k - 3), k)]
+        joints += EXAMPLES[kinds[rng.integers(len(kinds))]](rng, before, bodies[-1], None, None)
+        if k % 3 == 1:  # a second hinge on the axis of the first: five redundant rows
+            joints.append(Revolute(before, bodies[-1], at=middle(rng, before, bodies[-1]), axis=direction(rng)))
+            at = joints[-1].at + 0.4 * joints[-1].axis
+            joints.append(Revolute(before, bodies[-1], at=at, axis=joints[-1].axis))
+    for _ in range(n // 3):
+        a, b = rng.choice(n, size=2, replace=False)
+        joints += EXAMPLES[kinds[rng.integers(len(kinds))]](rng, bodies[a], bodies[b], None, None)
+    hinges = [joint for joint in joints if isinstance(joint, Revolute)]
+    joints.append(Gear(hinges[0], hinges[-1], ratio=-1.7))
+    return System(bodies=bodies, joints=joints)
+
+
+def at_reference(system):
+    """(compiled, data) with the rows of the reference pose."""
+    compiled = compile_system(system)
+    data = compiled.data()
+    load_state(compiled, data, reference_pose(system))
+    return compiled, data
+
+
+def dense_rows(compiled, data):
+    """The whole scaled J."""
+    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))

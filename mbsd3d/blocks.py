@@ -1,0 +1,43 @@
+"""A sparse Jacobian by its blocks: rows that touch up to four bodies, six columns each."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+
+class BlockRows(NamedTuple):
+    """Rows of a Jacobian by blocks: row i has ``J[i, slot]`` in the columns of ``body[i, slot]``."""
+
+    body: np.ndarray  # (m, 4); outside 0 ... n - 1: the ground, or unused
+    J: np.ndarray  # (m, 4, 6)
+    n: int
+
+    def take(self, rows: np.ndarray) -> "BlockRows":
+        """Some of the rows."""
+        return BlockRows(self.body[rows], self.J[rows], self.n)
+
+    def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
+        """Rows times ``rows``, columns in units of ``length`` and radians."""
+        columns = np.repeat([length, 1.0], 3)
+        return self._replace(J=self.J * (np.asarray(rows)[:, None, None] * columns))
+
+    def sparse(self) -> csr_array:
+        """(m, 6 n) matrix."""
+        i, slot = np.nonzero((self.body >= 0) & (self.body < self.n))
+        columns = 6 * self.body[i, slot][:, None] + np.arange(6)
+        at = (np.repeat(i, 6), columns.ravel())
+        return csr_array((self.J[i, slot].ravel(), at), shape=(self.body.shape[0], 6 * self.n))
+
+
+def scaled(A: csr_array, rows: np.ndarray, columns: np.ndarray) -> csr_array:
+    """Rows and columns of a sparse matrix times factors."""
+    data = A.data * np.repeat(rows, np.diff(A.indptr)) * columns[A.indices]
+    return csr_array((data, A.indices, A.indptr), shape=A.shape)
+
+
+def largest_in_rows(A: csr_array) -> np.ndarray:
+    """Largest absolute entry of every row, 0 for an empty one."""
+    largest = np.zeros(A.shape[0])
+    np.maximum.at(largest, np.repeat(np.arange(A.shape[0]), np.diff(A.indptr)), np.abs(A.data))
+    return largest

@@ -1,0 +1,189 @@
+"""Large mechanisms: ranks against dense analysis, work and time in proportion to the bodies, memory of a run."""
+
+import os
+import subprocess
+import sys
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models import at_reference, dense_rows, four_bar_ladder, revolute_chain
+
+from mbsd3d import RK4, PointOnLine, Revolute, System, samples, simulate
+from mbsd3d.elimination import Elimination
+from mbsd3d.model import compile_system
+from mbsd3d.rotations import conjugate, logarithm, multiply
+from mbsd3d.samples import QUANTITIES, Samples
+from mbsd3d.selection import choose_rows, independent_rows, scaled_rows
+
+HERE = Path(__file__).parent
+
+
+def work(system):
+    """Numbers computed by the elimination and by the factorisation of the chosen rows."""
+    compiled, data = at_reference(system)
+    left = Elimination(scaled_rows(compiled.model, data), 1e-10)
+    schur, _ = choose_rows(compiled.model, data)
+    return sum(step.F.size * (1 + step.rest.size) for step in left.steps), schur.skyline.size
+
+
+@pytest.mark.parametrize("build", [revolute_chain, four_bar_ladder])
+def test_work_of_choosing_rows_is_proportional_to_the_number_of_bodies(build):
+    small, large = work(build(80)), work(build(320))
+    for few, many in zip(small, large, strict=True):
+        assert np.log(many / few) / np.log(4.0) < 1.1  # 1, and the constant number of rows in the core
+
+
+def seconds(call, repeats=3):
+    """Shortest of a few times."""
+    times = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - began)
+    return min(times)
+
+
+@pytest.mark.parametrize("build, few", [(revolute_chain, 100), (four_bar_ladder, 40)])
+def test_time_before_the_first_step_grows_in_proportion(build, few):
+    """Four times the bodies: 4 for linear growth, 16 for quadratic; 8 leaves room for a busy machine."""
+    spent = []
+    for n in (few, 4 * few):
+        system = build(n)
+        compiled, data = at_reference(system)
+        parts = (lambda s=system: compile_system(s), lambda c=compiled, d=data: choose_rows(c.model, d), system.state)
+        spent.append([seconds(part) for part in parts])
+    assert (np.divide(*spent[::-1]) < 8.0).all()
+
+
+def test_check_of_a_chain_and_of_a_ladder():
+    chain, ladder = revolute_chain(150).check(), four_bar_ladder(25).check()
+    assert (chain.rank, chain.rows, chain.mobility) == (750, 750, 150)
+    assert chain.neighbour_ranks == (750, 750)
+    assert (ladder.rank, ladder.redundant, ladder.mobility) == (305, 75, 1)
+    assert len(ladder.shares) == 76
+    assert not any(share.force_unique and share.moment_unique for share in ladder.shares)
+
+
+def test_cure_of_a_ladder_is_found_and_cures():
+    """One hinge per loop becomes a point on a line: 2 of 5 rows."""
+    n = 15
+    system = four_bar_ladder(n)
+    (cure,) = system.check().cures
+    assert cure.rows_removed == 3 * n
+    weaker = dict(cure.replacements)
+    assert set(weaker.values()) == {"PointOnLine"}
+    joints = [PointOnLine(j.a, j.b, at=j.at, axis=j.axis) if system.name(j) in weaker else j for j in system.joints]
+    cured = System(bodies=system.bodies, joints=joints)
+    A = dense_rows(*at_reference(cured))
+    assert independent_rows(A)[0].size == len(A) == 6 * len(system.bodies) - 1
+
+
+@pytest.mark.parametrize("n", [2, 20])
+def test_misfit_of_a_hinge_is_found_in_short_and_in_long_ladders(n):
+    """The last hinge is built 1 um out of line along its axis: play, and the only misfit there is."""
+    system, out = four_bar_ladder(n), 1e-6
+    *others, last = system.joints
+    off = Revolute(last.a, last.b, at=last.at, at_b=last.at + out * last.axis, axis=last.axis, name="off")
+    found = System(bodies=system.bodies, joints=[*others, off]).check()
+    assert found.verdict.startswith("redundant within the as-built tolerance")
+    assert (found.mobility, found.redundant) == (1, 3 * n)
+    assert found.misfit == pytest.approx(out, rel=1e-3)  # second-order tilt of the rods
+
+
+def test_a_ladder_assembles_as_parallelograms_do():
+    """All rods turn by the angle of the first, no coupler turns."""
+    n, angle = 20, 0.35
+    system = four_bar_ladder(n)
+    state = system.assemble(angles={"foot 0": angle})
+    for body, pose in zip(system.bodies, state.q.reshape(-1, 7), strict=True):
+        turned = logarithm(multiply(pose[3:], conjugate(body.orientation)))
+        expected = angle * system.joints[0].axis if body.name.startswith("rod") else np.zeros(3)
+        np.testing.assert_allclose(turned, expected, atol=1e-12)  # rounding, times a condition of about 100
+
+
+def test_reactions_of_a_ladder_are_told_apart():
+    system = four_bar_ladder(16)
+    solution = simulate(system, 0.05, output=3)
+    feet = [solution.reaction(f"foot {k}") for k in (0, 9)]
+    assert not any(foot.unique for foot in feet)
+    assert solution.certificate.passed, solution.certificate.failures
+    assert solution.record.svd_calls == 1
+
+
+@pytest.mark.parametrize("expected", [0, 5, 64])
+def test_samples_are_kept_whatever_their_number(expected):
+    rng = np.random.default_rng(1)
+    widths = (1, 5, 12, 3, 0, 2, 2, 2)
+    rows = rng.normal(size=(64, sum(widths)))
+    taken = Samples(widths, expected)
+    for part in np.split(rows, [1, 1, 9, 40]):
+        taken.take(part)
+    arrays = taken.finished()
+    assert tuple(arrays) == QUANTITIES
+    np.testing.assert_array_equal(np.concatenate(list(arrays.values()), axis=1), rows)
+    assert all(array.flags.c_contiguous for array in arrays.values())
+
+
+def test_a_small_buffer_gives_the_same_samples(monkeypatch):
+    system, method = revolute_chain(3), RK4(0.01)
+    whole = [simulate(system, 0.5, method=method, output=output) for output in (190, None)]
+    monkeypatch.setattr(samples, "BUFFER", 1)
+    monkeypatch.setattr(samples, "FEWEST", 2)
+    for first, output in zip(whole, (190, None), strict=True):
+        again = simulate(system, 0.5, method=method, output=output)
+        for name, array in first.arrays.items():
+            np.testing.assert_array_equal(again.arrays[name], array)
+
+
+def test_a_run_holds_its_samples_once(monkeypatch):
+    """Peak of what is allocated, certificate included, against what is stored."""
+    monkeypatch.setattr(samples, "BUFFER", 2**16)
+    system = revolute_chain(100)
+    state = system.state()
+    simulate(system, 0.004, state=state, method=RK4(0.001))
+    tracemalloc.start()
+    solution = simulate(system, 0.4, state=state, method=RK4(0.001), output=401)
+    assert solution.certificate.passed
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    stored = sum(array.nbytes for name, array in solution.arrays.items() if name not in ("q", "z"))  # views
+    assert stored > 9e6
+    assert peak < 1.6 * stored + 4e6  # a tenth for each temporary of one quantity; model and work space 4 MB
+
+
+@pytest.mark.slow
+def test_check_of_a_thousand_bodies_and_of_a_hundred_loops():
+    assert seconds(revolute_chain(1000).check, 1) < 10.0
+    assert seconds(four_bar_ladder(100).check, 1) < 10.0
+
+
+@pytest.mark.slow
+def test_five_thousand_bodies_run():
+    system = revolute_chain(5000)
+    solution = simulate(system, 0.004, method=RK4(0.001), output=5)
+    assert solution.certificate.passed, solution.certificate.failures
+
+
+@pytest.mark.slow
+def test_a_thousand_bodies_a_thousand_samples_in_400_megabytes():
+    script = """if True:
+        import resource
+        from models import revolute_chain
+        from mbsd3d import RK4, simulate
+        def peak():
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        simulate(revolute_chain(3), 0.01, method=RK4(0.001)).certificate
+        system = revolute_chain(1000)
+        before = peak()
+        solution = simulate(system, 0.999, method=RK4(0.001), output=1000)
+        assert solution.certificate.passed, solution.certificate.failures
+        print(peak() - before)
+    """
+    command = [sys.executable, "-c", script]
+    path = {"PYTHONPATH": f"{HERE}:{HERE.parent}"}
+    found = subprocess.run(command, env={**os.environ, **path}, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr[-2000:]
+    assert float(found.stdout) < 400.0
