@@ -392,34 +392,6 @@ def revolute_chain(n, seed=1):
     return System(bodies=bodies, joints=joints)
 
 
-def four_bar_ladder(n, tilt=0.7, lean=0.4):
-    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows.
-
-    The rods lean by an angle [rad]; at a right angle all rods lie on one line, a singular pose.
-    """
-    R = matrix(mbsd3d.rotation((1.0, 2.0, 3.0), tilt))
-
-    def place(x, z):
-        return R @ np.array([x, 0.0, z])
-
-    axis, r_G = R[:, 1], (0.03, 0.01, -0.05)
-    foot = [np.array([1.0 * k, 0.0]) for k in range(n + 1)]
-    head = [at + [np.sin(lean), np.cos(lean)] for at in foot]
-
-    def rod(name, near, far, mass):
-        inertia = (0.02 * mass, 0.09 * mass, 0.085 * mass)
-        middle = place(*(0.45 * near + 0.55 * far))
-        return Body(name, mass, inertia, com=r_G, position=middle, orientation=R)
-
-    rods = [rod(f"rod {k}", foot[k], head[k], 1.0 + 0.1 * (k % 3)) for k in range(n + 1)]
-    couplers = [rod(f"coupler {k}", head[k], head[k + 1], 1.3 - 0.1 * (k % 2)) for k in range(n)]
-    joints = [Revolute(GROUND, rods[k], at=place(*foot[k]), axis=axis, name=f"foot {k}") for k in range(n + 1)]
-    for k in range(n):
-        joints.append(Revolute(rods[k], couplers[k], at=place(*head[k]), axis=axis, name=f"left {k}"))
-        joints.append(Revolute(couplers[k], rods[k + 1], at=place(*head[k + 1]), axis=axis, name=f"right {k}"))
-    return System(bodies=[*rods, *couplers], joints=joints)
-
-
 def random_loops(seed, n=14):
     """n general bodies on a random tree of joints, loops closed by joints that coincide there, doubled hinges, a gear.
 

@@ -11,7 +11,6 @@ from models import (
     at_reference,
     dense_rows,
     direction,
-    four_bar_ladder,
     middle,
     random_body,
     random_loops,
@@ -28,6 +27,7 @@ from mbsd3d.rank import Analysis, redundant_combinations
 from mbsd3d.rotations import matrix, multiply
 from mbsd3d.selection import independent_rows, scaled_rows
 from validation import cases
+from validation.mechanisms import ladder
 
 ROUNDING = 1e-11  # of rows of order one, times what an elimination with pivots down to 1e-3 may make of it
 
@@ -111,7 +111,7 @@ def test_rank_of_the_mechanism_with_all_joints(seed):
 @pytest.mark.parametrize("lean", [0.4, 0.0])
 def test_rank_of_a_ladder_away_from_and_at_its_change_point(lean):
     """2 n + 1 bodies in a plane: one freedom; laid flat a second one (Whittaker), so that the rank is one less."""
-    system = four_bar_ladder(30, lean=np.pi / 2 if lean == 0.0 else lean)
+    system = ladder(30, lean=np.pi / 2 if lean == 0.0 else lean)
     found = check_against_dense(system, 64)
     freedoms = 6 * len(system.bodies) - found.rank
     assert freedoms == (1 if lean else independent_freedoms_of_a_flat_ladder(30))
@@ -157,7 +157,7 @@ def test_universal_joint_at_its_gimbal_lock_loses_a_row():
 
 
 def test_redundant_combinations_are_orthonormal():
-    compiled, data = at_reference(four_bar_ladder(12))
+    compiled, data = at_reference(ladder(12))
     N = redundant_combinations(scaled_rows(compiled.model, data))
     np.testing.assert_allclose(N.T @ N, np.eye(36), atol=1e-13)
     assert np.abs(dense_rows(compiled, data).T @ N).max() < ROUNDING
@@ -189,7 +189,7 @@ def test_contradicting_rows_are_met_in_the_sense_of_least_squares():
 
 
 def test_rows_that_are_not_finite_are_refused():
-    compiled, data = at_reference(four_bar_ladder(2))
+    compiled, data = at_reference(ladder(2))
     data.row["J"][7, 1, 2] = np.nan
     with pytest.raises(ValueError, match="row 7 of the Jacobian is not finite"):
         Analysis(scaled_rows(compiled.model, data))

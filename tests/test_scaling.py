@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models import at_reference, dense_rows, four_bar_ladder, revolute_chain
+from models import at_reference, dense_rows, revolute_chain
 
 from mbsd3d import RK4, PointOnLine, Revolute, System, samples, simulate
 from mbsd3d.elimination import Elimination
@@ -17,6 +17,7 @@ from mbsd3d.model import compile_system
 from mbsd3d.rotations import conjugate, logarithm, multiply
 from mbsd3d.samples import QUANTITIES, Samples
 from mbsd3d.selection import choose_rows, independent_rows, scaled_rows
+from validation.mechanisms import ladder
 
 HERE = Path(__file__).parent
 
@@ -29,7 +30,7 @@ def work(system):
     return sum(step.F.size * (1 + step.rest.size) for step in left.steps), schur.skyline.size
 
 
-@pytest.mark.parametrize("build", [revolute_chain, four_bar_ladder])
+@pytest.mark.parametrize("build", [revolute_chain, ladder])
 def test_work_of_choosing_rows_is_proportional_to_the_number_of_bodies(build):
     small, large = work(build(80)), work(build(320))
     for few, many in zip(small, large, strict=True):
@@ -46,7 +47,7 @@ def seconds(call, repeats=3):
     return min(times)
 
 
-@pytest.mark.parametrize("build, few", [(revolute_chain, 100), (four_bar_ladder, 40)])
+@pytest.mark.parametrize("build, few", [(revolute_chain, 100), (ladder, 40)])
 def test_time_before_the_first_step_grows_in_proportion(build, few):
     """Four times the bodies: 4 for linear growth, 16 for quadratic; 8 leaves room for a busy machine."""
     spent = []
@@ -59,18 +60,18 @@ def test_time_before_the_first_step_grows_in_proportion(build, few):
 
 
 def test_check_of_a_chain_and_of_a_ladder():
-    chain, ladder = revolute_chain(150).check(), four_bar_ladder(25).check()
+    chain, rungs = revolute_chain(150).check(), ladder(25).check()
     assert (chain.rank, chain.rows, chain.mobility) == (750, 750, 150)
     assert chain.neighbour_ranks == (750, 750)
-    assert (ladder.rank, ladder.redundant, ladder.mobility) == (305, 75, 1)
-    assert len(ladder.shares) == 76
-    assert not any(share.force_unique and share.moment_unique for share in ladder.shares)
+    assert (rungs.rank, rungs.redundant, rungs.mobility) == (305, 75, 1)
+    assert len(rungs.shares) == 76
+    assert not any(share.force_unique and share.moment_unique for share in rungs.shares)
 
 
 def test_cure_of_a_ladder_is_found_and_cures():
     """One hinge per loop becomes a point on a line: 2 of 5 rows."""
     n = 15
-    system = four_bar_ladder(n)
+    system = ladder(n)
     (cure,) = system.check().cures
     assert cure.rows_removed == 3 * n
     weaker = dict(cure.replacements)
@@ -84,7 +85,7 @@ def test_cure_of_a_ladder_is_found_and_cures():
 @pytest.mark.parametrize("n", [2, 20])
 def test_misfit_of_a_hinge_is_found_in_short_and_in_long_ladders(n):
     """The last hinge is built 1 um out of line along its axis: play, and the only misfit there is."""
-    system, out = four_bar_ladder(n), 1e-6
+    system, out = ladder(n), 1e-6
     *others, last = system.joints
     off = Revolute(last.a, last.b, at=last.at, at_b=last.at + out * last.axis, axis=last.axis, name="off")
     found = System(bodies=system.bodies, joints=[*others, off]).check()
@@ -96,7 +97,7 @@ def test_misfit_of_a_hinge_is_found_in_short_and_in_long_ladders(n):
 def test_a_ladder_assembles_as_parallelograms_do():
     """All rods turn by the angle of the first, no coupler turns."""
     n, angle = 20, 0.35
-    system = four_bar_ladder(n)
+    system = ladder(n)
     state = system.assemble(angles={"foot 0": angle})
     for body, pose in zip(system.bodies, state.q.reshape(-1, 7), strict=True):
         turned = logarithm(multiply(pose[3:], conjugate(body.orientation)))
@@ -105,7 +106,7 @@ def test_a_ladder_assembles_as_parallelograms_do():
 
 
 def test_reactions_of_a_ladder_are_told_apart():
-    system = four_bar_ladder(16)
+    system = ladder(16)
     solution = simulate(system, 0.05, output=3)
     feet = [solution.reaction(f"foot {k}") for k in (0, 9)]
     assert not any(foot.unique for foot in feet)
@@ -157,7 +158,7 @@ def test_a_run_holds_its_samples_once(monkeypatch):
 @pytest.mark.slow
 def test_check_of_a_thousand_bodies_and_of_a_hundred_loops():
     assert seconds(revolute_chain(1000).check, 1) < 10.0
-    assert seconds(four_bar_ladder(100).check, 1) < 10.0
+    assert seconds(ladder(100).check, 1) < 10.0
 
 
 @pytest.mark.slow

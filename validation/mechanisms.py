@@ -37,10 +37,13 @@ def mujoco_chain(n: int, dt: float) -> Any:
     return spec.compile()
 
 
-def ladder(n: int, tilt: float = 0.7) -> System:
-    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows."""
+def ladder(n: int, tilt: float = 0.7, lean: float = 0.4) -> System:
+    """n parallelograms side by side in a tilted plane, neighbours share a rod: one freedom, 3 n redundant rows.
+
+    The rods lean by an angle [rad]; at a right angle all rods lie on one line, a singular pose.
+    """
     R = matrix(rotation((1.0, 2.0, 3.0), tilt))
-    axis, lean, com = R[:, 1], 0.4, (0.03, 0.01, -0.05)
+    axis, com = R[:, 1], (0.03, 0.01, -0.05)
     foot = [np.array([1.0 * k, 0.0]) for k in range(n + 1)]
     head = [at + [np.sin(lean), np.cos(lean)] for at in foot]
 
