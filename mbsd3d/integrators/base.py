@@ -14,12 +14,14 @@ from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, finite
 
-RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
+RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION, NOT_CONVERGED, STIFF = range(11)
 
 # places in Run.clock and Run.count
 T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
 RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
-STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
+STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD, STIFF_TESTS, CALM_TESTS = (
+    range(11)
+)
 
 NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
 
@@ -37,7 +39,7 @@ class Run(NamedTuple):
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
     clock: np.ndarray  # (16,) see T ... NORMAL_STEP
-    count: np.ndarray  # (9,) see STEPS ... ON_MANIFOLD
+    count: np.ndarray  # (11,) see STEPS ... CALM_TESTS
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows

@@ -1,12 +1,13 @@
 """The eighth-order method of Dormand and Prince with seventh-order dense output; coefficients as scipy holds them."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853 as SCIPY
 
 from ..parts import number
-from .runge_kutta import Table
+from .runge_kutta import Table, advance
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class DOP853:
     max_step: float = np.inf
 
     order = 8
+    loop = staticmethod(advance)
 
     def __post_init__(self) -> None:
         if self.dt is not None:
@@ -44,3 +46,7 @@ class DOP853:
             order=8,
             steps=steps,
         )
+
+    def own(self, compiled: Any, table: Table) -> tuple:
+        """What the time loop takes beside model, work space, rows and run."""
+        return (table,)

@@ -101,13 +101,9 @@ def stages(m, d, s, table, run, h):
 
 
 @inner_kernel
-def body_error(m, run, weights, h):
-    """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, all in scale."""
+def state_error(m, run):
+    """Greatest square of run.work over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, in scale."""
     n = m.body.shape[0]
-    clear(run.work)
-    for j in range(weights.shape[0]):
-        if weights[j] != 0.0:
-            add_scaled(run.work, h * weights[j], run.K[j])
     speed, turn = run.clock[SPEED], run.clock[TURN]
     worst = 0.0
     for i in range(n):
@@ -123,6 +119,16 @@ def body_error(m, run, weights, h):
     for j in range(m.state.shape[0]):
         worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
     return worst
+
+
+@inner_kernel
+def body_error(m, run, weights, h):
+    """`state_error` of the weighted sum of the stages, times h."""
+    clear(run.work)
+    for j in range(weights.shape[0]):
+        if weights[j] != 0.0:
+            add_scaled(run.work, h * weights[j], run.K[j])
+    return state_error(m, run)
 
 
 @inner_kernel
