@@ -8,7 +8,7 @@ from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.saddle import SOLVED
-from ..kernels.vectors import add_scaled, copy, finite, put, rotate, scale
+from ..kernels.vectors import copy, finite, put, rotate, scale
 from .alpha_memory import FIRST, LAST, MADE, OF_MATRIX
 from .base import (
     CHOOSE_ROWS,
@@ -35,7 +35,7 @@ from .base import (
     rows_hold,
     start,
 )
-from .newton import filtered, fill_matrix, lu_solve, residual
+from .newton import fill_matrix, filtered, lu_solve, residual
 from .runge_kutta import LOCAL, end_of_step, outputs, state_error
 
 ITERATIONS = 12  # of Newton's method in one attempt
@@ -92,8 +92,24 @@ def correct(m, s, run, w, h_v):
 
 
 @inner_kernel
+def predict(run, g, c, h, steady):
+    """First guess of the rates and multipliers: those at the start, or rates that let the pose go on with v.
+
+    Where the start rings in a stiff force, v_dot h^2 is large and the first guess far away: the steady one is not.
+    """
+    copy(g.newton.rate, g.rate)
+    copy(g.newton.lam, g.lam)
+    if steady:
+        for k in range(g.rate.shape[0]):
+            a = g.rate[k] + h * g.shift[k]
+            a_new = a * (1.0 - 0.5 / c.beta)
+            g.newton.rate[k] = ((1.0 - c.alpha_m) * a_new + c.alpha_m * a - c.alpha_f * g.rate[k]) / (1.0 - c.alpha_f)
+        g.flag[MADE] = 0
+
+
+@inner_kernel
 def solve_step(m, d, s, run, g, c, t, h):
-    """Newton's method for the rates and multipliers at the end of the step; True where it converges.
+    """Newton's method for the rates and multipliers at the end of the step from their guess; True if it converges.
 
     The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW.
     """
@@ -101,8 +117,6 @@ def solve_step(m, d, s, run, g, c, t, h):
     size = 6 * n + m.z_work + s.place.shape[0]
     change = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
-    copy(w.rate, g.rate)
-    copy(w.lam, g.lam)
     reach = 1.0 + m.length / (h * run.clock[SPEED])  # rounding of q is one of v, divided by h
     tolerance = max(NEWTON * run.clock[RTOL], 10.0 * reach * rounding(m, run.y))
     stale = g.flag[MADE] == 0 or abs(g.h[OF_MATRIX] - h_v) > 1e-6 * h_v
@@ -171,7 +185,12 @@ def attempt(m, d, s, run, g, c):
         if h < run.clock[MIN_STEP]:
             return NOT_CONVERGED, t_new, h
         error = np.inf
-        if solve_step(m, d, s, run, g, c, t_new, h):
+        predict(run, g, c, h, False)
+        solved = solve_step(m, d, s, run, g, c, t_new, h)
+        if not solved:
+            predict(run, g, c, h, True)
+            solved = solve_step(m, d, s, run, g, c, t_new, h)
+        if solved:
             error = 0.0 if fixed else local_error(m, d, s, run, g, c, h)
         elif fixed:
             return NOT_CONVERGED, t_new, h

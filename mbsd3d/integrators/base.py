@@ -14,14 +14,14 @@ from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, finite
 
-RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION, NOT_CONVERGED, STIFF = range(11)
+RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
+NOT_CONVERGED, STIFF = 9, 10
 
 # places in Run.clock and Run.count
 T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
 RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
-STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD, STIFF_TESTS, CALM_TESTS = (
-    range(11)
-)
+STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
+STIFF_TESTS, CALM_TESTS = 9, 10
 
 NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
 

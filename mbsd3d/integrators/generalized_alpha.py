@@ -80,6 +80,7 @@ class GeneralizedAlpha:
         return Table(
             A=none, b=np.zeros(1), c=np.zeros(1), error=np.zeros((2, 1)), A_dense=np.zeros((0, 2)),
             c_dense=np.zeros(0), D=np.zeros((0, 2)), order=2, steps=steps,
+            patience=np.inf,
         )  # fmt: skip
 
     def own(self, compiled: Any, table: Table) -> tuple:

@@ -10,6 +10,7 @@ from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from .base import (
+    CALM_TESTS,
     CHOOSE_ROWS,
     CONDITION,
     DONE,
@@ -34,6 +35,8 @@ from .base import (
     STEP,
     STEP_TOO_SMALL,
     STEPS,
+    STIFF,
+    STIFF_TESTS,
     STOPPED,
     T_END,
     T_START,
@@ -52,6 +55,9 @@ from .base import (
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
 SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
+STABLE = 6.1  # h |lambda| up to which the eighth-order method is stable (Hairer, Norsett, Wanner II, IV.2)
+TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
+SUSPICIOUS, CALM = 15, 6
 
 
 class Table(NamedTuple):
@@ -66,6 +72,7 @@ class Table(NamedTuple):
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
     order: int
     steps: int  # number of equal steps, 0 = adaptive
+    patience: float  # steps times bodies that a run may still need where stability limits its step; inf = any number
 
 
 @inner_kernel
@@ -102,7 +109,7 @@ def stages(m, d, s, table, run, h):
 
 @inner_kernel
 def state_error(m, run):
-    """Greatest square of run.work over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, in scale."""
+    """Greatest square in run.work over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, in scale."""
     n = m.body.shape[0]
     speed, turn = run.clock[SPEED], run.clock[TURN]
     worst = 0.0
@@ -144,6 +151,36 @@ def error_norm(m, table, run, h):
     if run.count[ON_MANIFOLD] == 1:
         tolerance = max(tolerance, PASSAGE_TOLERANCE)
     return e5 / np.sqrt(e5 + 0.01 * e3) / tolerance
+
+
+@inner_kernel
+def fastest_rate(m, table, run, h):
+    """h |lambda| from the last stage Y and the end y of the step, both at t + h: h |f(y) - f(Y)| / |y - Y|."""
+    n = table.c.shape[0]
+    clear(run.work)
+    for j in range(n):
+        add_scaled(run.work, h * (table.b[j] - table.A[n - 1, j]), run.K[j])
+    apart = state_error(m, run)
+    copy(run.work, run.K[n])
+    add_scaled(run.work, -1.0, run.K[n - 1])
+    return h * np.sqrt(state_error(m, run) / apart) if apart > 0.0 else 0.0
+
+
+@inner_kernel
+def is_stiff(m, table, run, h):
+    """True where stability limits the step again and again, and the rest of the run would exceed the patience."""
+    if run.count[STIFF_TESTS] == 0 and run.count[STEPS] % TEST_EVERY > 0:
+        return False
+    if fastest_rate(m, table, run, h) > STABLE:
+        run.count[STIFF_TESTS] += 1
+        run.count[CALM_TESTS] = 0
+    else:
+        run.count[CALM_TESTS] += 1
+        if run.count[CALM_TESTS] == CALM:
+            run.count[STIFF_TESTS] = 0
+            run.count[CALM_TESTS] = 0
+    left = (run.clock[T_END] - run.clock[T]) / h * m.body.shape[0]
+    return run.count[STIFF_TESTS] >= SUSPICIOUS and left > table.patience
 
 
 @inner_kernel
@@ -263,6 +300,8 @@ def step(m, d, s, table, run):
     run.clock[T] = t_new
     run.count[STEPS] += 1
     if table.steps == 0:
+        if table.patience < np.inf and is_stiff(m, table, run, h):
+            return STIFF
         factor = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error ** (-1.0 / table.order)))
         run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
     was_near = run.count[ON_MANIFOLD] == 1
