@@ -24,7 +24,7 @@ from .progress import Progress
 from .selection import choose_rows, dense_jacobian
 from .solution import Solution
 from .state import State
-from .stiffness import stiffest
+from .stiffness import check_forces
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples a buffer holds
@@ -37,10 +37,6 @@ FAILURES = {
     ),
     base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
     base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
-    base.STIFF: (
-        "the model is stiff: stability, not accuracy, limits the step",
-        "use GeneralizedAlpha(), or DOP853(stiff='run') to go on all the same",
-    ),
     base.NOT_CONVERGED: (
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
     ),
@@ -146,6 +142,9 @@ class Job:
                 self.event("nearly dependent rows passed", False)
             elif status == base.CHOOSE_ROWS:
                 self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
+            elif status == base.STIFF:
+                check_forces(self.compiled, run.y, run.clock[base.T], run.clock[base.STEP], self.solution)
+                self.own = (self.table._replace(patience=np.inf),)
             elif status == base.STOPPED:
                 self.record.stopped_by = f"{self.stop_when} at t = {run.clock[base.T]:.9g} s"
                 return
@@ -268,9 +267,7 @@ class Job:
         solution = self.solution()
         part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.clock[base.STEP]))
         what, advice = FAILURES[status]
-        if status == base.STIFF:
-            part = stiffest(self.compiled, self.compiled.data(), self.memory.y, t)
-        elif part:
+        if part:
             what, advice = "a part returns values that are not finite", "correct its parameters or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
 

@@ -1,11 +1,14 @@
 """Which force makes a model stiff: the fastest rate that each force element gives to the bodies it acts on."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
+from .errors import IntegrationError
 from .evaluation import load_rows
+from .integrators.stiff import FAST
 from .kernels.kinematics import displace_body
 from .kernels.loads import loads
 from .model import Compiled, inertia_about_origin
@@ -14,13 +17,22 @@ from .rotations import matrix
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
 
 
-def stiffest(compiled: Compiled, data: Any, y: np.ndarray, t: float) -> str | None:
-    """Name of the force with the fastest rate [1/s], and that rate; None without forces."""
-    rates = [force_rate(compiled, data, y, t, k) for k in range(len(compiled.system.forces))]
-    if not rates or not max(rates) > 0.0:
-        return None
-    k = int(np.argmax(rates))
-    return f"force '{compiled.system.name(compiled.system.forces[k])}' (about {rates[k]:.2g} 1/s)"
+def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable) -> None:
+    """IntegrationError naming the force whose own rate [1/s] explains why steps h [s] cannot be longer, if one does.
+
+    ``solution()`` gives what was computed so far.
+    """
+    rates = [force_rate(compiled, compiled.data(), y, t, k) for k in range(len(compiled.system.forces))]
+    k = int(np.argmax(rates)) if rates else 0
+    if not rates or rates[k] * h < FAST:
+        return
+    raise IntegrationError(
+        f"the model is stiff (rate {rates[k]:.2g} 1/s): stability, not accuracy, limits the step to {h:.2g} s",
+        time=float(t),
+        part=f"force '{compiled.system.name(compiled.system.forces[k])}'",
+        solution=solution(),
+        advice="use GeneralizedAlpha(), or DOP853(stiff='run') to go on all the same",
+    )
 
 
 def force_rate(compiled: Compiled, data: Any, y: np.ndarray, t: float, k: int) -> float:

@@ -12,7 +12,7 @@ LAST, OF_MATRIX = range(2)  # Alpha.h: last step, step that the matrix belongs t
 
 
 class Weights(NamedTuple):
-    """Coefficients of the method for one spectral radius rho, and of its local errors C_q h^3 d3q, C_v h^3 d3v."""
+    """Coefficients of the method for one rho, and of its local errors: C_q h^3 d3q/dt3, C_v h^3 d3v/dt3."""
 
     alpha_m: float
     alpha_f: float

@@ -156,6 +156,27 @@ def references(m, d, run):
 
 
 @inner_kernel
+def state_error(m, run):
+    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw| and audit states in their scales."""
+    n = m.body.shape[0]
+    speed, turn = run.clock[SPEED], run.clock[TURN]
+    worst = 0.0
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        x = run.work
+        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
+        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
+        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
+        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
+        worst = max(worst, shift, angle, linear, angular)
+        if not np.isfinite(shift + angle + linear + angular):
+            return np.inf
+    for j in range(m.state.shape[0]):
+        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
+    return worst
+
+
+@inner_kernel
 def rows_hold(m, d, s, run):
     """True while the chosen rows are well independent and the skipped ones are satisfied."""
     run.clock[RESIDUAL] = 0.0

@@ -25,7 +25,7 @@ class DOP853:
     max_step : float
         Longest step [s].
     stiff : "stop" or "run"
-        What to do where stability, not accuracy, limits the steps (h |lambda| > 6.1 in 15 tests) and the rest of the
+        What to do where stability, not accuracy, limits the steps (h |lambda| > 3.4 in 15 tests) and the rest of the
         run needs more than 2e5 steps times bodies: stop with an `IntegrationError` that names the force, or go on.
     """
 

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from ..parts import number
+from .alpha_loop import integrate
 from .alpha_memory import Alpha, weights
-from .alpha_step import integrate
 from .newton import Newton
 from .runge_kutta import Table
 

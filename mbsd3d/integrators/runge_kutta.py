@@ -10,7 +10,6 @@ from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from .base import (
-    CALM_TESTS,
     CHOOSE_ROWS,
     CONDITION,
     DONE,
@@ -31,16 +30,13 @@ from .base import (
     RTOL,
     RUNNING,
     SMALLEST,
-    SPEED,
     STEP,
     STEP_TOO_SMALL,
     STEPS,
     STIFF,
-    STIFF_TESTS,
     STOPPED,
     T_END,
     T_START,
-    TURN,
     WRITTEN,
     T,
     condition,
@@ -49,15 +45,14 @@ from .base import (
     rows_hold,
     sample,
     start,
+    state_error,
     write,
 )
+from .stiff import is_stiff
 
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
 SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
-STABLE = 6.1  # h |lambda| up to which the eighth-order method is stable (Hairer, Norsett, Wanner II, IV.2)
-TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
-SUSPICIOUS, CALM = 15, 6
 
 
 class Table(NamedTuple):
@@ -108,27 +103,6 @@ def stages(m, d, s, table, run, h):
 
 
 @inner_kernel
-def state_error(m, run):
-    """Greatest square in run.work over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, in scale."""
-    n = m.body.shape[0]
-    speed, turn = run.clock[SPEED], run.clock[TURN]
-    worst = 0.0
-    for i in range(n):
-        q, u = 7 * i, 7 * n + 6 * i
-        x = run.work
-        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
-        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
-        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
-        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
-        worst = max(worst, shift, angle, linear, angular)
-        if not np.isfinite(shift + angle + linear + angular):
-            return np.inf
-    for j in range(m.state.shape[0]):
-        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
-    return worst
-
-
-@inner_kernel
 def body_error(m, run, weights, h):
     """`state_error` of the weighted sum of the stages, times h."""
     clear(run.work)
@@ -151,36 +125,6 @@ def error_norm(m, table, run, h):
     if run.count[ON_MANIFOLD] == 1:
         tolerance = max(tolerance, PASSAGE_TOLERANCE)
     return e5 / np.sqrt(e5 + 0.01 * e3) / tolerance
-
-
-@inner_kernel
-def fastest_rate(m, table, run, h):
-    """h |lambda| from the last stage Y and the end y of the step, both at t + h: h |f(y) - f(Y)| / |y - Y|."""
-    n = table.c.shape[0]
-    clear(run.work)
-    for j in range(n):
-        add_scaled(run.work, h * (table.b[j] - table.A[n - 1, j]), run.K[j])
-    apart = state_error(m, run)
-    copy(run.work, run.K[n])
-    add_scaled(run.work, -1.0, run.K[n - 1])
-    return h * np.sqrt(state_error(m, run) / apart) if apart > 0.0 else 0.0
-
-
-@inner_kernel
-def is_stiff(m, table, run, h):
-    """True where stability limits the step again and again, and the rest of the run would exceed the patience."""
-    if run.count[STIFF_TESTS] == 0 and run.count[STEPS] % TEST_EVERY > 0:
-        return False
-    if fastest_rate(m, table, run, h) > STABLE:
-        run.count[STIFF_TESTS] += 1
-        run.count[CALM_TESTS] = 0
-    else:
-        run.count[CALM_TESTS] += 1
-        if run.count[CALM_TESTS] == CALM:
-            run.count[STIFF_TESTS] = 0
-            run.count[CALM_TESTS] = 0
-    left = (run.clock[T_END] - run.clock[T]) / h * m.body.shape[0]
-    return run.count[STIFF_TESTS] >= SUSPICIOUS and left > table.patience
 
 
 @inner_kernel
@@ -300,8 +244,6 @@ def step(m, d, s, table, run):
     run.clock[T] = t_new
     run.count[STEPS] += 1
     if table.steps == 0:
-        if table.patience < np.inf and is_stiff(m, table, run, h):
-            return STIFF
         factor = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error ** (-1.0 / table.order)))
         run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
     was_near = run.count[ON_MANIFOLD] == 1
@@ -309,6 +251,8 @@ def step(m, d, s, table, run):
         return CHOOSE_ROWS
     if run.clock[SMALLEST] >= NEARLY_SINGULAR:
         run.clock[NORMAL_STEP] = h
+    if table.steps == 0 and table.patience < np.inf and is_stiff(m, table, run, h):
+        return STIFF
     return PASSED if was_near and run.count[ON_MANIFOLD] == 0 else RUNNING
 
 
