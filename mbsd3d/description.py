@@ -17,6 +17,7 @@ from . import contacts, couplings, drivers, forces, joints, signals
 from .forces import ForceElement
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
+from .integrators.generalized_alpha import GeneralizedAlpha
 from .integrators.rk4 import RK4
 from .job import Record
 from .joints import Joint
@@ -47,7 +48,7 @@ def own_types() -> dict[str, type]:
             if kind.__module__ == module.__name__ and issubclass(kind, base):
                 if getattr(kind, content) is not getattr(base, content):
                     found[name] = kind
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, DOP853, RK4, Kinematic)
+    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, DOP853, RK4, GeneralizedAlpha, Kinematic)
     return found | {kind.__name__: kind for kind in others}
 
 

@@ -157,7 +157,7 @@ def references(m, d, run):
 
 @inner_kernel
 def state_error(m, run):
-    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw| and audit states in their scales."""
+    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw| audit states, in their scales."""
     n = m.body.shape[0]
     speed, turn = run.clock[SPEED], run.clock[TURN]
     worst = 0.0
