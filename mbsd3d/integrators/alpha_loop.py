@@ -68,13 +68,11 @@ def attempt(m, d, s, run, g, c):
 @inner_kernel
 def ends(m, run, g, h):
     """Rates at both ends that make the dense output: velocities and z quadratic with the slopes of a."""
-    n = m.body.shape[0]
-    for j in range(7 * n):
-        run.K[0, j] = run.dy[j]
-    for k in range(7 * n, run.y.shape[0]):
+    for k in range(7 * m.body.shape[0], run.y.shape[0]):
         slope = (run.trial[k] - run.y[k]) / h
-        run.K[0, k] = slope - 0.5 * h * g.jerk_new[k]
+        run.dy[k] = slope - 0.5 * h * g.jerk_new[k]
         run.K[1, k] = slope + 0.5 * h * g.jerk_new[k]
+    copy(run.K[0], run.dy)
 
 
 @inner_kernel
