@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import all_joints_mechanism, consistent_state, pendulum
+from models import all_joints_mechanism, consistent_state, derivative, pendulum
 from test_order import swinging
 
 from mbsd3d import (
@@ -21,10 +21,11 @@ from mbsd3d import (
 from mbsd3d.integrators.alpha_memory import weights
 from mbsd3d.integrators.alpha_step import move
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
-from mbsd3d.integrators.newton import fill_matrix, residual
+from mbsd3d.integrators.newton import fill_matrix, residual, tangent
 from mbsd3d.job import Job
 from mbsd3d.model import compile_system
 from mbsd3d.progress import Progress
+from mbsd3d.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
 from validation import cases
 
 T = 0.5
@@ -134,8 +135,6 @@ def on_a_bushing(stiffness=1e8, speed=0.3):
         "block", mass, (0.1, 0.2, 0.15), com=com, position=place, orientation=frame,
         velocity=speed * np.array([1.0, -0.7, 0.4]), omega=(0, 0, 0),
     )  # fmt: skip
-    from mbsd3d.rotations import as_quaternion, matrix
-
     centre = place + matrix(as_quaternion(frame, "")) @ com
     hold = Bushing(GROUND, body, at=centre, stiffness=stiffness, axes=rotation((0.2, 1, 1), 0.5))
     return System([body], forces=[hold], gravity=(0, 0, 0)), np.sqrt(stiffness / mass)
@@ -177,6 +176,15 @@ def test_numerical_damping_is_shown_by_the_certificate():
     assert lost[0.5] > 0.99 and abs(lost[1.0]) < 1e-6  # Newton's tolerance; the trapezoidal rule keeps linear energy
 
 
+@pytest.mark.parametrize("size", [1e-6, 0.02, 0.04, 0.9, 2.8])
+def test_tangent_of_the_exponential_map(size):
+    """T(x) a against differences of exp(x)^-1 exp(x + h a); both branches of the formula."""
+    x, a = size * np.array([0.3, -0.8, 0.5]), np.array([0.7, 0.4, -1.1])
+    back = conjugate(exponential(x))
+    expected = derivative(lambda h: logarithm(multiply(back, exponential(x + h * a))))
+    assert tangent(tuple(x), tuple(a)) == pytest.approx(expected, abs=1e-9)  # differences: 1e-12 of fifth derivatives
+
+
 def test_matrix_is_the_derivative_of_the_residual():
     """Every joint, driver and a stiff bushing: complex steps against central differences of the whole step."""
     system = all_joints_mechanism(21)
@@ -203,7 +211,7 @@ def test_matrix_is_the_derivative_of_the_residual():
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         return w.x[:size].copy()
 
-    def matrix():
+    def slopes():
         fill_matrix(m, d, s, w, t, run.trial, h_q, h_v)
         return w.A[:size, :size].copy()
 
@@ -212,16 +220,16 @@ def test_matrix_is_the_derivative_of_the_residual():
     for _ in range(4):
         r = evaluate(x)
         sizes.append(np.abs(r).max())
-        x = x - np.linalg.solve(matrix(), r)
+        x = x - np.linalg.solve(slopes(), r)
     assert sizes[3] < 1e-6 * sizes[0]  # the matrix is right enough for Newton's method, ...
     evaluate(x)
-    found, step = matrix(), 1e-2
+    found, step = slopes(), 1e-2
     for j in range(0, size, 7):
         e = np.zeros(size)
         e[j] = step
         near, far = evaluate(x + e) - evaluate(x - e), evaluate(x + 2 * e) - evaluate(x - 2 * e)
         exact = (8 * near - far) / (12 * step)
-        # ... and to the curvature of c = 0 over the projected distance exact; every term of it is larger than this
+        # ... and exact but for the curvature of c = 0; stiffness, damping and projection are far larger
         assert np.abs(found[:, j] - exact).max() < 1e-4 * np.abs(exact).max()
 
 

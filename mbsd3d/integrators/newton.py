@@ -74,7 +74,7 @@ def residual(m, d, s, t, y, rate, lam, h_v, r):
                     r[6 * b + j] += d.row[k].J[slot, j] * lam[k]
 
 
-@inner_kernel
+@kernel
 def tangent(x, a):
     """T(x) a: turn of the end of exp(x) when x changes by a, both in body axes (Bruels, Cardona, Arnold 2012)."""
     square = dot(x, x)
