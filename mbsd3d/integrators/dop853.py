@@ -27,6 +27,14 @@ class DOP853:
     stiff : "stop" or "run"
         What to do where stability, not accuracy, limits the steps (h |lambda| > 3.4 in 15 tests) and the rest of the
         run needs more than 2e5 steps times bodies: stop with an `IntegrationError` that names the force, or go on.
+
+    Examples
+    --------
+    >>> from mbsd3d import DOP853, Body, System, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> run = simulate(System([stone]), 0.5, method=DOP853(dt=0.25))
+    >>> round(float(run.position(stone)[-1, 2]), 5), run.certificate.steps
+    (0.27375, 2)
     """
 
     dt: float | None = None
