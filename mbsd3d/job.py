@@ -11,8 +11,7 @@ from .errors import AssemblyError, IntegrationError
 from .evaluation import driven_coordinates, load_rows, load_state, worst_joint
 from .integrators import base
 from .integrators.base import Run
-from .integrators.driven import Kinematic, follow
-from .integrators.runge_kutta import advance
+from .integrators.driven import Kinematic
 from .kernels.dynamics import arrive
 from .kernels.jit import is_warm, mark_warm
 from .kernels.kinds import PROJECTION
@@ -26,6 +25,7 @@ from .samples import Samples, buffer_size
 from .selection import block_rows, choose_rows
 from .solution import Solution
 from .state import State
+from .stiffness import check_forces
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
@@ -36,6 +36,9 @@ FAILURES = {
     ),
     base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
     base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    base.NOT_CONVERGED: (
+        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
+    ),
 }  # fmt: skip
 
 
@@ -74,6 +77,7 @@ class Job:
         self.record = Record(method, rtol, compiled.switches, own, kinematic)
         steps = int(np.ceil((t_end - start.t) / method.dt - 1e-9)) if getattr(method, "dt", None) else 0
         self.table = method.table(max(steps, 1) if getattr(method, "dt", None) else 0) if method.order else None
+        self.own = method.own(compiled, self.table)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.schur = None
@@ -88,7 +92,7 @@ class Job:
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(16), np.zeros(9, np.int64)
+        clock, count = np.zeros(16), np.zeros(11, np.int64)
         clock[base.T] = clock[base.T_START] = t
         clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
         clock[base.SMALLEST] = 1.0
@@ -139,6 +143,9 @@ class Job:
                 self.event("nearly dependent rows passed", False)
             elif status == base.CHOOSE_ROWS:
                 self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
+            elif status == base.STIFF:
+                check_forces(self.compiled, run.y, run.clock[base.T], run.clock[base.STEP], self.solution)
+                self.own = (self.table._replace(patience=np.inf),)
             elif status == base.STOPPED:
                 self.record.stopped_by = f"{self.stop_when} at t = {run.clock[base.T]:.9g} s"
                 return
@@ -149,9 +156,7 @@ class Job:
 
     def call(self, budget: int) -> int:
         """The compiled loop of the method."""
-        if self.table is None:
-            return follow(self.model, self.data, self.schur, self.memory, budget)
-        return advance(self.model, self.data, self.schur, self.table, self.memory, budget)
+        return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
 
     def choose(self, why: str) -> None:
         """Choose the independent rows at the present state; a change after the start is a rank event."""
@@ -203,7 +208,7 @@ class Job:
         rate = rate if np.isfinite(rate) else 1.0
         rate = max(rate, 1.0 / horizon)
         run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
-        run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** 0.125 / rate)
+        run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** (1.0 / (self.method.order or 8)) / rate)
 
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""

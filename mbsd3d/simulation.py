@@ -9,6 +9,7 @@ from .assembly import reference_state
 from .integrators import base
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
+from .integrators.generalized_alpha import GeneralizedAlpha
 from .integrators.rk4 import RK4
 from .job import Job
 from .measures import Condition
@@ -20,7 +21,7 @@ from .solution import Solution
 from .state import State
 from .system import System
 
-METHODS = (DOP853, RK4, Kinematic)
+METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
 
 
 def simulate(
@@ -49,7 +50,7 @@ def simulate(
         End time [s], hit exactly.
     state : State or None
         Start; None = ``system.state()``, the reference pose with solved velocities.
-    method : DOP853, RK4, Kinematic or None
+    method : DOP853, RK4, GeneralizedAlpha, Kinematic or None
         None = DOP853().
     rtol : float
         Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.

@@ -15,11 +15,13 @@ from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, finite
 
 RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
+NOT_CONVERGED, STIFF = 9, 10
 
 # places in Run.clock and Run.count
 T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
 RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
 STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
+STIFF_TESTS, CALM_TESTS = 9, 10
 
 NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
 
@@ -37,7 +39,7 @@ class Run(NamedTuple):
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
     clock: np.ndarray  # (16,) see T ... NORMAL_STEP
-    count: np.ndarray  # (9,) see STEPS ... ON_MANIFOLD
+    count: np.ndarray  # (11,) see STEPS ... CALM_TESTS
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
@@ -151,6 +153,27 @@ def references(m, d, run):
         turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
         run.clock[SPEED] = max(run.clock[SPEED], speed, m.length * turn)
         run.clock[TURN] = max(run.clock[TURN], turn)
+
+
+@inner_kernel
+def state_error(m, run):
+    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw| audit states, in their scales."""
+    n = m.body.shape[0]
+    speed, turn = run.clock[SPEED], run.clock[TURN]
+    worst = 0.0
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        x = run.work
+        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
+        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
+        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
+        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
+        worst = max(worst, shift, angle, linear, angular)
+        if not np.isfinite(shift + angle + linear + angular):
+            return np.inf
+    for j in range(m.state.shape[0]):
+        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
+    return worst
 
 
 @inner_kernel

@@ -1,6 +1,8 @@
 """Fully driven systems: at every sample the pose by assembly, velocity and acceleration by linear solves."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +47,15 @@ class Kinematic:
     def __post_init__(self) -> None:
         if not self.max_step > 0.0:
             raise ValueError(f"Kinematic: max_step {self.max_step} is not positive; give a time > 0")
+
+    @property
+    def loop(self) -> Callable:
+        """The compiled loop over the output times."""
+        return follow
+
+    def own(self, compiled: Any, table: None) -> tuple:
+        """What the loop takes beside model, work space, rows and run."""
+        return ()
 
 
 @inner_kernel

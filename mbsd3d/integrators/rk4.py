@@ -1,11 +1,12 @@
 """The classical fourth-order method with fixed steps; dense output by cubic Hermite, which keeps the order."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..parts import number
-from .runge_kutta import Table
+from .runge_kutta import Table, advance
 
 
 @dataclass(frozen=True)
@@ -15,6 +16,7 @@ class RK4:
     dt: float
 
     order = 4
+    loop = staticmethod(advance)
     max_step = np.inf
 
     def __post_init__(self) -> None:
@@ -32,4 +34,9 @@ class RK4:
             D=np.zeros((0, 5)),
             order=4,
             steps=steps,
+            patience=np.inf,
         )
+
+    def own(self, compiled: Any, table: Table) -> tuple:
+        """What the time loop takes beside model, work space, rows and run."""
+        return (table,)

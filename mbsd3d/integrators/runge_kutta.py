@@ -30,14 +30,13 @@ from .base import (
     RTOL,
     RUNNING,
     SMALLEST,
-    SPEED,
     STEP,
     STEP_TOO_SMALL,
     STEPS,
+    STIFF,
     STOPPED,
     T_END,
     T_START,
-    TURN,
     WRITTEN,
     T,
     condition,
@@ -46,8 +45,10 @@ from .base import (
     rows_hold,
     sample,
     start,
+    state_error,
     write,
 )
+from .stiff import is_stiff
 
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
@@ -66,6 +67,7 @@ class Table(NamedTuple):
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
     order: int
     steps: int  # number of equal steps, 0 = adaptive
+    patience: float  # steps times bodies that a run may still need where stability limits its step; inf = any number
 
 
 @inner_kernel
@@ -102,27 +104,12 @@ def stages(m, d, s, table, run, h):
 
 @inner_kernel
 def body_error(m, run, weights, h):
-    """Greatest squared error over bodies and states: |dr|/L, rotation angle, |dv|, |dw|, audit states, all in scale."""
-    n = m.body.shape[0]
+    """`state_error` of the weighted sum of the stages, times h."""
     clear(run.work)
     for j in range(weights.shape[0]):
         if weights[j] != 0.0:
             add_scaled(run.work, h * weights[j], run.K[j])
-    speed, turn = run.clock[SPEED], run.clock[TURN]
-    worst = 0.0
-    for i in range(n):
-        q, u = 7 * i, 7 * n + 6 * i
-        x = run.work
-        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
-        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
-        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
-        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
-        worst = max(worst, shift, angle, linear, angular)
-        if not np.isfinite(shift + angle + linear + angular):
-            return np.inf
-    for j in range(m.state.shape[0]):
-        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
-    return worst
+    return state_error(m, run)
 
 
 @inner_kernel
@@ -264,6 +251,8 @@ def step(m, d, s, table, run):
         return CHOOSE_ROWS
     if run.clock[SMALLEST] >= NEARLY_SINGULAR:
         run.clock[NORMAL_STEP] = h
+    if table.steps == 0 and table.patience < np.inf and is_stiff(m, table, run, h):
+        return STIFF
     return PASSED if was_near and run.count[ON_MANIFOLD] == 0 else RUNNING
 
 

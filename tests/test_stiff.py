@@ -1,0 +1,216 @@
+"""Stiff models: the governor against its reduced equations, a 1e8 N/m bushing, and DOP853 that says it is stiff."""
+
+import time
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    Body,
+    Bushing,
+    Fixed,
+    IntegrationError,
+    Prismatic,
+    Revolute,
+    Spherical,
+    SpringDamper,
+    System,
+    rotation,
+    simulate,
+)
+from mbsd3d.evaluation import pack
+from mbsd3d.integrators import dop853
+from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
+from mbsd3d.model import compile_system
+from mbsd3d.stiffness import force_rate
+from validation import cases
+
+# the IFToMM benchmark A05, stiff flyball governor
+K, C, L0 = 8e5, 4e4, 0.5  # N/m, N s/m, m
+ROD, BALL, SLIDER, GAUGE = 0.3, 5.0, 3.0, 0.01  # kg, kg, kg, m (rods and shaft 1 x 0.01 x 0.01 m)
+OFFSET, START, OMEGA, G = 0.05, np.radians(30), 2 * np.pi, 9.81  # m from the axis, rad, rad/s, m/s^2
+CENTRE = (ROD * 0.5 + BALL) / (ROD + BALL)  # m, from the hinge
+ALONG = ROD * GAUGE**2 / 6
+ACROSS = ROD * (1 + GAUGE**2) / 12 + ROD * (CENTRE - 0.5) ** 2 + BALL * (1 - CENTRE) ** 2
+
+
+def governor():
+    """Shaft, slider on it, two rods with balls, and the springs that replace the coupler rods."""
+    thin, thick = ROD * (1 + GAUGE**2) / 12, ROD * GAUGE**2 / 6
+    spin = (0, 0, OMEGA)
+    shaft = Body("shaft", ROD, (thin, thin, thick), com=(0, 0, 0.5), omega=spin)
+    slider = Body("slider", SLIDER, (SLIDER * 0.02 / 12,) * 3, position=(0, 0, 0.5), velocity=(0, 0, 0))
+    joints = [
+        Revolute(GROUND, shaft, at=(0, 0, 0), axis=(0, 0, 1)),
+        Prismatic(shaft, slider, at=(0, 0, 0.5), axis=(0, 0, 1)),
+    ]
+    bodies, springs = [shaft, slider], []
+    for name, side in (("right", 1.0), ("left", -1.0)):
+        hinge = np.array([side * OFFSET, 0, 1])
+        along = np.array([side * np.cos(START), 0, -np.sin(START)])
+        frame = np.column_stack([along, (0, 1, 0), np.cross(along, (0, 1, 0))])
+        rod = Body(
+            name, ROD + BALL, (ALONG, ACROSS, ACROSS), com=(CENTRE, 0, 0), position=hinge, orientation=frame, omega=spin
+        )
+        bodies.append(rod)
+        joints.append(Revolute(shaft, rod, at=hinge, axis=(0, 1, 0)))
+        ends = {"at_a": (side * OFFSET, 0, 0.5), "at_b": hinge + 0.5 * along}
+        springs.append(SpringDamper(slider, rod, **ends, stiffness=K, damping=C, length=L0, name=f"{name} coupler"))
+    return System(bodies, joints, springs, gravity=(0, 0, -G))
+
+
+def reduced(t, x):
+    """The governor by hand: slider height s, rod angle b below the horizontal, angular momentum about the axis."""
+    s, b, s_dot, b_dot, momentum = x
+    hinged = ACROSS + (ROD + BALL) * CENTRE**2
+    lever = 2 * OFFSET * (ROD + BALL) * CENTRE
+    about = (
+        ROD * GAUGE**2 / 6 + SLIDER * 0.02 / 12
+        + 2 * ((ROD + BALL) * OFFSET**2 + lever * np.cos(b) + hinged * np.cos(b) ** 2 + ALONG * np.sin(b) ** 2)
+    )  # fmt: skip
+    slope = 2 * (-lever * np.sin(b) + 2 * (ALONG - hinged) * np.sin(b) * np.cos(b))
+    gap = np.array([0.5 * np.cos(b), 1 - 0.5 * np.sin(b) - s])
+    gap_b = np.array([-0.5 * np.sin(b), -0.5 * np.cos(b)])
+    length = np.hypot(*gap)
+    length_b, length_s = gap @ gap_b / length, -gap[1] / length
+    pull = K * (length - L0) + C * (length_b * b_dot + length_s * s_dot)
+    s_ddot = -G - 2 * pull * length_s / SLIDER
+    spin = momentum / about
+    b_ddot = (0.25 * spin**2 * slope + (ROD + BALL) * G * CENTRE * np.cos(b) - pull * length_b) / hinged
+    return [s_dot, b_dot, s_ddot, b_ddot, 0.0]
+
+
+@cache
+def slider_height():
+    """(times, s) of the benchmark by an implicit method of another kind on the reduced equations."""
+    hinged = ACROSS + (ROD + BALL) * CENTRE**2
+    about = (
+        ROD * GAUGE**2 / 6 + SLIDER * 0.02 / 12
+        + 2 * ((ROD + BALL) * OFFSET**2 + 2 * OFFSET * (ROD + BALL) * CENTRE * np.cos(START)
+               + hinged * np.cos(START) ** 2 + ALONG * np.sin(START) ** 2)
+    )  # fmt: skip
+    times, start = np.linspace(0, 2, 41), [0.5, START, 0.0, 0.0, about * OMEGA]
+    return times, solve_ivp(reduced, (0, 2), start, "Radau", times, rtol=1e-10, atol=1e-12).y[0]
+
+
+def test_dop853_meets_the_governor_by_hand():
+    times, expected = slider_height()
+    run = simulate(governor(), 2.0, rtol=1e-9, output=times)
+    assert run.position("slider")[:, 2] == pytest.approx(expected, abs=1e-8)  # 10 rtol; Radau's 1e-10 times 41 outputs
+    assert np.ptp(expected) > 0.2
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
+def test_governor_with_fixed_steps_is_of_second_order(rho):
+    times, expected = slider_height()
+    errors = []
+    for n in (256, 512, 1024):
+        run = simulate(governor(), 2.0, method=GeneralizedAlpha(dt=2.0 / n, rho=rho), rtol=1e-4, output=times)
+        errors.append(np.abs(run.position("slider")[:, 2] - expected).max())
+        assert run.certificate.steps == n and run.certificate.passed, run.certificate.failures
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.15)
+    assert errors[-1] < 1e-4  # m
+
+
+def test_governor_with_adaptive_steps():
+    times, expected = slider_height()
+    explicit = simulate(governor(), 2.0, rtol=1e-4, output=times)
+    run = simulate(governor(), 2.0, rtol=1e-6, method=GeneralizedAlpha(), output=times)
+    assert run.certificate.passed, run.certificate.failures
+    assert np.abs(run.position("slider")[:, 2] - expected).max() < 1e-4  # 1e2 rtol m
+    assert run.certificate.steps < 0.6 * explicit.certificate.steps  # which stability keeps from longer ones
+
+
+def sensor(damping=2e4, rigid=False, mass=0.02):
+    """A slow pendulum of general shape that carries a light sensor on a bushing of 1e8 N/m (or rigidly)."""
+    arm = Body(
+        "arm", 40.0, (9.0, 7.0, 8.0), com=(0.3, -0.4, -2.9), position=(0.3, 0.1, 0.2),
+        orientation=rotation((1, 2, 0.5), 0.2),
+    )  # fmt: skip
+    at = arm.position + np.array([0.4, -0.3, -3.0])
+    inertia = 1e-3 * mass * np.array([1.0, 1.2, 0.9])
+    load = Body(
+        "load", mass, inertia, com=(0.02, -0.01, 0.03), position=at + np.array([0.03, 0.02, -0.02]),
+        orientation=rotation((1, -0.3, 0.5), 0.7),
+    )  # fmt: skip
+    pin, forces = Spherical(GROUND, arm, at=(0.25, 0.2, 0.1)), []
+    if not rigid:
+        stiff = {"stiffness": 1e8, "turning_stiffness": 1e5, "damping": damping, "turning_damping": 1e-3 * damping}
+        forces = [Bushing(arm, load, at=at, axes=rotation((1, 2, 3), 0.4), name="mount", **stiff)]
+    return System([arm, load], [pin, Fixed(arm, load, at=at)] if rigid else [pin], forces)
+
+
+def test_bushing_of_1e8_at_a_thousand_times_the_step_of_dop853():
+    """Both held to 1e-4; the mount gives by (m a / k) 2e-9 m, so the rigid model is the reference, solved to 1e-10."""
+    t_end, n = 2.0, 160
+    exact = simulate(sensor(rigid=True), t_end, rtol=1e-10, output=11)
+    run = simulate(sensor(), t_end, method=GeneralizedAlpha(dt=t_end / n), rtol=1e-4, output=11)
+    size = run.compiled.model.length
+    assert np.abs(run.position("load") - exact.position("load")).max() < 1e-4 * size
+    assert run.certificate.passed, run.certificate.failures
+    piece = 2e-3  # s: past the first transient of 1e-4 s, DOP853 needs the same steps for ever
+    explicit = simulate(sensor(), piece, method=DOP853(stiff="run"), rtol=1e-4)
+    ratio = (t_end / n) / (piece / explicit.certificate.steps)
+    assert ratio > 1000, ratio
+
+
+def test_adaptive_steps_leave_the_stiff_scale_behind():
+    exact = simulate(sensor(rigid=True), 2.0, rtol=1e-10, output=11)
+    run = simulate(sensor(), 2.0, method=GeneralizedAlpha(), rtol=1e-5, output=11)
+    assert run.certificate.passed, run.certificate.failures
+    assert run.certificate.steps < 1000  # DOP853 needs more than a million
+    assert np.abs(run.position("load") - exact.position("load")).max() < 1e2 * 1e-5 * run.compiled.model.length
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-8])
+def test_dop853_stops_on_a_stiff_model_and_says_what_to_do(rtol):
+    simulate(sensor(), 1e-4, rtol=rtol)  # compiled, and short: a stiff run that ends soon goes on
+    began = time.perf_counter()
+    with pytest.raises(IntegrationError, match="stiff.*'mount'.*GeneralizedAlpha") as error:
+        simulate(sensor(), 2.0, rtol=rtol)
+    assert time.perf_counter() - began < 5.0  # s, as promised for bad input
+    assert error.value.time < 0.1 and error.value.solution.t.size > 15
+    assert "force 'mount'" in error.value.part
+
+
+def test_dop853_goes_on_where_the_user_insists():
+    run = simulate(sensor(), 0.02, method=DOP853(stiff="run"), rtol=1e-4, output=2)
+    assert run.certificate.steps > 10000 and run.t[-1] == 0.02
+
+
+def test_the_named_force_is_the_fastest():
+    """Rates of single elements against the closed form: one mass between a soft and a hard spring."""
+    block = Body("block", 2.0, (0.1, 0.1, 0.1), position=(1.0, 0, 0))
+    springs = [
+        SpringDamper(GROUND, block, at_a=(0, 0, 0), at_b=(1, 0, 0), stiffness=k, damping=c)
+        for k, c in ((50.0, 0.0), (8e5, 0.0), (0.0, 4e4))
+    ]
+    compiled = compile_system(System([block], forces=springs))
+    y = pack(compiled, compiled.system.state())
+    found = [force_rate(compiled, compiled.data(), y, 0.0, k) for k in range(3)]
+    # k/m = rate^2, c/m = rate; differences of 1e-7 leave seven digits of the force, the root of a double zero four
+    assert found == pytest.approx([np.sqrt(25.0), np.sqrt(4e5), 2e4], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", [n for n in cases.names(timed=True)])
+def test_no_case_is_called_stiff(monkeypatch, name):
+    """Without any patience, at loose and at tight tolerances: none of the mechanisms owes its steps to a force."""
+    monkeypatch.setattr(dop853, "PATIENCE", 0.0)
+    case = cases.load(name, 3)
+    for rtol in (1e-3, 1e-5, 1e-8, 1e-11):
+        assert simulate(case.system, min(case.t_end, 3.0), rtol=rtol, output=2).final.t > 0.0
+
+
+def test_a_long_run_that_resolves_a_vibration_is_not_stiff(monkeypatch):
+    """An oscillator seen at full size for a thousand periods: accuracy limits the step, not stability."""
+    monkeypatch.setattr(dop853, "PATIENCE", 0.0)
+    block = Body("block", 2.0, (0.1, 0.1, 0.1), position=(1.3, 0, 0), velocity=(0.4, 0, 0))
+    spring = SpringDamper(GROUND, block, at_a=(0, 0, 0), at_b=(1.3, 0, 0), stiffness=8e5)
+    period = 2 * np.pi / np.sqrt(4e5)
+    for rtol in (1e-3, 1e-8):
+        run = simulate(System([block], forces=[spring], gravity=(0, 0, 0)), 1000 * period, rtol=rtol, output=2)
+        assert run.certificate.steps > 1000
