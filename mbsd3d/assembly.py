@@ -16,7 +16,7 @@ from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
 from .measures import Measure
-from .model import Compiled, compile_system
+from .model import Compiled, compile_system, initial_states
 from .parts import number
 from .rotations import conjugate, logarithm, multiply
 from .selection import dense_jacobian
@@ -26,9 +26,9 @@ from .velocities import with_velocities
 
 
 def reference_pose(system: Any, t: float = 0.0) -> State:
-    """Poses as described; velocities zero."""
+    """Poses and own states as described; velocities zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
-    return State(t, q, np.zeros(6 * len(system.bodies)))
+    return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 
 def reference_state(system: Any, as_built: float | None = None) -> State:

@@ -198,7 +198,8 @@ def equation_checks(solution: Any) -> list[Check]:
     data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
     model = compiled.model._replace(gamma=1.0, stabilisation=0)
     out = np.zeros((t.size, n, 4))
-    newton_euler(model, data, t, arrays["state"], arrays["acceleration"], arrays["lam"], out)
+    coordinates = np.ascontiguousarray(arrays["coordinate"])
+    newton_euler(model, data, t, arrays["state"], coordinates, arrays["acceleration"], arrays["lam"], out)
     force, moment = max(largest(out[..., 2]), scale.force), max(largest(out[..., 3]), scale.moment)
     relative = np.maximum(out[..., 0] / force, out[..., 1] / moment)
     worst = int(np.argmax(relative.max(axis=0))) if t.size else 0
