@@ -15,7 +15,7 @@ from .kernels.kinematics import displace, displace_body, kinematics
 from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
-from .measures import Measure
+from .measures import Measure, check_members
 from .model import Compiled, compile_system, initial_states
 from .parts import number
 from .rotations import conjugate, logarithm, multiply
@@ -164,6 +164,7 @@ def assemble(
     for probe in probes:
         if not isinstance(probe, Measure):
             raise ValueError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
+        check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
     wanted = []
     for values, kind in ((angles, "angle"), (slides, "slide")):

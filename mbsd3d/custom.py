@@ -211,3 +211,13 @@ class CustomForce(FunctionForce):
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
             name=self.name,
         )  # fmt: skip
+
+
+def check_runnable(system: Any) -> None:
+    """ValueError for a system whose custom forces have lost their functions."""
+    for force in system.forces:
+        if isinstance(force, SavedForce):
+            raise ValueError(
+                f"force '{system.name(force)}': its function was not saved with the solution, so the system cannot be "
+                "run; build it again with CustomForce(function, ...)"
+            )

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from . import contacts, couplings, drivers, forces, joints, signals
+from . import contacts, couplings, drivers, feedback, forces, joints, signals
+from .custom import CustomForce, SavedForce
 from .forces import ForceElement
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
@@ -41,13 +42,14 @@ def own_types() -> dict[str, type]:
         (contacts, Joint, "rows"),
         (drivers, Joint, "rows"),
         (forces, ForceElement, "record"),
+        (feedback, ForceElement, "record"),
         (signals, Signal, "terms"),
     ):
         for name, kind in inspect.getmembers(module, inspect.isclass):
             if kind.__module__ == module.__name__ and issubclass(kind, base):
                 if getattr(kind, content) is not getattr(base, content):
                     found[name] = kind
-    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, DOP853, RK4, Kinematic)
+    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, DOP853, RK4, Kinematic, SavedForce)
     return found | {kind.__name__: kind for kind in others}
 
 
@@ -55,11 +57,12 @@ TYPES: Mapping[str, type] = MappingProxyType(own_types())
 
 
 class Writer:
-    """Turns values into JSON-able ones; bodies and joints of the system become references to their place in it."""
+    """Turns values into JSON-able ones; bodies, joints and forces of the system become references to their place."""
 
     def __init__(self, system: System) -> None:
         self.references: dict[int, dict] = {id(body): {"body": i} for i, body in enumerate(system.bodies)}
         self.references |= {id(joint): {"joint": i} for i, joint in enumerate(system.joints)}
+        self.references |= {id(force): {"force": i} for i, force in enumerate(system.forces)}
 
     def value(self, value: Any, what: str) -> Any:
         """One value; ``what`` names it in errors."""
@@ -84,6 +87,8 @@ class Writer:
     def part(self, part: Any, what: str) -> dict[str, Any]:
         """Type and fields of a part, a signal or a method."""
         kind = type(part)
+        if kind is CustomForce:
+            raise ValueError(f"{what}: its function cannot be written to a file; build this force in Python")
         if TYPES.get(kind.__name__) is not kind:
             raise ValueError(
                 f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
@@ -94,10 +99,11 @@ class Writer:
 
 
 class Reader:
-    """The way back; joints are built when one first refers to them."""
+    """The way back; joints and forces are built when one first refers to them."""
 
-    def __init__(self, bodies: list, joint_data: list) -> None:
+    def __init__(self, bodies: list, joint_data: list, force_data: list) -> None:
         self.joint_data, self.joints = joint_data, {}
+        self.force_data, self.forces = force_data, {}
         self.bodies: list = []
         self.bodies = [self.part(entry) for entry in bodies]
 
@@ -114,6 +120,8 @@ class Reader:
             return GROUND if inner == "ground" else self.bodies[self.index(inner, len(self.bodies), "body")]
         if key == "joint":
             return self.joint(inner)
+        if key == "force":
+            return self.force(inner)
         if key == "array":
             return self.array(inner)
         if key == "map" and isinstance(inner, dict):
@@ -138,13 +146,21 @@ class Reader:
 
     def joint(self, index: Any) -> Joint:
         """The joint at a place; one that is under construction refers to itself."""
-        index = self.index(index, len(self.joint_data), "joint")
-        if index not in self.joints:
-            self.joints[index] = None
-            self.joints[index] = self.part(self.joint_data[index])
-        if self.joints[index] is None:
-            raise ValueError(f"system description: joint {index} refers to itself; refer to another joint")
-        return self.joints[index]
+        return self.once(index, self.joint_data, self.joints, "joint")
+
+    def force(self, index: Any) -> ForceElement:
+        """The force at a place, likewise."""
+        return self.once(index, self.force_data, self.forces, "force")
+
+    def once(self, index: Any, data: list, built: dict, kind: str) -> Any:
+        """A part of a list that is built when first asked for."""
+        index = self.index(index, len(data), kind)
+        if index not in built:
+            built[index] = None
+            built[index] = self.part(data[index])
+        if built[index] is None:
+            raise ValueError(f"system description: {kind} {index} refers to itself; refer to another {kind}")
+        return built[index]
 
     def part(self, data: Any) -> Any:
         """A part from its type and fields, checked by its own constructor."""
@@ -177,13 +193,15 @@ def exact(built: Any, stored: Any) -> Any:
     return stored if built.dtype == stored.dtype and np.allclose(built, stored, rtol=1e-14, atol=0.0) else built
 
 
-def describe(system: System) -> dict[str, Any]:
+def describe(system: System, *, without_functions: bool = False) -> dict[str, Any]:
     """A system as JSON-able data: type names and fields, bodies and joints referred to by their place.
 
     Parameters
     ----------
     system : System
         Made of the package's own parts.
+    without_functions : bool
+        Write a CustomForce as what is left of it without its function, for results; otherwise it is refused.
 
     Returns
     -------
@@ -196,10 +214,12 @@ def describe(system: System) -> dict[str, Any]:
         If a part holds something that is no number, text, array or part of the package, e.g. a function.
     """
     write = Writer(system)
-    lists = {
-        kind: [write.part(part, f"{type(part).__name__} '{system.name(part)}'") for part in getattr(system, kind)]
-        for kind in ("bodies", "joints", "forces")
-    }
+
+    def written(part: Any) -> dict[str, Any]:
+        left = part.saved() if without_functions and isinstance(part, CustomForce) else part
+        return write.part(left, f"{type(part).__name__} '{system.name(part)}'")
+
+    lists = {kind: [written(part) for part in getattr(system, kind)] for kind in ("bodies", "joints", "forces")}
     return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}
 
 
@@ -232,9 +252,9 @@ def read_system(data: Any) -> tuple[System, Reader]:
     for kind, entries in lists.items():
         if not isinstance(entries, list):
             raise ValueError(f"system description: {kind} is {entries!r}; give a list")
-    reader = Reader(lists["bodies"], lists["joints"])
+    reader = Reader(lists["bodies"], lists["joints"], lists["forces"])
     built = [reader.joint(i) for i in range(len(lists["joints"]))]
-    acting = [reader.part(entry) for entry in lists["forces"]]
+    acting = [reader.force(i) for i in range(len(lists["forces"]))]
     return System(reader.bodies, built, acting, gravity=data.get("gravity")), reader
 
 

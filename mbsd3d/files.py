@@ -75,7 +75,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     Parameters
     ----------
     solution : Solution
-        Of a system that `describe` can write.
+        Of a system that `describe` can write; of a CustomForce all but its function is kept.
     path : str or Path
         ".npz" is appended if it is missing; an older file is replaced in one go.
 
@@ -99,7 +99,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         "format": SOLUTION,
         "version": FORMAT,
         "written_by": package_version(),
-        "system": describe(system),
+        "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
         "estimate": {"error": known and known.error, "order": known and known.order},

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from .custom import check_runnable
 from .drivers import SpeedDriver
 from .errors import AssemblyError, IntegrationError
 from .evaluation import driven_coordinates, load_rows, load_state, worst_joint
+from .growth import Growth
 from .integrators import base
 from .integrators.base import Run
 from .integrators.driven import Kinematic, follow
@@ -67,6 +69,8 @@ class Job:
     ) -> None:  # fmt: skip
         self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
         self.stop_when = stop_when
+        check_runnable(compiled.system)
+        self.growth = Growth(compiled, start.t)
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
         kinematic = isinstance(method, Kinematic)
@@ -130,6 +134,8 @@ class Job:
             status = self.call(budget)
             spent = time.perf_counter() - began
             progress.update(run.clock[base.T])
+            if self.grows():
+                raise self.growth.error(self.data, float(run.clock[base.T]), self.solution())
             if status == base.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == base.FULL:
@@ -238,6 +244,13 @@ class Job:
                 f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
                 "give another value or another start"
             )
+
+    def grows(self) -> bool:
+        """True for a motion that grows without end."""
+        run = self.memory
+        return self.growth.without_end(
+            run.y, int(run.count[base.STEPS]), float(run.clock[base.T]), float(run.clock[base.SPEED])
+        )
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""

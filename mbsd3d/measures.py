@@ -53,6 +53,17 @@ class Condition:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
 
 
+def check_members(system: Any, measure: Measure, what: str) -> None:
+    """A measure speaks of bodies and forces of this system, or a ValueError."""
+    members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
+    for part in (measure.a, measure.b, measure.part or GROUND):
+        if id(part) not in members:
+            kind = "force" if part is measure.part else "body"
+            raise ValueError(
+                f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
+            )
+
+
 UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
 
 

@@ -17,6 +17,7 @@ from .base import (
     EVERY,
     FRESH,
     FULL,
+    LANDINGS,
     MAX_STEP,
     MIN_STEP,
     NEARLY_SINGULAR,
@@ -34,14 +35,16 @@ from .base import (
     STEP,
     STEP_TOO_SMALL,
     STEPS,
-    STOPPED,
     T_END,
     T_START,
     TURN,
     WRITTEN,
     T,
-    condition,
-    locate,
+    first_crossing,
+    halt,
+    hermite,
+    may_come_true,
+    missing_time,
     references,
     rows_hold,
     sample,
@@ -121,7 +124,13 @@ def body_error(m, run, weights, h):
         if not np.isfinite(shift + angle + linear + angular):
             return np.inf
     for j in range(m.state.shape[0]):
-        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
+        scale = m.state[j].unit * speed ** m.state[j].power
+        if j < m.z_work:
+            scale = max(scale, abs(run.y[13 * n + j]))  # own states come in any size
+        error = (run.work[13 * n + j] / scale) ** 2
+        if not np.isfinite(error):
+            return np.inf
+        worst = max(worst, error)
     return worst
 
 
@@ -144,11 +153,7 @@ def error_norm(m, table, run, h):
 def dense(m, d, s, table, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     n = table.c.shape[0]
-    for k in range(run.y.shape[0]):
-        step = run.trial[k] - run.y[k]
-        run.F[0, k] = step
-        run.F[1, k] = h * run.K[0, k] - step
-        run.F[2, k] = 2.0 * step - h * (run.K[n, k] + run.K[0, k])
+    hermite(run, h, run.K[n])
     for i in range(table.c_dense.shape[0]):
         stage = n + 1 + i
         copy(run.work, run.y)
@@ -167,30 +172,49 @@ def dense(m, d, s, table, run, h):
 
 
 @inner_kernel
+def land(m, d, s, table, run, h, x):
+    """Time at which the condition comes true, with the state there in trial: steps of length x from the start.
+
+    As exact as the method, where dense output of lower order would be less; NaN if such a step has no solution.
+    """
+    n, t = table.c.shape[0], run.clock[T]
+    for left in range(LANDINGS, 0, -1):
+        if not stages(m, d, s, table, run, x):
+            return np.nan
+        status, result = arrive(m, d, s, t + x, run.trial, run.K[n])
+        run.count[EVALUATIONS] += 1
+        if status != PROJECTED or result != SOLVED or not finite(run.K[n]):
+            return np.nan
+        dt = missing_time(m, d, run, h, t + x, run.K[n])
+        if left == 1 or abs(dt) <= 1e-16 * h:
+            break
+        x = min(max(x + dt, 0.0), h)
+    return t + x
+
+
+@inner_kernel
 def outputs(m, d, s, table, run, t_new, h):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
-    t_old, t_last, stopped = run.clock[T], t_new, False
+    t_last, stopped, watched = t_new, False, run.count[CONDITION] >= 0
     inside = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_new
-    if run.count[CONDITION] >= 0:
-        stopped = condition(m, d, run, t_new, run.trial) >= 0.0 and condition(m, d, run, t_old, run.y) < 0.0
-    if inside or stopped:
+    suspect = watched and may_come_true(m, d, run, h, t_new, run.K[table.c.shape[0]])
+    if inside or suspect:
         if not dense(m, d, s, table, run, h):
             return NO_SOLUTION
+        x = first_crossing(m, d, run, h, t_new) if suspect else -1.0
+        stopped = x >= 0.0
         if stopped:
-            t_last = locate(m, d, run, t_old, h)
+            t_last = land(m, d, s, table, run, h, x * h)
+        t_old = run.clock[T]
         while run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_last:
             if run.count[WRITTEN] == run.out.shape[0] - 2:
                 return FULL
             if not sample(m, d, s, run, t_old, h, run.times[run.count[NEXT]]):
                 return NO_SOLUTION
             run.count[NEXT] += 1
-        if stopped:
-            if not sample(m, d, s, run, t_old, h, t_last):
-                return NO_SOLUTION
-            copy(run.trial, run.work)
-            run.clock[T] = t_last
-            return STOPPED
-    if inside or run.count[CONDITION] >= 0:
+    if stopped:
+        return halt(m, d, s, run, t_last) if np.isfinite(t_last) else NO_SOLUTION
+    if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     wanted = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] <= t_new
     if wanted or run.count[EVERY] == 1:
@@ -239,7 +263,7 @@ def step(m, d, s, table, run):
             continue
         status, result = arrive(m, d, s, t_new, run.trial, run.K[n])
         run.count[EVALUATIONS] += 1
-        if status == PROJECTED and result == SOLVED and finite(run.K[n]):
+        if status == PROJECTED and result == SOLVED and finite(run.K[n]) and finite(run.trial):
             break
         if table.steps > 0:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION
@@ -281,9 +305,6 @@ def advance(m, d, s, table, run, budget):
         if run.count[WRITTEN] >= run.out.shape[0] - 2:
             return FULL
         status = step(m, d, s, table, run)
-        if status == STOPPED:
-            copy(run.y, run.trial)
-            run.count[STEPS] += 1
         if status != RUNNING:
             return status
     return RUNNING if run.clock[T] < run.clock[T_END] else DONE
