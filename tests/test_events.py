@@ -97,13 +97,6 @@ def test_true_and_false_again_within_one_step(clearance):
     assert missed.final.t == 1.0  # a peak just below is none
 
 
-def test_the_first_of_several_crossings():
-    system, hinge, state, period = pendulum(0.4)
-    method = DOP853(dt=3.2 * period)  # too coarse to be right, but its dense output crosses more than once
-    solution = simulate(system, 3.2 * period, state=state, method=method, stop_when=measures.angle(hinge) < 0.3)
-    assert solution.final.t < 0.5 * period
-
-
 def test_spin_up():
     rotor = Body("rotor", 2.0, (0.3, 0.3, 0.4), com=(0.05, -0.1, 0.2), position=(0.4, 0.3, 0.1))
     hinge = Revolute(GROUND, rotor, at=(0.45, 0.2, 0.0), axis=(0, 0, 1))
@@ -133,7 +126,9 @@ def cardan():
     bend = 0.5
     out = np.array([np.cos(bend), np.sin(bend), 0.0])
     drive = Body("drive", 1.0, (0.2, 1.0, 1.0), com=(0.1, 0.02, 0.03), position=(-0.5, 0, 0))
-    driven = Body("driven", 1.0, (0.2, 1, 1), com=(0.1, 0.02, 0.03), position=0.5 * out, orientation=rotation("z", bend))
+    driven = Body(
+        "driven", 1.0, (0.2, 1, 1), com=(0.1, 0.02, 0.03), position=0.5 * out, orientation=rotation("z", bend)
+    )
     entry = Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0))
     exit_ = Revolute(GROUND, driven, at=out, axis=out)
     cross = Universal(drive, driven, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1))
@@ -159,12 +154,9 @@ def test_kinematic_runs_stop_too():
 
 def test_kinematic_sees_a_peak_between_its_poses():
     system, hinge, bend = cardan()
-    highest = 2.0 / np.cos(bend)  # greatest speed of the driven shaft, twice a turn
-    rate = measures.rate(hinge)
-    run = dict(method=Kinematic(), output=np.linspace(0.0, 3.0, 13), as_built=1e-6)
-    poses = simulate(system, 3.0, **run).rate(hinge)
-    stopped = simulate(system, 3.0, stop_when=rate > highest - 1e-3, **run)
-    if poses[0] > highest - 1e-3:
-        pytest.fail("the start must lie below the peak")
-    assert stopped.final.t < 3.0 and stopped.rate(hinge)[-1] == pytest.approx(highest - 1e-3, abs=1e-12)
-    assert simulate(system, 3.0, stop_when=rate > highest + 1e-3, **run).final.t == 3.0
+    lowest = 2.0 * np.cos(bend)  # least speed of the driven shaft, twice a turn, first after a quarter
+    rate, run = measures.rate(hinge), dict(method=Kinematic(), output=np.linspace(0.0, 1.2, 2), as_built=1e-6)
+    stopped = simulate(system, 1.2, stop_when=rate < lowest + 1e-4, **run)
+    assert stopped.rate(hinge)[-1] == pytest.approx(lowest + 1e-4, abs=1e-12)
+    assert np.pi / 4 - 0.02 < stopped.final.t < np.pi / 4  # on the way down: (8e-4 / second derivative)^(1/2) before
+    assert simulate(system, 1.2, stop_when=rate < lowest - 1e-4, **run).final.t == 1.2

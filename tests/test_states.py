@@ -35,9 +35,7 @@ def cart(tau=TAU, gains=GAINS, name="servo"):
     body, axis = random_body(rng, "cart", mass=1.7), direction(rng)
     slider = Prismatic(GROUND, body, at=rng.normal(size=3), axis=axis, name="slider")
     seen = [measures.slide(slider), measures.slide_rate(slider)]
-    servo = StateFeedback(
-        measures=seen, gains=gains, on=slider, reference=REFERENCE, time_constant=tau, name=name
-    )
+    servo = StateFeedback(measures=seen, gains=gains, on=slider, reference=REFERENCE, time_constant=tau, name=name)
     return System([body], [slider], [servo]), slider, servo, axis
 
 
@@ -160,7 +158,9 @@ def swing(gain, name="servo"):
     return System([body], [hinge], [force])
 
 
-@pytest.mark.parametrize("make", [lambda: swing(-400.0), lambda: cart(None, (-400.0, -8.0))[0]], ids=["hinge", "slider"])
+@pytest.mark.parametrize(
+    "make", [lambda: swing(-400.0), lambda: cart(None, (-400.0, -8.0))[0]], ids=["hinge", "slider"]
+)
 def test_a_gain_that_blows_up_is_named(make):
     simulate(swing(1.0), 0.1)  # compiled before the clock starts
     began = time.perf_counter()

@@ -52,6 +52,7 @@ from .base import (
     write,
 )
 
+ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
 SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
@@ -125,8 +126,8 @@ def body_error(m, run, weights, h):
             return np.inf
     for j in range(m.state.shape[0]):
         scale = m.state[j].unit * speed ** m.state[j].power
-        if j < m.z_work:
-            scale = max(scale, abs(run.y[13 * n + j]))  # own states come in any size
+        least = 1.0 if j < m.z_work else ROUNDING / (LOCAL * run.clock[RTOL])  # own states come in any size
+        scale = max(scale, least * abs(run.y[13 * n + j]))
         error = (run.work[13 * n + j] / scale) ** 2
         if not np.isfinite(error):
             return np.inf
@@ -254,8 +255,9 @@ def step(m, d, s, table, run):
         if not solved or not (error <= 1.0 or passed):
             if table.steps > 0:
                 return NO_SOLUTION
-            factor = max(0.2, 0.9 * error ** (-1.0 / table.order)) if solved and np.isfinite(error) else 0.2
-            run.clock[STEP] = max(h * factor, 0.999 * floor) if solved else h * factor
+            judged = solved and np.isfinite(error)
+            factor = max(0.2, 0.9 * error ** (-1.0 / table.order)) if judged else 0.2
+            run.clock[STEP] = max(h * factor, 0.999 * floor) if judged else h * factor
             run.count[REJECTED] += 1
             rejected = True
             if run.clock[SMALLEST] < NEARLY_SINGULAR:
