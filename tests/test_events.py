@@ -92,7 +92,8 @@ def test_true_and_false_again_within_one_step(clearance):
     assert z.max() < top and samples.t.size == 3  # no end of a step sees it
     solution = simulate(system, 1.0, method=method, stop_when=height > top)
     exact = (3.0 - np.sqrt(2 * G * clearance)) / G
-    assert solution.final.t == pytest.approx(exact, abs=LIMIT if clearance == 0.1 else 1e-9)  # a nearly double root
+    # a nearly double root: 1e-11 m, the error of such long steps, at a speed of 4 mm/s
+    assert solution.final.t == pytest.approx(exact, abs=LIMIT if clearance == 0.1 else 1e-8)
     missed = simulate(system, 1.0, method=method, stop_when=height > top + 1.01 * clearance)
     assert missed.final.t == 1.0  # a peak just below is none
 
