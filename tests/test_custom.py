@@ -104,7 +104,6 @@ def test_small_states_need_their_scale():
         z = simulate(system, 3.0, rtol=1e-6, output=2).final.z[0]
         tight = simulate(system, 3.0, rtol=1e-12, output=2).final.z[0]
         errors.append(abs(z - tight) / 1e-9)
-    print(errors)
     assert errors[1] < 1e-5 < errors[0]
 
 
