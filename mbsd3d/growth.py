@@ -9,7 +9,8 @@ from .errors import IntegrationError
 from .feedback import StateFeedback
 from .model import Compiled
 
-FASTEST = 1e6  # m/s; no machine and no planet is that fast
+FASTEST = 1e4  # m/s; no machine comes to that speed
+GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning
 ENOUGH = 2000  # steps before growth is judged
 LATELY = 0.1  # of the time so far
 
@@ -19,7 +20,8 @@ class Growth:
 
     In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
     spent on the last doubling of the speed, within ln 2 / k. No machine doubles its greatest speed so far in the last
-    half of thousands of steps and LATELY of its time; only systems with an active force are judged.
+    half of thousands of steps and LATELY of its time, and none reaches FASTEST from slow motion. Only systems with an
+    active force are judged.
     """
 
     def __init__(self, compiled: Compiled, t_start: float) -> None:
@@ -33,8 +35,9 @@ class Growth:
         n = self.compiled.model.body.size
         if not self.active:
             return False
+        speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
         self.seen.append((steps, t, speed))
-        if np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max() > FASTEST:
+        if speed > max(FASTEST, GROWN * self.seen[0][2]):
             return True
         _, t_half, speed_half = next(
             entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]

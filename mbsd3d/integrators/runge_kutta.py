@@ -43,6 +43,7 @@ from .base import (
     first_crossing,
     halt,
     hermite,
+    interpolate,
     may_come_true,
     missing_time,
     references,
@@ -177,10 +178,13 @@ def land(m, d, s, table, run, h, x):
     """Time at which the condition comes true, with the state there in trial: steps of length x from the start.
 
     As exact as the method, where dense output of lower order would be less; NaN if such a step has no solution.
+    A method without stages (weights b zero) has its dense output only.
     """
     n, t = table.c.shape[0], run.clock[T]
     for left in range(LANDINGS, 0, -1):
-        if not stages(m, d, s, table, run, x):
+        if np.sum(table.b) == 0.0:
+            interpolate(run, x / h, run.trial)
+        elif not stages(m, d, s, table, run, x):
             return np.nan
         status, result = arrive(m, d, s, t + x, run.trial, run.K[n])
         run.count[EVALUATIONS] += 1
