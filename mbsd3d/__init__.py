@@ -31,6 +31,9 @@ _HOME = {
     "integrators.dop853": ("DOP853",),
     "integrators.rk4": ("RK4",),
     "integrators.driven": ("Kinematic",),
+    "integrators.generalized_alpha": ("GeneralizedAlpha",),
+    "feedback": ("StateFeedback",),
+    "custom": ("CustomForce",),
 }  # fmt: skip
 _MODULES = ("inertia", "measures", "signals", "rotations")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}

@@ -17,8 +17,8 @@ from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
 from .least import least
-from .measures import Measure
-from .model import Compiled, compile_system
+from .measures import Measure, check_members
+from .model import Compiled, compile_system, initial_states
 from .parts import number
 from .rotations import conjugate, logarithm, multiply
 from .selection import block_rows
@@ -28,9 +28,9 @@ from .velocities import with_velocities
 
 
 def reference_pose(system: Any, t: float = 0.0) -> State:
-    """Poses as described; velocities zero."""
+    """Poses and own states as described; velocities zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
-    return State(t, q, np.zeros(6 * len(system.bodies)))
+    return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 
 def reference_state(system: Any, as_built: float | None = None) -> State:
@@ -169,6 +169,7 @@ def assemble(
     for probe in probes:
         if not isinstance(probe, Measure):
             raise ValueError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
+        check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
     wanted = []
     for values, kind in ((angles, "angle"), (slides, "slide")):

@@ -9,14 +9,14 @@ from .kernels.coordinates import coordinate
 from .kernels.kinematics import kinematics
 from .kernels.layout import Data
 from .kernels.rows import rows
-from .model import Compiled
+from .model import Compiled, initial_states
 from .rotations import matrix
 from .selection import scaled_rows
 from .state import State
 
 
 def pack(compiled: Compiled, state: State) -> np.ndarray:
-    """y = (q, u, z) with u = (r_dot, R'w), audit states zero."""
+    """y = (q, u, z) with u = (r_dot, R'w), audit states zero; own states that are not given start as declared."""
     n = len(compiled.system.bodies)
     if state.q.size != 7 * n:
         raise ValueError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
@@ -24,7 +24,13 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
     R = matrix(state.q.reshape(n, 7)[:, 3:])
     u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
     z = np.zeros(compiled.model.state.size)
-    z[: compiled.model.z_work] = state.z
+    own = state.z if state.z.size else initial_states(compiled.system)
+    if own.size != compiled.model.z_work:
+        raise ValueError(
+            f"state: z has {own.size} own states, the forces of the system have {compiled.model.z_work}; give a state "
+            "of this system, or none"
+        )
+    z[: own.size] = own
     return np.concatenate([state.q, u.ravel(), z])
 
 

@@ -15,7 +15,7 @@ from .signals import Signal, as_signal
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate."""
+    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
 
     kind: int
     bodies: tuple
@@ -24,6 +24,10 @@ class Record:
     values: tuple = ()
     signals: tuple = (None, None, None)
     coordinate: Coordinate | None = None
+    measures: tuple = ()  # it reads
+    numbers: tuple = ()  # gains, references, parameters
+    states: tuple = ()  # initial values of its own states
+    scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +56,19 @@ class ForceElement:
     def bodies(self) -> tuple:
         """The bodies it acts on."""
         return self.record().bodies
+
+    def partners(self) -> tuple:
+        """Joints and forces it refers to."""
+        return ()
+
+
+def sequence(values: Any, what: str) -> tuple[float, ...]:
+    """Finite numbers."""
+    try:
+        given = tuple(values)
+    except TypeError:
+        raise ValueError(f"{what}: {values!r} is not a sequence of numbers; give a tuple") from None
+    return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
 
 
 def check_body(body: Any, what: str) -> None:
@@ -235,6 +252,9 @@ class TorsionSpring(ForceElement):
         values = (self.stiffness, self.damping, self.angle)
         return Record(kinds.COORDINATE_SPRING, (x.a, x.b), values=values, coordinate=x)
 
+    def partners(self) -> tuple:
+        return (self.hinge,)
+
 
 @dataclass(frozen=True, eq=False)
 class JointFriction(ForceElement):
@@ -267,6 +287,9 @@ class JointFriction(ForceElement):
         x = hinge_coordinate(self.hinge, "")
         values = (self.coulomb, self.viscous, self.transition)
         return Record(kinds.FRICTION, (x.a, x.b), values=values, coordinate=x)
+
+    def partners(self) -> tuple:
+        return (self.hinge,)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from .custom import check_runnable
 from .drivers import SpeedDriver
 from .errors import AssemblyError, IntegrationError
 from .evaluation import driven_coordinates, load_rows, load_state, worst_joint
+from .growth import Growth
 from .integrators import base
 from .integrators.base import Run
 from .integrators.driven import Kinematic
@@ -70,6 +72,8 @@ class Job:
     ) -> None:  # fmt: skip
         self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
         self.stop_when = stop_when
+        check_runnable(compiled.system)
+        self.growth = Growth(compiled, start.t)
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
         kinematic = isinstance(method, Kinematic)
@@ -92,7 +96,7 @@ class Job:
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(16), np.zeros(11, np.int64)
+        clock, count = np.zeros(16), np.zeros(12, np.int64)
         clock[base.T] = clock[base.T_START] = t
         clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
         clock[base.SMALLEST] = 1.0
@@ -135,6 +139,8 @@ class Job:
             spent = time.perf_counter() - began
             self.record.loop_seconds += spent
             progress.update(run.clock[base.T])
+            if self.grows():
+                raise self.growth.error(self.data, float(run.clock[base.T]), self.solution())
             if status == base.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == base.FULL:
@@ -246,6 +252,13 @@ class Job:
                 f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
                 "give another value or another start"
             )
+
+    def grows(self) -> bool:
+        """True for a motion that grows without end."""
+        run = self.memory
+        return self.growth.without_end(
+            run.y, int(run.count[base.STEPS]), float(run.clock[base.T]), float(run.clock[base.SPEED])
+        )
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""

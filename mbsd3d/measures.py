@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from .forces import ForceElement
 from .joints import Joint, coordinate_of, unit
 from .kernels import kinds
 from .parts import GROUND, Body, Ground, number, vector
@@ -27,6 +28,8 @@ class Measure:
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
+    part: Any = None  # force element whose own state it is,
+    index: int = 0  # and which one
 
     def __repr__(self) -> str:
         return f"<measure: {self.label} [{self.unit}]>"
@@ -48,6 +51,25 @@ class Condition:
 
     def __str__(self) -> str:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
+
+
+def check_members(system: Any, measure: Measure, what: str) -> None:
+    """A measure speaks of bodies and forces of this system, or a ValueError."""
+    members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
+    for part in (measure.a, measure.b, measure.part or GROUND):
+        if id(part) not in members:
+            kind = "force" if part is measure.part else "body"
+            raise ValueError(
+                f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
+            )
+
+
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+
+
+def unit_powers(measure: Measure) -> tuple[float, float, float]:
+    """(1, k, j) such that errors of a measure are judged against length^k speed^j."""
+    return (1.0, *UNITS[measure.unit])
 
 
 def label(part: Any) -> str:
@@ -136,3 +158,24 @@ def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
         _body(body, "measures.distance")
     point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
     return Measure(kinds.GAP, f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
+
+
+def state(force: ForceElement, index: int = 0) -> Measure:
+    """An own state of a force element, e.g. of a filter or of a `CustomForce`.
+
+    Parameters
+    ----------
+    force : ForceElement
+        One with own states.
+    index : int
+        Which of them, from 0.
+
+    Raises
+    ------
+    ValueError
+        If there is no such state.
+    """
+    states = force.record().states if isinstance(force, ForceElement) else ()
+    if type(index) is not int or not 0 <= index < len(states):
+        raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
+    return Measure(kinds.OWN_STATE, f"state {index} of {label(force)}", "-", part=force, index=index)

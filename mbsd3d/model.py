@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from .custom import FunctionForce
 from .drivers import Driver
 from .kernels import kinds
 from .kernels.layout import (
@@ -12,6 +13,7 @@ from .kernels.layout import (
     COORDINATE,
     FORCE,
     MEASURE,
+    MOST_BODIES,
     PRIMITIVE,
     ROW,
     SIGNAL,
@@ -70,7 +72,8 @@ class Compiled:
         return self.coordinate_index[key_of(coordinate)]
 
     def data(self, dtype: type = float) -> Data:
-        """A fresh work space."""
+        """A fresh work space; the functions of custom forces are compiled for ``dtype`` here."""
+        link(self.system, self.model, dtype)
         return new_data(self.model, dtype)
 
 
@@ -205,39 +208,63 @@ def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) ->
     return out
 
 
-def force_table(records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals) -> np.ndarray:
-    """The table of force elements."""
+def force_table(
+    records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals, first_measure: int
+) -> np.ndarray:
+    """The table of force elements; the measures they read stand in order from ``first_measure`` on."""
     out = table(FORCE, len(records))
+    for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
+        out[counts] = [len(getattr(r, counts)) for r in records]
+        out[name] = np.cumsum([0, *out[counts]])[:-1]
+    out["measure"] += first_measure
     for i, r in enumerate(records):
         out["kind"][i] = r.kind
-        out["body"][i] = [index[id(b)] for b in r.bodies]
+        out["bodies"][i] = len(r.bodies)
+        out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
         out["signal"][i] = [signals.add(s) for s in r.signals]
         out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
         out["value"][i, : len(r.values)] = r.values
         for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=True)):
             out["point"][i, slot] = body.local_point(point)
+        for slot, body in enumerate(r.bodies[:2]):
             out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in r.frame.T]).ravel()
     return out
 
 
-def measure_table(measures: list[Measure], index: dict[int, int], where: dict[tuple, int]) -> np.ndarray:
+def link(system: Any, model: Model, dtype: type) -> None:
+    """Put the addresses of the custom functions for real or complex numbers into the table of forces."""
+    for i, force in enumerate(system.forces):
+        if isinstance(force, FunctionForce):
+            model.force["address"][i, int(dtype is complex)] = force.address(dtype)
+
+
+def initial_states(system: Any) -> np.ndarray:
+    """(k,) initial values of the force elements' own states."""
+    return np.array([x for force in system.forces for x in force.record().states], float)
+
+
+def measure_table(
+    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], first_state: dict[int, int]
+) -> np.ndarray:
     """The table of measures."""
     out = table(MEASURE, len(measures))
     for i, x in enumerate(measures):
         out["kind"][i], out["body"][i], out["axis"][i] = x.kind, (index[id(x.a)], index[id(x.b)]), x.axis
         out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
         out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
+        out["state"][i] = -1 if x.part is None else first_state[id(x.part)] + x.index
     return out
 
 
-def state_layout(system: Any, n_driven: int, length: float) -> dict[str, Any]:
+def state_layout(system: Any, records: list, n_driven: int, length: float) -> dict[str, Any]:
     """Layout of z and the units its errors are measured in."""
-    own, n_forces = 0, len(system.forces)
+    scales = [scale for r in records for scale in r.scales]
+    own, n_forces = len(scales), len(system.forces)
     mass = system.total_mass() or 1.0
     works = n_forces + n_driven
     out = table(STATE, own + works + 6)
-    out["unit"] = [1.0] * own + [mass] * works + [mass] * 3 + [mass * length] * 3
-    out["power"] = [0.0] * own + [2.0] * works + [1.0] * 6
+    out["unit"] = [unit * length**k for unit, k, _ in scales] + [mass] * works + [mass] * 3 + [mass * length] * 3
+    out["power"] = [j for _, _, j in scales] + [2.0] * works + [1.0] * 6
     return {"z_work": own, "z_drive": own + n_forces, "z_impulse": own + works, "state": out}
 
 
@@ -252,11 +279,15 @@ def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Sw
     records = [force.record() for force in system.forces]
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
     wanted += [x for row in primitives for x in row.coordinates]
-    wanted += [r.coordinate for r in records] + [x.coordinate for x in measures]
+    wanted += [r.coordinate for r in records]
+    read = [x for r in records for x in r.measures]  # those of the caller last: results are stored without theirs
+    wanted += [x.coordinate for x in (*read, *measures)]
     coordinates = list({key_of(x): x for x in wanted if x is not None}.values())
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     signals, length = Signals(), own_length(system)
     bodies, singular = body_table(system)
+    forces = force_table(records, index, where, signals, len(measures))
+    first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
     rows_table = primitive_table(primitives, index, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
@@ -267,10 +298,11 @@ def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Sw
         primitive=rows_table,
         row=per_row,
         coordinate=coordinate_table(coordinates, index),
-        force=force_table(records, index, where, signals),
-        measure=measure_table(list(measures), index, where),
+        force=forces,
+        measure=measure_table([*measures, *read], index, where, first_state),
+        number=np.array([x for r in records for x in r.numbers], float),
         **signals.arrays(),
-        **state_layout(system, int((per_row["drive"] >= 0).sum()), length),
+        **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),
         gravity=np.array(system.gravity, float),
         length=length,
         singular=int(singular),
@@ -304,7 +336,10 @@ def new_data(model: Model, dtype: type = float) -> Data:
         force=table(fields["force"], model.force.size),
         coordinate=table(fields["coordinate"], model.coordinate.size),
         unwrap_time=np.zeros(1),
+        z=np.zeros(model.z_work, dtype),
         state_rate=np.zeros(model.z_work, dtype),
+        pose=table(fields["pose"], MOST_BODIES),
+        wrench=np.zeros(6 * MOST_BODIES + 1, dtype),
     )
     data.body["e"][-1] = 1.0, 0.0, 0.0, 0.0
     data.body["R"][-1] = np.eye(3).ravel()

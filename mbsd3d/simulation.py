@@ -12,9 +12,9 @@ from .integrators.driven import Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha
 from .integrators.rk4 import RK4
 from .job import Job
-from .measures import Condition
+from .measures import Condition, check_members
 from .model import Compiled, Switches, compile_system
-from .parts import GROUND, number
+from .parts import number
 from .progress import Progress
 from .signals import check_interval
 from .solution import Solution
@@ -57,7 +57,9 @@ def simulate(
     output : None, int or array
         Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
     stop_when : Condition
-        A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it comes true.
+        A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
+        at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
+        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be.
     gyroscopic, centripetal, gamma, stabilisation, baumgarte
         Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
         factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
@@ -86,7 +88,7 @@ def simulate(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )
     if stop_when is not None:
-        check_members(system, stop_when)
+        check_members(system, stop_when.measure, "simulate: stop_when")
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
     compiled = compile_system(system, (stop_when.measure,) if stop_when else (), switches)
     check_signals(compiled, start.t, t_end)
@@ -108,17 +110,6 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
         raise ValueError(
             f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
-
-
-def check_members(system: System, condition: Condition) -> None:
-    """A condition speaks of bodies of this system."""
-    members = {id(body) for body in (*system.bodies, GROUND)}
-    for body in (condition.measure.a, condition.measure.b):
-        if id(body) not in members:
-            raise ValueError(
-                f"simulate: stop_when: {condition.measure.label}: body '{body.name}' is not in the system; "
-                "measure a part of this system"
-            )
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:

@@ -323,6 +323,12 @@ class Solution:
         """The certificate with a global error estimate from two tighter runs; see `certificate.estimate`."""
         return estimate(self)
 
+    def state_of(self, force: Any) -> np.ndarray:
+        """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
+        part = self.system.part(force, "forces")
+        entry = self.compiled.model.force[self.system.forces.index(part)]
+        return self.arrays["z"][:, entry["state"] : entry["state"] + entry["states"]]
+
     def with_certificate(self, certificate: Certificate) -> "Solution":
         """The same solution with another certificate."""
         other = replace(self)

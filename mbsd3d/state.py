@@ -19,7 +19,7 @@ class State:
     v : (6 n,) array
         Per body (r_dot, w): [m/s], [rad/s], both world.
     z : (k,) array
-        States owned by force elements.
+        States owned by force elements, in their order; empty = their declared initial values.
     coordinates : array or None
         Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero.
     moved : mapping

@@ -92,12 +92,15 @@ class System:
                         "add it to bodies"
                     )
         joints = {id(joint) for joint in self.joints}
+        known = joints | {id(force) for force in self.forces}
         for force in self.forces:
-            if hasattr(force, "hinge") and id(force.hinge) not in joints:
-                raise ValueError(
-                    f"{type(force).__name__} '{self.name(force)}': its joint '{force.hinge.name}' is not in the "
-                    "system; add it to joints"
-                )
+            for other in force.partners():
+                if id(other) not in known:
+                    kind = "joint" if isinstance(other, Joint) else "force"
+                    raise ValueError(
+                        f"{type(force).__name__} '{self.name(force)}': its {kind} '{other.name}' is not in the "
+                        f"system; add it to {kind}s"
+                    )
         for joint in self.joints:
             for other in joint.partners():
                 if id(other) not in joints:

@@ -6,8 +6,6 @@ import pytest
 from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring, measures
 from mbsd3d.linearization import linearize
 
-StateFeedback = pytest.importorskip("mbsd3d.feedback").StateFeedback
-CustomForce = pytest.importorskip("mbsd3d.custom").CustomForce
 
 EXACT = 1e-12
 """Rounding: the matrices have entries of order one."""

@@ -31,8 +31,11 @@ from mbsd3d import (
     Torque,
     TorsionSpring,
     forces,
+    measures,
     rotation,
 )
+from mbsd3d.custom import CustomForce, SavedForce
+from mbsd3d.feedback import StateFeedback
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.loads import loads
@@ -69,6 +72,27 @@ def _bushing(rng, a, b):
     return Bushing(a, b, at=middle(rng, a, b), axes=random_orientation(rng), **numbers)
 
 
+def _seen(joint):
+    seen = [measures.angle(joint), measures.rate(joint)]
+    return [joint], StateFeedback(measures=seen, gains=(2.0, 0.7), on=joint, reference=(0.4, -0.3))
+
+
+def _rubber_band(t, bodies, z, parameters, loads, z_dot):
+    """Progressive spring and damper along the line between two points, stiffening with time."""
+    gap, speed = bodies[1].r - bodies[0].r, bodies[1].velocity - bodies[0].velocity
+    length = np.sqrt(np.sum(gap * gap))
+    pull = parameters[0] * (1.0 + t) * length**2 + parameters[1] * np.sum(gap * speed) / length
+    loads[0, :3] = pull / length * gap
+    loads[1, :3] = -loads[0, :3]
+    loads[0, 3:] = parameters[2] * (bodies[1].w - bodies[0].w)
+    loads[1, 3:] = -loads[0, 3:]
+
+
+def _custom(rng, a, b):
+    points = (middle(rng, a, b), b.position + 0.3 * direction(rng))
+    return CustomForce(_rubber_band, on=(a, b), points=points, parameters=(3.0, 0.8, 0.4))
+
+
 def _on(joint, cls, **numbers):
     return [joint], cls(joint, **numbers)
 
@@ -91,6 +115,8 @@ EXAMPLES = {
     "JointFriction in a slider": lambda rng, a, b: _on(
         _slider(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
     ),
+    "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
+    "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
@@ -129,7 +155,7 @@ def test_every_force_element_has_an_example():
     rng = np.random.default_rng(0)
     bodies = [random_body(rng, "one"), random_body(rng, "two")]
     covered = {type(make(rng, *bodies)[1]) for make in EXAMPLES.values()}
-    assert covered == concrete_subclasses(forces.ForceElement)
+    assert covered == concrete_subclasses(forces.ForceElement) - {SavedForce}  # which has lost its function
     assert covered == public_classes(forces.ForceElement)
 
 

@@ -22,15 +22,14 @@ from .base import (
     RUNNING,
     STEP,
     STEPS,
-    STOPPED,
     T_END,
     WRITTEN,
     T,
-    references,
     rows_hold,
     start,
 )
 from .runge_kutta import end_of_step, outputs
+from .scales import references
 
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
@@ -147,9 +146,6 @@ def integrate(m, d, s, g, run, budget):
         if run.count[WRITTEN] >= run.out.shape[0] - 2:
             return FULL
         status = step(m, d, s, g, run)
-        if status == STOPPED:
-            copy(run.y, run.trial)
-            run.count[STEPS] += 1
         if status != RUNNING:
             return status
     return RUNNING if run.clock[T] < run.clock[T_END] else DONE

@@ -13,10 +13,9 @@ from .base import (
     RTOL,
     SPEED,
     TURN,
-    state_error,
 )
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
-from .runge_kutta import LOCAL
+from .scales import LOCAL, state_error
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew

@@ -8,8 +8,6 @@ from ..kernels.coordinates import coordinate, remember
 from ..kernels.dynamics import PROJECTED, arrive, skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
-from ..kernels.kinematics import kinematics
-from ..kernels.probes import measure
 from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED, smallest_pivot
 from ..kernels.vectors import add_scaled, clear, finite
@@ -22,6 +20,7 @@ T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
 RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
 STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
 STIFF_TESTS, CALM_TESTS = 9, 10
+RETRIED = 11  # the step at hand has been rejected before: it may not grow
 
 NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
 
@@ -39,7 +38,7 @@ class Run(NamedTuple):
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
     clock: np.ndarray  # (16,) see T ... NORMAL_STEP
-    count: np.ndarray  # (11,) see STEPS ... CALM_TESTS
+    count: np.ndarray  # (12,) see STEPS ... RETRIED
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
@@ -93,6 +92,16 @@ def start(m, d, s, run):
 
 
 @inner_kernel
+def hermite(run, h, dy_new):
+    """Coefficients F of the cubic through both ends of the step."""
+    for k in range(run.y.shape[0]):
+        step = run.trial[k] - run.y[k]
+        run.F[0, k] = step
+        run.F[1, k] = h * run.dy[k] - step
+        run.F[2, k] = 2.0 * step - h * (dy_new[k] + run.dy[k])
+
+
+@inner_kernel
 def interpolate(run, x, y):
     """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
     clear(y)
@@ -114,66 +123,6 @@ def sample(m, d, s, run, t_old, h, t):
         return False
     write(m, d, run, t, run.work)
     return True
-
-
-@inner_kernel
-def condition(m, d, run, t, y):
-    """Signed distance of the stop condition: it holds when this is >= 0."""
-    kinematics(m, d, y)
-    return run.clock[SIGN] * (measure(m, d, run.count[CONDITION], t) - run.clock[STOP])
-
-
-@inner_kernel
-def locate(m, d, run, t_old, h):
-    """Time in the last step at which the stop condition starts to hold, by bisection on the dense output."""
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        interpolate(run, middle, run.work)
-        if condition(m, d, run, t_old + middle * h, run.work) >= 0.0:
-            high = middle
-        else:
-            low = middle
-        if high - low < 1e-15:
-            break
-    return t_old + high * h
-
-
-@inner_kernel
-def references(m, d, run):
-    """Greatest speed relative to the mean and greatest angular velocity so far: the scales of velocity errors."""
-    n = m.body.shape[0]
-    x, y, z = 0.0, 0.0, 0.0
-    for i in range(n):
-        v = d.body[i].velocity
-        x, y, z = x + v[0] / n, y + v[1] / n, z + v[2] / n
-    for i in range(n):
-        v, w = d.body[i].velocity, d.body[i].w
-        speed = np.sqrt((v[0] - x) ** 2 + (v[1] - y) ** 2 + (v[2] - z) ** 2)
-        turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
-        run.clock[SPEED] = max(run.clock[SPEED], speed, m.length * turn)
-        run.clock[TURN] = max(run.clock[TURN], turn)
-
-
-@inner_kernel
-def state_error(m, run):
-    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw| audit states, in their scales."""
-    n = m.body.shape[0]
-    speed, turn = run.clock[SPEED], run.clock[TURN]
-    worst = 0.0
-    for i in range(n):
-        q, u = 7 * i, 7 * n + 6 * i
-        x = run.work
-        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
-        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
-        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
-        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
-        worst = max(worst, shift, angle, linear, angular)
-        if not np.isfinite(shift + angle + linear + angular):
-            return np.inf
-    for j in range(m.state.shape[0]):
-        worst = max(worst, (run.work[13 * n + j] / (m.state[j].unit * speed ** m.state[j].power)) ** 2)
-    return worst
 
 
 @inner_kernel

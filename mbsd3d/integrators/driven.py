@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import PROJECTED, arrive
+from ..kernels.dynamics import PROJECTED, arrive, evaluate
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
 from .base import (
     CHOOSE_ROWS,
+    CONDITION,
     DONE,
     EVALUATIONS,
     FRESH,
@@ -26,18 +27,21 @@ from .base import (
     TURN,
     WRITTEN,
     T,
-    references,
+    hermite,
     rows_hold,
     start,
     write,
 )
+from .events import LANDINGS, first_crossing, halt, may_come_true, missing_time
+from .scales import references
 
 
 @dataclass(frozen=True)
 class Kinematic:
     """No ODE: for systems whose drivers determine the whole motion (rank of the rows = 6 per body).
 
-    ``max_step`` [s] bounds the distance between poses, so that Newton stays on its branch.
+    ``max_step`` [s] bounds the distance between poses, so that Newton stays on its branch. A condition to stop is
+    watched between the poses too, on cubics through them.
     """
 
     max_step: float = np.inf
@@ -69,6 +73,34 @@ def predict(m, run, h):
             run.trial[7 * i + j] += 0.5 * h * h * run.dy[7 * n + 6 * i + j]
 
 
+@inner_kernel
+def event(m, d, run, h, t_new):
+    """Time from the last pose to where the condition comes true before the next one, -1 if it does not."""
+    if not may_come_true(m, d, run, h, t_new, run.work_rate):
+        return -1.0
+    hermite(run, h, run.work_rate)
+    return h * first_crossing(m, d, run, h, t_new)
+
+
+@inner_kernel
+def land(m, d, s, run, h, x):
+    """End the run where the condition comes true, x after the last pose: Newton on the time, a pose each."""
+    t = run.clock[T]
+    for left in range(LANDINGS, 0, -1):
+        predict(m, run, x)
+        status, result = arrive(m, d, s, t + x, run.trial, run.work_rate)
+        run.count[EVALUATIONS] += 1
+        if status != PROJECTED:
+            return NOT_CLOSING
+        if result != SOLVED or not finite(run.work_rate):
+            return NO_SOLUTION
+        dt = missing_time(m, d, run, h, t + x, run.work_rate)
+        if left == 1 or abs(dt) <= 1e-16 * h:
+            break
+        x = min(max(x + dt, 0.0), h)
+    return halt(m, d, s, run, t + x)
+
+
 @kernel
 def follow(m, d, s, run, budget):
     """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
@@ -94,6 +126,11 @@ def follow(m, d, s, run, budget):
                 return NOT_CLOSING
             if result != SOLVED or not finite(run.work_rate):
                 return NO_SOLUTION
+            if run.count[CONDITION] >= 0:
+                x = event(m, d, run, t - run.clock[T], t)
+                if x >= 0.0:
+                    return land(m, d, s, run, t - run.clock[T], x)
+                evaluate(m, d, s, t, run.trial, run.work_rate)  # the work space belongs to the pose again
             remember(m, d, t)
             references(m, d, run)
             copy(run.y, run.trial)

@@ -27,6 +27,7 @@ from .base import (
     ON_MANIFOLD,
     PASSED,
     REJECTED,
+    RETRIED,
     RTOL,
     RUNNING,
     SMALLEST,
@@ -34,23 +35,21 @@ from .base import (
     STEP_TOO_SMALL,
     STEPS,
     STIFF,
-    STOPPED,
     T_END,
     T_START,
     WRITTEN,
     T,
-    condition,
-    locate,
-    references,
+    hermite,
+    interpolate,
     rows_hold,
     sample,
     start,
-    state_error,
     write,
 )
+from .events import LANDINGS, first_crossing, halt, may_come_true, missing_time
+from .scales import LOCAL, references, state_error
 from .stiff import is_stiff
 
-LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
 SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
 
@@ -131,11 +130,7 @@ def error_norm(m, table, run, h):
 def dense(m, d, s, table, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     n = table.c.shape[0]
-    for k in range(run.y.shape[0]):
-        step = run.trial[k] - run.y[k]
-        run.F[0, k] = step
-        run.F[1, k] = h * run.K[0, k] - step
-        run.F[2, k] = 2.0 * step - h * (run.K[n, k] + run.K[0, k])
+    hermite(run, h, run.K[n])
     for i in range(table.c_dense.shape[0]):
         stage = n + 1 + i
         copy(run.work, run.y)
@@ -154,30 +149,52 @@ def dense(m, d, s, table, run, h):
 
 
 @inner_kernel
+def land(m, d, s, table, run, h, x):
+    """Time at which the condition comes true, with the state there in trial: steps of length x from the start.
+
+    As exact as the method, where dense output of lower order would be less; NaN if such a step has no solution.
+    A method without stages (weights b zero) has its dense output only.
+    """
+    n, t = table.c.shape[0], run.clock[T]
+    for left in range(LANDINGS, 0, -1):
+        if np.sum(table.b) == 0.0:
+            interpolate(run, x / h, run.trial)
+        elif not stages(m, d, s, table, run, x):
+            return np.nan
+        status, result = arrive(m, d, s, t + x, run.trial, run.K[n])
+        run.count[EVALUATIONS] += 1
+        if status != PROJECTED or result != SOLVED or not finite(run.K[n]):
+            return np.nan
+        dt = missing_time(m, d, run, h, t + x, run.K[n])
+        if left == 1 or abs(dt) <= 1e-16 * h:
+            break
+        x = min(max(x + dt, 0.0), h)
+    return t + x
+
+
+@inner_kernel
 def outputs(m, d, s, table, run, t_new, h):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
-    t_old, t_last, stopped = run.clock[T], t_new, False
+    t_last, stopped, watched = t_new, False, run.count[CONDITION] >= 0
     inside = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_new
-    if run.count[CONDITION] >= 0:
-        stopped = condition(m, d, run, t_new, run.trial) >= 0.0 and condition(m, d, run, t_old, run.y) < 0.0
-    if inside or stopped:
+    suspect = watched and may_come_true(m, d, run, h, t_new, run.K[table.c.shape[0]])
+    if inside or suspect:
         if not dense(m, d, s, table, run, h):
             return NO_SOLUTION
+        x = first_crossing(m, d, run, h, t_new) if suspect else -1.0
+        stopped = x >= 0.0
         if stopped:
-            t_last = locate(m, d, run, t_old, h)
+            t_last = land(m, d, s, table, run, h, x * h)
+        t_old = run.clock[T]
         while run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] < t_last:
             if run.count[WRITTEN] == run.out.shape[0] - 2:
                 return FULL
             if not sample(m, d, s, run, t_old, h, run.times[run.count[NEXT]]):
                 return NO_SOLUTION
             run.count[NEXT] += 1
-        if stopped:
-            if not sample(m, d, s, run, t_old, h, t_last):
-                return NO_SOLUTION
-            copy(run.trial, run.work)
-            run.clock[T] = t_last
-            return STOPPED
-    if inside or run.count[CONDITION] >= 0:
+    if stopped:
+        return halt(m, d, s, run, t_last) if np.isfinite(t_last) else NO_SOLUTION
+    if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     wanted = run.count[NEXT] < run.times.shape[0] and run.times[run.count[NEXT]] <= t_new
     if wanted or run.count[EVERY] == 1:
@@ -203,7 +220,6 @@ def end_of_step(table, run):
 def step(m, d, s, table, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     n = table.c.shape[0]
-    rejected = False
     while True:
         t_new, h = end_of_step(table, run)
         if h < run.clock[MIN_STEP]:
@@ -217,22 +233,23 @@ def step(m, d, s, table, run):
         if not solved or not (error <= 1.0 or passed):
             if table.steps > 0:
                 return NO_SOLUTION
-            factor = max(0.2, 0.9 * error ** (-1.0 / table.order)) if solved and np.isfinite(error) else 0.2
-            run.clock[STEP] = max(h * factor, 0.999 * floor) if solved else h * factor
+            judged = solved and np.isfinite(error)
+            factor = max(0.2, 0.9 * error ** (-1.0 / table.order)) if judged else 0.2
+            run.clock[STEP] = max(h * factor, 0.999 * floor) if judged else h * factor
             run.count[REJECTED] += 1
-            rejected = True
+            run.count[RETRIED] = 1
             if run.clock[SMALLEST] < NEARLY_SINGULAR:
                 run.count[ON_MANIFOLD] = 1
             continue
         status, result = arrive(m, d, s, t_new, run.trial, run.K[n], run.count[ON_MANIFOLD] == 0)
         run.count[EVALUATIONS] += 1
-        if status == PROJECTED and result == SOLVED and finite(run.K[n]):
+        if status == PROJECTED and result == SOLVED and finite(run.K[n]) and finite(run.trial):
             break
         if table.steps > 0:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION
         run.clock[STEP] = 0.2 * h
         run.count[REJECTED] += 1
-        rejected = True
+        run.count[RETRIED] = 1
     status = outputs(m, d, s, table, run, t_new, h)
     if status != RUNNING:
         return status
@@ -245,7 +262,8 @@ def step(m, d, s, table, run):
     run.count[STEPS] += 1
     if table.steps == 0:
         factor = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error ** (-1.0 / table.order)))
-        run.clock[STEP] = h * (min(1.0, factor) if rejected else factor)
+        run.clock[STEP] = h * (min(1.0, factor) if run.count[RETRIED] == 1 else factor)
+    run.count[RETRIED] = 0
     was_near = run.count[ON_MANIFOLD] == 1
     if not rows_hold(m, d, s, run):
         return CHOOSE_ROWS
@@ -270,9 +288,6 @@ def advance(m, d, s, table, run, budget):
         if run.count[WRITTEN] >= run.out.shape[0] - 2:
             return FULL
         status = step(m, d, s, table, run)
-        if status == STOPPED:
-            copy(run.y, run.trial)
-            run.count[STEPS] += 1
         if status != RUNNING:
             return status
     return RUNNING if run.clock[T] < run.clock[T_END] else DONE

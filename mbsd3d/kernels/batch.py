@@ -42,10 +42,13 @@ def body_residual(fixed, body, acceleration, out):
 
 
 @kernel
-def newton_euler(m, d, times, states, accelerations, lam, out):
+def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
     """out (samples, n, 4): `body_residual` of every body, with the true terms whatever the teaching switches drop."""
     n = m.body.shape[0]
     for k in range(times.shape[0]):
+        for i in range(m.coordinate.shape[0]):  # angles count their turns
+            d.coordinate[i].value = coordinates[k, i]
+        d.unwrap_time[0] = times[k]
         kinematics(m, d, states[k])
         rows(m, d, times[k])
         loads(m, d, times[k])

@@ -33,7 +33,7 @@ def quaternion_rate(e, w):
 
 @kernel
 def kinematics(m, d, y):
-    """Fill r, e, R, s, velocity, w, A of all bodies from the state y."""
+    """Fill r, e, R, s, velocity, w, A of all bodies and z from the state y."""
     n = m.body.shape[0]
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
@@ -55,6 +55,8 @@ def kinematics(m, d, y):
             body.A[j] = column[0]
             body.A[3 + j] = column[1]
             body.A[6 + j] = column[2]
+    for j in range(m.z_work):
+        d.z[j] = y[13 * n + j]
 
 
 @kernel

@@ -10,6 +10,9 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
+MOST_BODIES = 4  # of a custom force
+
 BODY = [
     ("mass", float),  # kg
     ("whiten_mass", float),  # kg^(-1/2), m^(-1/2)
@@ -43,13 +46,20 @@ COORDINATE = [
 ]
 FORCE = [
     ("kind", int),
-    ("body", int, 2),  # acting bodies a, b
-    ("point", float, (2, 3)),  # m, body axes
+    ("body", int, 4),  # acting bodies a, b; up to four of a custom force
+    ("bodies", int),  # their number
+    ("point", float, (4, 3)),  # m, body axes
     ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
     ("value", float, 12),  # stiffness, damping, ...: see loads.py
     ("signal", int, 3),  # signals of the components, -1 = none
     ("coordinate", int),  # hinge coordinate it acts along, -1 = none
     ("state", int),  # where the element's own states start in z
+    ("states", int),  # their number
+    ("measure", int),  # first of the measures it reads
+    ("measures", int),  # their number
+    ("number", int),  # first of its numbers in Model.number
+    ("numbers", int),  # how many there are
+    ("address", ADDRESS, 2),  # of a custom function, for real and for complex numbers; 0 = none
 ]
 SIGNAL = [("first", int), ("end", int)]  # its terms
 TERM = [("kind", int), ("first", int), ("end", int)]  # its numbers in term_data: see signals.Term
@@ -59,6 +69,7 @@ MEASURE = [
     ("point", float, (2, 3)),  # m, body axes
     ("axis", float, 3),  # world axes, or body axes of the second body
     ("coordinate", int),
+    ("state", int),  # place in z of the state it reads
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
@@ -74,7 +85,8 @@ class Model(NamedTuple):
     signal: np.ndarray  # SIGNAL
     term: np.ndarray  # TERM
     term_data: np.ndarray
-    measure: np.ndarray  # MEASURE
+    measure: np.ndarray  # MEASURE: those of the caller first, then those the forces read
+    number: np.ndarray  # gains, references, parameters of forces
     state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
     gravity: np.ndarray  # (3,) m/s^2
     z_work: int
@@ -123,6 +135,12 @@ def data_records(dtype: type) -> dict[str, list]:
             ("lam", dtype),  # multiplier, zero in skipped rows
         ],
         "force": [("potential", dtype), ("power", dtype)],  # J stored; W of the part that stores none
+        "pose": [  # what a custom function is told of a point of a body, world axes
+            ("r", dtype, 3),
+            ("R", dtype, (3, 3)),
+            ("velocity", dtype, 3),
+            ("w", dtype, 3),
+        ],
         "coordinate": [("value", float), ("rate", float)],  # at the last accepted state, to unwrap against: real
     }
 
@@ -135,7 +153,10 @@ class Data(NamedTuple):
     force: np.ndarray
     coordinate: np.ndarray
     unwrap_time: np.ndarray  # (1,) s, time of the last accepted state
-    state_rate: np.ndarray  # rates of the force elements' own states
+    z: np.ndarray  # (z_work,) own states of the force elements, computed by kinematics
+    state_rate: np.ndarray  # (z_work,) their rates, computed by loads
+    pose: np.ndarray  # (MOST_BODIES,) scratch of custom forces: what their function reads,
+    wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
 
 
 class Schur(NamedTuple):

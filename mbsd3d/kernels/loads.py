@@ -9,8 +9,10 @@ A new force is one function here and one line in `loads`.
 import numpy as np
 
 from .coordinates import coordinate
+from .custom import custom
 from .jit import kernel
-from .kinds import BUSHING, COORDINATE_SPRING, DRAG, FORCE, FRICTION, SPRING, TORQUE
+from .kinds import BUSHING, COORDINATE_SPRING, CUSTOM, DRAG, FEEDBACK, FORCE, FRICTION, SPRING, TORQUE
+from .probes import measure
 from .signals import signal
 from .vectors import (
     add,
@@ -100,8 +102,22 @@ def spring(d, p, out):
 
 
 @kernel
+def feedback(m, d, p, t):
+    """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
+    load = 0.0
+    for i in range(p.measures):
+        x = measure(m, d, p.measure + i, t)
+        if p.states > 0:
+            z = d.z[p.state + i]
+            d.state_rate[p.state + i] = (x - z) / p.value[0]
+            x = z
+        load -= m.number[p.number + i] * (x - m.number[p.number + p.measures + i])
+    return load
+
+
+@kernel
 def along_coordinate(m, d, p, out, t):
-    """Spring (k, c, rest value) or dry and viscous friction (T, c, speed of transition) along a hinge coordinate."""
+    """Spring (k, c, rest value), friction (T, c, speed of transition) or feedback along a hinge coordinate."""
     x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
     rate = dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
@@ -110,6 +126,9 @@ def along_coordinate(m, d, p, out, t):
         load = -p.value[0] * stretch - p.value[1] * rate
         out.potential = 0.5 * p.value[0] * stretch * stretch
         out.power = -p.value[1] * rate * rate
+    elif p.kind == FEEDBACK:
+        load = feedback(m, d, p, t)
+        out.power = load * rate
     else:
         load = -p.value[0] * np.tanh(rate / p.value[2]) - p.value[1] * rate
         out.power = load * rate
@@ -198,9 +217,11 @@ def loads(m, d, t):
             applied(m, d, p, out, t)
         elif p.kind == SPRING:
             spring(d, p, out)
-        elif p.kind == COORDINATE_SPRING or p.kind == FRICTION:
+        elif p.kind == COORDINATE_SPRING or p.kind == FRICTION or p.kind == FEEDBACK:
             along_coordinate(m, d, p, out, t)
         elif p.kind == BUSHING:
             bushing(d, p, out)
         elif p.kind == DRAG:
             drag(m, d, p, out, t)
+        elif p.kind == CUSTOM:
+            custom(m, d, p, out, t)

@@ -1,21 +1,24 @@
-"""Measures: scalar functions of the state used by stop_when and assemble."""
+"""Measures: scalar functions of the state used by stop_when, assemble and StateFeedback."""
 
 import numpy as np
 
 from .coordinates import arctan2, coordinate, coordinate_rate
 from .jit import kernel
-from .kinds import COORDINATE, COORDINATE_RATE, GAP, LEAN, POSITION, TURN, VELOCITY
+from .kinds import COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, TURN, VELOCITY
 from .vectors import arm, cross, dot, point, point_velocity, sub, vec
 
 
 @kernel
 def measure(m, d, i, t):
-    """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean, distance."""
+    """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean,
+    distance, own state of a force element."""
     p = m.measure[i]
     if p.kind == COORDINATE:
         return coordinate(m, d, p.coordinate, t)[0]
     if p.kind == COORDINATE_RATE:
         return coordinate_rate(m, d, p.coordinate, t)
+    if p.kind == OWN_STATE:
+        return d.z[p.state]
     a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     gap = sub(point(b, sb), point(a, sa))

@@ -1,0 +1,163 @@
+"""Times at which conditions come true, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipk
+
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    RK4,
+    AngleDriver,
+    Body,
+    Kinematic,
+    Prismatic,
+    Ramp,
+    Revolute,
+    System,
+    Torque,
+    Universal,
+    measures,
+    rotation,
+    simulate,
+)
+from mbsd3d.feedback import StateFeedback
+
+G = 9.81
+LIMIT = 1e-10
+"""The limit set for times of events, relative to the period or duration."""
+
+
+def pendulum(amplitude):
+    """(system, hinge, state, period): a physical pendulum, O and G off the hinge, released at an angle."""
+    mass, inertia, reach = 1.4, np.array([0.3, 0.25, 0.12]), 0.7
+    body = Body("bob", mass, inertia, com=(0.2, 0.1, -0.4), position=(-0.2, -0.1, 0.4 - reach))
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 1, 0))
+    system = System([body], [hinge], gravity=(0, 0, -G))
+    frequency = np.sqrt(mass * G * reach / (inertia[1] + mass * reach**2))
+    period = 4.0 / frequency * ellipk(np.sin(amplitude / 2) ** 2)
+    return system, hinge, system.assemble(angles={hinge: amplitude}), period
+
+
+@pytest.mark.parametrize("amplitude", [0.4, 2.1])
+@pytest.mark.parametrize("method", [DOP853(), DOP853(dt=0.02), RK4(5e-4)], ids=str)
+def test_pendulum_passing_its_lowest_point(amplitude, method):
+    system, hinge, state, period = pendulum(amplitude)
+    solution = simulate(system, 9.0, state=state, method=method, rtol=1e-12, stop_when=measures.angle(hinge) < 0.0)
+    assert abs(solution.final.t - period / 4) < LIMIT * period
+    assert abs(solution.angle(hinge)[-1]) < 1e-14  # the stored sample is the event, to rounding
+    assert solution.t[-1] == solution.final.t and solution.certificate.passed
+
+
+def test_pendulum_turning_back():
+    system, hinge, state, period = pendulum(1.3)
+    solution = simulate(system, 9.0, state=state, rtol=1e-12, stop_when=measures.rate(hinge) > 1e-30)
+    assert abs(solution.final.t - period / 2) < LIMIT * period
+
+
+def test_the_event_of_rk4_is_as_exact_as_its_steps():
+    system, hinge, state, period = pendulum(1.3)
+    condition = measures.angle(hinge) < 0.0
+    error = [
+        abs(simulate(system, 9.0, state=state, method=RK4(h), stop_when=condition).final.t - period / 4)
+        for h in (0.08, 0.04, 0.02)
+    ]
+    order = np.log2(np.array(error[:-1]) / error[1:])
+    assert order == pytest.approx(4.0, abs=0.5)  # the event falls at another fraction of the step each time
+
+
+def stone(up):
+    """A thrown body, O off G; ``up`` [m/s] is the initial velocity of G."""
+    com, omega = np.array([0.1, -0.2, 0.3]), np.array([0.7, -1.1, 0.4])
+    body = Body("stone", 1.3, (0.1, 0.2, 0.15), com=com, position=-com, omega=omega,
+                velocity=(0.4, 0.1, up) - np.cross(omega, com))  # fmt: skip
+    return System([body], gravity=(0, 0, -G)), measures.position(body, axis=(0, 0, 1))
+
+
+@pytest.mark.parametrize("method", [DOP853(), RK4(0.05)], ids=str)
+def test_free_fall_from_rest(method):
+    system, height = stone(0.0)
+    solution = simulate(system, 3.0, method=method, stop_when=height < -2.5)
+    assert solution.final.t == pytest.approx(np.sqrt(2 * 2.5 / G), rel=LIMIT if method.order == 8 else 1e-7)
+
+
+@pytest.mark.parametrize("clearance", [0.1, 1e-6])
+def test_true_and_false_again_within_one_step(clearance):
+    system, height = stone(3.0)
+    top = 3.0**2 / (2 * G) - clearance
+    method = DOP853(dt=0.5)  # the flight above the height lasts 0.29 s, or 0.9 ms, from t = 0.306 s -+ half of it
+    samples = simulate(system, 1.0, method=method)
+    z = samples.com("stone")[:, 2]
+    assert z.max() < top and samples.t.size == 3  # no end of a step sees it
+    solution = simulate(system, 1.0, method=method, stop_when=height > top)
+    exact = (3.0 - np.sqrt(2 * G * clearance)) / G
+    # a nearly double root: 1e-11 m, the error of such long steps, at a speed of 4 mm/s
+    assert solution.final.t == pytest.approx(exact, abs=LIMIT if clearance == 0.1 else 1e-8)
+    missed = simulate(system, 1.0, method=method, stop_when=height > top + 1.01 * clearance)
+    assert missed.final.t == 1.0  # a peak just below is none
+
+
+def test_spin_up():
+    rotor = Body("rotor", 2.0, (0.3, 0.3, 0.4), com=(0.05, -0.1, 0.2), position=(0.4, 0.3, 0.1))
+    hinge = Revolute(GROUND, rotor, at=(0.45, 0.2, 0.0), axis=(0, 0, 1))
+    system = System([rotor], [hinge], [Torque(rotor, (0, 0, 0.6))])
+    by_rate = simulate(system, 50.0, stop_when=measures.rate(hinge) > 12.0)
+    assert by_rate.final.t == pytest.approx(12.0 * 0.4 / 0.6, rel=LIMIT)
+    by_angle = simulate(system, 50.0, stop_when=measures.angle(hinge) > 31.0)  # after almost five turns
+    assert by_angle.final.t == pytest.approx(np.sqrt(2 * 31.0 * 0.4 / 0.6), rel=LIMIT)
+    assert by_angle.final.coordinates[0] == pytest.approx(31.0, abs=1e-12)  # the turns are not forgotten
+
+
+def test_an_own_state_stops_a_run():
+    block = Body("block", 1.0, (0.1, 0.1, 0.1), com=(0.1, 0.2, 0.3))
+    slider = Prismatic(GROUND, block, at=(0, 0, 0), axis=(1, 0, 0))
+    filtered = StateFeedback(  # no gain: a filter of the constant speed 2 m/s from zero
+        measures=[measures.slide_rate(slider)], gains=[0.0], on=slider, time_constant=0.3
+    )
+    system = System([block], [slider], [filtered])
+    state = system.assemble(rates={slider: 2.0})
+    solution = simulate(system, 5.0, state=state, rtol=1e-12, stop_when=measures.state(filtered) > 1.5)
+    assert solution.final.t == pytest.approx(0.3 * np.log(4.0), rel=LIMIT)
+    assert solution.state_of(filtered)[-1, 0] == pytest.approx(1.5, abs=1e-12)
+
+
+def cardan():
+    """(system, driven hinge, bend): a Cardan shaft driven at 2 rad/s."""
+    bend = 0.5
+    out = np.array([np.cos(bend), np.sin(bend), 0.0])
+    drive = Body("drive", 1.0, (0.2, 1.0, 1.0), com=(0.1, 0.02, 0.03), position=(-0.5, 0, 0))
+    driven = Body(
+        "driven", 1.0, (0.2, 1, 1), com=(0.1, 0.02, 0.03), position=0.5 * out, orientation=rotation("z", bend)
+    )
+    entry = Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0))
+    exit_ = Revolute(GROUND, driven, at=out, axis=out)
+    cross = Universal(drive, driven, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1))
+    return System([drive, driven], [entry, exit_, cross, AngleDriver(entry, Ramp(2.0))]), exit_, bend
+
+
+def cardan_angle(bend, phi):
+    """Output angle of a Cardan joint whose input yoke starts in the plane of the shafts: tan(psi) cos(bend)^k = tan."""
+    return np.arctan2(np.sin(phi) * np.cos(bend), np.cos(phi)), np.arctan2(np.sin(phi), np.cos(phi) * np.cos(bend))
+
+
+def test_kinematic_runs_stop_too():
+    system, hinge, bend = cardan()
+    condition = measures.angle(hinge) > 0.8
+    solution = simulate(system, 2.0, method=Kinematic(), stop_when=condition, output=7, as_built=1e-6)
+    both = [brentq(lambda t, k=k: cardan_angle(bend, 2.0 * t)[k] - 0.8, 0.0, 0.7, xtol=1e-15) for k in (0, 1)]
+    assert min(abs(solution.final.t - t) for t in both) < LIMIT  # which one depends on the yoke
+    assert np.diff(both)[0] < -1e-2
+    assert solution.angle(hinge)[-1] == pytest.approx(0.8, abs=1e-13)
+    dynamic = simulate(system, 2.0, rtol=1e-12, stop_when=condition, as_built=1e-6)
+    assert dynamic.final.t == pytest.approx(solution.final.t, abs=LIMIT)
+
+
+def test_kinematic_sees_a_peak_between_its_poses():
+    system, hinge, bend = cardan()
+    lowest = 2.0 * np.cos(bend)  # least speed of the driven shaft, twice a turn, first after a quarter
+    rate, run = measures.rate(hinge), dict(method=Kinematic(), output=np.linspace(0.0, 1.2, 2), as_built=1e-6)
+    stopped = simulate(system, 1.2, stop_when=rate < lowest + 1e-4, **run)
+    assert stopped.rate(hinge)[-1] == pytest.approx(lowest + 1e-4, abs=1e-12)
+    assert np.pi / 4 - 0.02 < stopped.final.t < np.pi / 4  # on the way down: (8e-4 / second derivative)^(1/2) before
+    assert simulate(system, 1.2, stop_when=rate < lowest - 1e-4, **run).final.t == 1.2
