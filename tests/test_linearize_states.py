@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring, measures
+from mbsd3d import GROUND, Body, CustomForce, Revolute, StateFeedback, System, TorsionSpring, measures
 from mbsd3d.linearization import linearize
-
 
 EXACT = 1e-12
 """Rounding: the matrices have entries of order one."""
