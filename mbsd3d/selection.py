@@ -8,9 +8,9 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
-from threadpoolctl import threadpool_limits
 
 from .kernels.layout import Data, Model, Schur, schur_records, table
+from .threads import one_thread
 
 RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a redundant row look independent
 
@@ -22,7 +22,7 @@ def dense_jacobian(model: Model, data: Data) -> np.ndarray:
     J = np.zeros((m, n + 1, 6), blocks.dtype)
     for slot in range(4):
         used = np.flatnonzero(bodies[:, slot] >= 0)
-        np.add.at(J, (used, bodies[used, slot]), blocks[used, slot])
+        J[used, bodies[used, slot]] += blocks[used, slot]  # every row once: no pair comes twice
     return J[:, :n].reshape(m, 6 * n)
 
 
@@ -36,7 +36,7 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
     """(indices of a largest independent set of rows of A, smallest kept singular value relative to the largest)."""
     if not A.size or not A.any():
         return np.zeros(0, np.int64), 1.0
-    with threadpool_limits(1):
+    with one_thread():
         _, triangle, pivot = scipy.linalg.qr(A.T, mode="economic", pivoting=True)
         sizes = np.abs(np.diag(triangle))
         rank = int((sizes > tolerance * sizes[0]).sum())
@@ -98,7 +98,7 @@ def choose_rows(
     A = scaled_jacobian(model, dense_jacobian(model, data))
     chosen, smallest = independent_rows(A, tolerance)
     if before is not None and before.size == chosen.size and before.size:
-        with threadpool_limits(1):
+        with one_thread():
             singular = scipy.linalg.svdvals(A[before])
         if singular[-1] > 0.1 * smallest * scipy.linalg.norm(A, 2):
             chosen = np.sort(before)
