@@ -5,6 +5,7 @@ Every joint connects body ``a`` to body ``b``; points and axes are in world coor
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,11 +62,16 @@ class Joint:
 
     def bodies(self) -> list:
         """All bodies the joint acts on."""
-        return list({id(body): body for row in self.rows() for body in row.bodies}.values())
+        return list({id(body): body for row in self.primitives for body in row.bodies}.values())
 
     def rows(self) -> list[Primitive]:
         """The primitives of the joint."""
         raise NotImplementedError
+
+    @cached_property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """`rows`, made once: whoever asks a joint that is part of a system reads these."""
+        return tuple(self.rows())
 
     def angle(self) -> Coordinate | None:
         """The angle of b relative to a about the joint's axis, if it has one."""

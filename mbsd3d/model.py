@@ -267,7 +267,7 @@ def lower(system: Any, measures: tuple[Measure, ...], switches: Switches) -> Com
     """Lower a system to arrays."""
     index = {id(body): i for i, body in enumerate(system.bodies)}
     index[id(GROUND)] = len(system.bodies)
-    rows_of_joint = [joint.rows() for joint in system.joints]
+    rows_of_joint = [joint.primitives for joint in system.joints]
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]

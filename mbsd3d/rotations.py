@@ -275,9 +275,11 @@ def skew(a: ArrayLike) -> np.ndarray:
         If the last dimension is not 3.
     """
     a = _stack(a, 3, "vector")
-    zero = np.zeros(a.shape[:-1])
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*a.shape[:-1], 3, 3)
+    out = np.zeros((*a.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = z, -y, x
+    return out
 
 
 def _unit_axis(axis: str | ArrayLike) -> np.ndarray:

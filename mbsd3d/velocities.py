@@ -57,17 +57,11 @@ def least_energy(
     scale = np.tile(np.repeat([model.length, 1.0], 3), n)
     unit_rows = np.array([1.0 / max(np.abs(row * scale).max(), 1e-300) for row in J])
     A, rhs = (J[:, ~known] * scale[~known]) * unit_rows[:, None], (b - J @ v) * unit_rows
-    M = scipy.linalg.block_diag(
-        *[
-            inertia_about_origin(pose.q[7 * i + 3 : 7 * i + 7], body.com, body.mass, body.inertia)
-            for i, body in enumerate(system.bodies)
-        ]
-    )
     if model.singular:  # the accelerations need what given velocities may hide
         everything = np.ones(6 * n, bool)
         Z = scale[:, None] * scipy.linalg.null_space(J * scale, rcond=1e-10) if J.size else np.diag(scale)
         if Z.shape[1]:
-            check_determined(system, Z.T @ M @ Z, Z, everything)
+            check_determined(system, Z.T @ mass_matrix(system, pose) @ Z, Z, everything)
     free = ~known
     x, null = np.zeros(free.sum()), np.eye(int(free.sum()))
     if A.shape[0] and A.shape[1]:
@@ -77,6 +71,7 @@ def least_energy(
         null = Vt[rank:].T
     N = scale[free, None] * null
     if N.shape[1]:
+        M = mass_matrix(system, pose)
         momentum = M @ v
         momentum += M[:, free] @ (scale[free] * x)
         reduced = N.T @ M[np.ix_(free, free)] @ N
@@ -94,6 +89,15 @@ def least_energy(
             advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
         )  # fmt: skip
     return v
+
+
+def mass_matrix(system: Any, pose: State) -> np.ndarray:
+    """M (6 n, 6 n) at a pose, about the reference points."""
+    blocks = [
+        inertia_about_origin(e, body.com, body.mass, body.inertia)
+        for e, body in zip(pose.q.reshape(-1, 7)[:, 3:], system.bodies, strict=True)
+    ]
+    return scipy.linalg.block_diag(*blocks)
 
 
 def check_determined(system: Any, reduced: np.ndarray, N: np.ndarray, free: np.ndarray) -> None:
