@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+from threadpoolctl import threadpool_limits
 
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .cures import Cure, find_cures
@@ -15,7 +16,6 @@ from .model import Compiled, compile_system
 from .reactions import left_null_space
 from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
 from .state import State
-from .threads import one_thread
 from .tree import loop_weights
 
 
@@ -126,7 +126,7 @@ def singular_values(A: np.ndarray) -> np.ndarray:
     """Singular values, largest first."""
     if not A.size:
         return np.zeros(0)
-    with one_thread():
+    with threadpool_limits(1):
         return scipy.linalg.svdvals(A)
 
 
@@ -216,7 +216,7 @@ def neighbour_ranks(compiled: Compiled, pose: State) -> list[int]:
     A = scaled_jacobian(model, dense_jacobian(model, data))
     if not A.size:
         return []
-    with one_thread():
+    with threadpool_limits(1):
         _, s, Vt = scipy.linalg.svd(A)
     rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
     if rank == A.shape[1]:

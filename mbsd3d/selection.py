@@ -4,6 +4,8 @@ Rank is decided here and nowhere else: column-pivoted QR of the scaled J' (colum
 model's length, rotations in radians), confirmed by its singular values, at accepted states only.
 """
 
+from functools import lru_cache
+
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
@@ -48,12 +50,18 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
 
 def elimination_order(model: Model, chosen: np.ndarray) -> np.ndarray:
     """The chosen rows in reverse Cuthill-McKee order of the graph 'two rows share a moving body'."""
-    n, on = model.body.size, model.row["body"][chosen]
+    return chosen[narrow_order(model.row["body"][chosen].tobytes(), model.body.size)]
+
+
+@lru_cache(maxsize=8)
+def narrow_order(rows: bytes, n: int) -> np.ndarray:
+    """Reverse Cuthill-McKee order of rows given by their bodies; cells of a sweep share it."""
+    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
     place, slot = np.nonzero((on >= 0) & (on < n))
-    bodies = on[place, slot]
-    incidence = csr_array((np.ones(place.size), (place, bodies)), shape=(chosen.size, n))
-    graph = csr_array(incidence @ incidence.T)
-    return chosen[reverse_cuthill_mckee(graph, symmetric_mode=True)]
+    incidence = csr_array((np.ones(place.size), (place, on[place, slot])), shape=(len(on), n))
+    order = reverse_cuthill_mckee(csr_array(incidence @ incidence.T), symmetric_mode=True)
+    order.setflags(write=False)
+    return order
 
 
 def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:

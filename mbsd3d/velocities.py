@@ -12,7 +12,6 @@ from .model import Compiled, inertia_about_origin
 from .parts import number
 from .selection import dense_jacobian
 from .state import State
-from .threads import one_thread
 
 
 def given_velocities(system: Any) -> np.ndarray:
@@ -40,8 +39,7 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         _, row = coordinate_row(compiled, data, compiled.coordinate(x), pose.t)
         J, b = np.vstack([J, row]), np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
-    with one_thread():
-        v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 
@@ -57,11 +55,17 @@ def least_energy(
     scale = np.tile(np.repeat([model.length, 1.0], 3), n)
     unit_rows = np.array([1.0 / max(np.abs(row * scale).max(), 1e-300) for row in J])
     A, rhs = (J[:, ~known] * scale[~known]) * unit_rows[:, None], (b - J @ v) * unit_rows
+    M = scipy.linalg.block_diag(
+        *[
+            inertia_about_origin(pose.q[7 * i + 3 : 7 * i + 7], body.com, body.mass, body.inertia)
+            for i, body in enumerate(system.bodies)
+        ]
+    )
     if model.singular:  # the accelerations need what given velocities may hide
         everything = np.ones(6 * n, bool)
         Z = scale[:, None] * scipy.linalg.null_space(J * scale, rcond=1e-10) if J.size else np.diag(scale)
         if Z.shape[1]:
-            check_determined(system, Z.T @ mass_matrix(system, pose) @ Z, Z, everything)
+            check_determined(system, Z.T @ M @ Z, Z, everything)
     free = ~known
     x, null = np.zeros(free.sum()), np.eye(int(free.sum()))
     if A.shape[0] and A.shape[1]:
@@ -71,7 +75,6 @@ def least_energy(
         null = Vt[rank:].T
     N = scale[free, None] * null
     if N.shape[1]:
-        M = mass_matrix(system, pose)
         momentum = M @ v
         momentum += M[:, free] @ (scale[free] * x)
         reduced = N.T @ M[np.ix_(free, free)] @ N
@@ -89,15 +92,6 @@ def least_energy(
             advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
         )  # fmt: skip
     return v
-
-
-def mass_matrix(system: Any, pose: State) -> np.ndarray:
-    """M (6 n, 6 n) at a pose, about the reference points."""
-    blocks = [
-        inertia_about_origin(e, body.com, body.mass, body.inertia)
-        for e, body in zip(pose.q.reshape(-1, 7)[:, 3:], system.bodies, strict=True)
-    ]
-    return scipy.linalg.block_diag(*blocks)
 
 
 def check_determined(system: Any, reduced: np.ndarray, N: np.ndarray, free: np.ndarray) -> None:
