@@ -12,7 +12,7 @@ from .system import System
 from .threads import one_thread
 
 
-class Misuse(ValueError):
+class MisuseError(ValueError):
     """The functions given to `sweep` do not fit: every other cell would say the same."""
 
 
@@ -39,7 +39,7 @@ class Experiment:
             with one_thread():
                 solution = self.solve(parameters)
                 values = self.numbers(self.measure(solution))
-        except Misuse as error:
+        except MisuseError as error:
             return Outcome({}, str(error), misuse=True)
         except (Exception, SystemExit) as error:
             return Outcome({}, f"{type(error).__name__}: {error}")
@@ -50,14 +50,14 @@ class Experiment:
         built = self.build(**parameters)
         system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})
         if not isinstance(system, System) or not isinstance(own, Mapping):
-            raise Misuse(
+            raise MisuseError(
                 f"build returned {type(built).__name__}; return a System, or (System, dict of arguments of simulate)"
             )
         run = self.run(**parameters) if callable(self.run) else self.run
         settings = {"progress": False, **run, **own}
         check_settings(settings)
         if "t_end" not in settings:
-            raise Misuse("the cells have no t_end; give run=dict(t_end=...), or return it from build")
+            raise MisuseError("the cells have no t_end; give run=dict(t_end=...), or return it from build")
         solution = simulate(system, **settings)
         if (solution.record.stopped_by or "").startswith("interrupted"):
             raise KeyboardInterrupt  # the run stood in the main thread and has seen it first
@@ -74,29 +74,31 @@ class Experiment:
     def name(key: Any) -> str:
         """A name that a variable of a dataset may have."""
         if not isinstance(key, str) or not key or key == "error":
-            raise Misuse(f"measure returned a value named {key!r}; name values by texts other than 'error'")
+            raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
         return key
 
 
 def plain(name: str, value: Any) -> float | list[float]:
-    """A float or a list of floats, or Misuse naming what it is."""
+    """A float or a list of floats, or MisuseError naming what it is."""
     try:
         array = np.asarray(value)
         real = array.dtype.kind in "fiub"
     except (TypeError, ValueError):
         real = False
     if not real or array.ndim > 1:
-        kind = f"an array of shape {array.shape} and type {array.dtype}" if isinstance(value, np.ndarray) else repr(value)
-        raise Misuse(f"measure returned '{name}' = {kind}; return a number, a 1-D array of numbers, or a dict of them")
+        found = f"an array of shape {value.shape}, type {value.dtype}" if isinstance(value, np.ndarray) else repr(value)
+        raise MisuseError(
+            f"measure returned '{name}' = {found}; return a number, a 1-D array of numbers, or a dict of them"
+        )
     return array.astype(float).tolist()
 
 
 def check_settings(settings: Mapping[str, Any]) -> None:
-    """Misuse for an argument that simulate does not have."""
+    """MisuseError for an argument that simulate does not have."""
     known = [name for name in inspect.signature(simulate).parameters if name != "system"]
     for name in settings:
         if name not in known:
-            raise Misuse(f"simulate has no argument {name!r}; it has {', '.join(known)}")
+            raise MisuseError(f"simulate has no argument {name!r}; it has {', '.join(known)}")
 
 
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:

@@ -51,9 +51,7 @@ class Samples:
         object.__setattr__(self, "points", points)
 
 
-def samples(
-    ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0
-) -> Samples:
+def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
     """Points spread over named ranges, the same for the same seed.
 
     Parameters

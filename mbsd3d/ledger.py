@@ -4,6 +4,7 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +38,8 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
 
 
 def title(function: Callable) -> str:
-    """Module and name of a function."""
-    return f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', type(function).__name__)}"
+    """Name of a function; not its module, which is "__main__" or not by the way the script is started."""
+    return getattr(function, "__qualname__", type(function).__name__)
 
 
 class Ledger:
@@ -100,5 +101,6 @@ class Ledger:
             raise LedgerError(f"ledger '{self.path}' cannot be written: {error}") from error
 
     def close(self) -> None:
-        """Give the file back; what could not be written has been reported by `put`."""
-        self.file.close()
+        """Give the file back."""
+        with suppress(sqlite3.Error):  # what could not be written has been reported by `put`
+            self.file.close()

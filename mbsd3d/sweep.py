@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .cells import Experiment, Misuse, Outcome, check_parameters, check_settings
+from .cells import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .errors import SweepError
 from .files import package_version
 from .grids import Grid, Samples, make_grid
@@ -122,7 +122,7 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
     elif isinstance(run, Mapping):
         try:
             check_settings(run)
-        except Misuse as error:
+        except MisuseError as error:
             raise ValueError(f"sweep: {error}") from None
     else:
         raise ValueError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
@@ -159,9 +159,7 @@ def collect(
     return None
 
 
-def agree(
-    grid: Grid, first: tuple[int, Outcome] | None, cell: int, outcome: Outcome
-) -> tuple[int, Outcome] | None:
+def agree(grid: Grid, first: tuple[int, Outcome] | None, cell: int, outcome: Outcome) -> tuple[int, Outcome] | None:
     """SweepError where a cell does not fit the others; the cell that others are compared with."""
     if outcome.misuse:
         raise SweepError(f"sweep: {grid.title(cell)}: {outcome.error}")

@@ -12,6 +12,7 @@ from .model import Compiled, inertia_about_origin
 from .parts import number
 from .selection import dense_jacobian
 from .state import State
+from .threads import one_thread
 
 
 def given_velocities(system: Any) -> np.ndarray:
@@ -39,7 +40,8 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         _, row = coordinate_row(compiled, data, compiled.coordinate(x), pose.t)
         J, b = np.vstack([J, row]), np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
-    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+    with one_thread():
+        v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 

@@ -79,10 +79,13 @@ def stream(
         while running or (queue and not broken):
             while queue and len(running) < window and not broken:
                 try:
-                    running[pool.submit(call, cells[queue[0]])] = queue[0]
-                    queue.popleft()
+                    future = pool.submit(call, cells[queue[0]])
                 except RuntimeError:  # broken since the last look at it, or closed by its owner
                     broken = True
+                    break
+                running[future] = queue.popleft()
+                if future.done():
+                    break
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 cell, error = running.pop(future), future.exception()
                 if isinstance(error, BrokenExecutor):
