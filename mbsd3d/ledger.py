@@ -8,6 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .cells import Experiment, Outcome
 from .files import package_version
 from .grids import Grid
@@ -32,9 +34,16 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
         "tag": tag,
         "build": title(experiment.build),
         "measure": title(experiment.measure),
-        "run": title(run) if callable(run) else {key: repr(value) for key, value in sorted(run.items())},
+        "run": title(run) if callable(run) else {key: stamp(value) for key, value in sorted(run.items())},
         "dims": list(grid.dims),
-    } | {f"values of '{name}'": values.tolist() for name, (_, values) in grid.columns.items()}
+    } | {f"values of '{name}'": stamp(values) for name, (_, values) in grid.columns.items()}
+
+
+def stamp(value: Any) -> str:
+    """A value as text; arrays, which repr shortens, by a digest of their numbers."""
+    if not isinstance(value, np.ndarray):
+        return repr(value)
+    return f"{value.dtype} {value.shape} {hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}"
 
 
 def title(function: Callable) -> str:

@@ -96,15 +96,16 @@ def own_length(system: Any) -> float:
     """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
     largest = 0.0
     centres = {id(b): b.position + b.axes @ b.com for b in system.bodies}
-    for body in system.bodies:
-        if body.mass > 0.0:
-            largest = max(largest, float(np.sqrt(np.linalg.eigvalsh(body.inertia)[-1] / body.mass)))
+    heavy = [body for body in system.bodies if body.mass > 0.0]
+    if heavy:
+        moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
+        largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
     records = [force.record() for force in system.forces]
     pairs = [pair for r in records if r.coordinate is None for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
-    for body, point in pairs:
-        if body is not GROUND:
-            largest = max(largest, float(np.linalg.norm(point - centres[id(body)])))
+    arms = [point - centres[id(body)] for body, point in pairs if body is not GROUND]
+    if arms:
+        largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
     return largest or 1.0
 
 

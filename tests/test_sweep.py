@@ -303,12 +303,22 @@ def test_ctrl_c_returns_what_has_finished():
     assert (table["error"].values.ravel()[3:] == "not run").all()
 
 
+def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
+    monkeypatch.setattr("mbsd3d.progress.DELAY", 0.0)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich draws a bar that changes only on a terminal
+    sweep(wheel, GRID, speed, run=RUN, progress=True)
+    said = capsys.readouterr().err
+    assert "sweep of 12 cells" in said and "0:00:0" in said
+
+
 @pytest.mark.parametrize("length", ENGINE["sweep_RL_I4_2x"])
 def test_the_inline_four_shakes_as_published(length):
     """Second order of the force on the block by the length of the rods; the first order cancels."""
     found = orders(one_turn(inline_four(rod_length=float(length[2:]))))
     assert found["force_2x"] == pytest.approx(ENGINE["sweep_RL_I4_2x"][length], rel=1e-11)  # digits of the file: 16
     assert found["force_1x"] < 1e-12  # N, rounding of forces of 50 N
+    if length == "L=2.0":
+        assert found["torque_2x"] == pytest.approx(17.43, abs=0.005)  # N m, as the file prints it
 
 
 @pytest.mark.slow
