@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray
 from scipy.stats import sobol_indices, uniform
-from sweeps import GRID, LOCAL, RUN, TIMELY, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
+from sweep_models import GRID, LOCAL, RUN, TIMELY, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 
 from mbsd3d import Kinematic, simulate
 from mbsd3d.errors import SweepError
 from mbsd3d.grids import Samples, samples
-from mbsd3d.sweep import sweep
+from mbsd3d.sweeps import sweep
 from validation.inline_four import RATE, SAMPLES, inline_four, one_turn, orders
 
 ROOT = Path(__file__).parent.parent

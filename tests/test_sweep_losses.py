@@ -12,10 +12,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweeps import GRID, LOCAL, LONG, RUN, TIMELY, counted, deadly, deadly_once, history, known, speed, touchy, wheel
+from sweep_models import (
+    GRID,
+    LOCAL,
+    LONG,
+    RUN,
+    TIMELY,
+    counted,
+    deadly,
+    deadly_once,
+    history,
+    known,
+    speed,
+    touchy,
+    wheel,
+)
 
 from mbsd3d.errors import SweepError
-from mbsd3d.sweep import sweep
+from mbsd3d.sweeps import sweep
 
 ROOT = Path(__file__).parent.parent
 
@@ -52,7 +66,7 @@ def lines(path):
 def start(ledger, mark, *arguments):
     """A process that sweeps LONG with a ledger; returns when it has begun."""
     environment = os.environ | {"MBSD3D_MARK": str(mark), "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
-    command = [sys.executable, "-m", "sweeps", str(ledger), *map(str, arguments)]
+    command = [sys.executable, "-m", "sweep_models", str(ledger), *map(str, arguments)]
     return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
@@ -139,3 +153,35 @@ def test_ctrl_c_returns_what_has_finished():
     assert table.attrs["stopped_by"] == "stopped after 3 of 12 cells"
     assert np.isfinite(table["speed"].values.ravel()[:3]).all()
     assert (table["error"].values.ravel()[3:] == "not run").all()
+
+
+class Failing(InPlace):
+    """Fails in a way of its own at the fourth cell, or gives it back cancelled."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def submit(self, fn, /, *args, **kwargs):
+        try:
+            return super().submit(fn, *args, **kwargs)
+        except KeyboardInterrupt:
+            if self.error:
+                raise self.error from None
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+
+@pytest.mark.parametrize(
+    "error, words",
+    [
+        (OSError("no route to host"), "the executor failed, OSError: no route to host"),
+        (RuntimeError("cannot schedule new futures after shutdown"), "Failing broke, 9 cells have not finished"),
+        (None, "Failing broke, 9 cells have not finished"),
+    ],
+)
+def test_whatever_an_executor_does_the_finished_cells_are_kept(error, words):
+    with pytest.raises(SweepError, match=words) as caught:
+        sweep(wheel, GRID, speed, run=RUN, executor=Failing(error))
+    assert np.isfinite(caught.value.dataset["speed"].values.ravel()[:3]).all()

@@ -92,7 +92,7 @@ def main(ledger, limit=None):
     import resource
 
     from mbsd3d.errors import SweepError
-    from mbsd3d.sweep import sweep
+    from mbsd3d.sweeps import sweep
 
     if limit:
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))

@@ -156,6 +156,10 @@ def collect(
         return SweepError(str(error), advice="make room, and run the sweep again with this ledger: it goes on")
     except SweepError as error:
         return error
+    except Exception as error:  # an executor may fail as it likes: what has finished is kept
+        trouble = SweepError(f"the executor failed, {type(error).__name__}: {error}", advice="give another executor")
+        trouble.__cause__ = error
+        return trouble
     return None
 
 
