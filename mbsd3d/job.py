@@ -25,6 +25,7 @@ from .progress import Progress
 from .selection import choose_rows, dense_jacobian
 from .solution import Solution
 from .state import State
+from .threads import turn_passed_on
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples a buffer holds
@@ -148,9 +149,10 @@ class Job:
 
     def call(self, budget: int) -> int:
         """The compiled loop of the method."""
-        if self.table is None:
-            return follow(self.model, self.data, self.schur, self.memory, budget)
-        return advance(self.model, self.data, self.schur, self.table, self.memory, budget)
+        with turn_passed_on():
+            if self.table is None:
+                return follow(self.model, self.data, self.schur, self.memory, budget)
+            return advance(self.model, self.data, self.schur, self.table, self.memory, budget)
 
     def choose(self, why: str) -> None:
         """Choose the independent rows at the present state; a change after the start is a rank event."""

@@ -12,10 +12,13 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
+from functools import partial
+from threading import Lock
 from typing import Any
 
 from .cells import Outcome
 from .errors import SweepError
+from .threads import taking_turns
 
 DIED = (
     "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "
@@ -29,7 +32,7 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
     """(cell, outcome) in the order in which they finish."""
     if executor is None or executor == "threads":
         with closing(ThreadPoolExecutor(cores(), "sweep")) as pool:
-            yield from stream(pool, call, cells, deque(todo), 2 * cores(), deque())
+            yield from stream(pool, partial(by_turns, Lock(), call), cells, deque(todo), 2 * cores(), deque())
     elif executor == "processes":
         yield from on_processes(call, cells, deque(todo))
     else:
@@ -40,6 +43,12 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
                 f"the executor {type(executor).__name__} broke, {len(left)} cells have not finished",
                 advice="executor='processes' goes on with fresh processes and names the cell that killed one",
             )
+
+
+def by_turns(lock: Lock, call: Callable, cell: dict) -> Outcome:
+    """One cell; its Python when it is this thread's turn."""
+    with taking_turns(lock):
+        return call(cell)
 
 
 def check_executor(executor: Any, functions: list[Callable]) -> None:
