@@ -28,7 +28,7 @@ from mbsd3d import (
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm, the toy engine of references/engine.json
 SIDES = (1.0, -1.0, -1.0, 1.0)  # throws up or down at the reference pose
 PLACES = np.array([-1.5, -0.5, 0.5, 1.5])  # of the cylinders along the crank, in units of the spacing
-SAMPLES = 32  # of one turn: orders from 28 on fold back onto those measured, 1e-12 of them for R/L <= 2/3
+SAMPLES = 36  # every 10 degrees of one turn: orders from 32 on fold back, 1e-12 of those measured for R/L <= 2/3
 
 
 def inline_four(
