@@ -4,7 +4,7 @@ from typing import Any
 
 
 class Mbsd3dError(RuntimeError):
-    """A run-time failure that says where it happened; base of the two below, not raised itself.
+    """A run-time failure that says where it happened; base of those below, not raised itself.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
 
@@ -57,6 +57,18 @@ class IntegrationError(Mbsd3dError):
     >>> print(IntegrationError("the step size fell below 1e-12 s", time=0.25, advice="stiff: use GeneralizedAlpha"))
     the step size fell below 1e-12 s at t = 0.25 s; stiff: use GeneralizedAlpha
     """
+
+
+class SweepError(Mbsd3dError):
+    """A sweep had to stop; ``dataset`` holds the cells that had finished.
+
+    >>> print(SweepError("the ledger cannot be written: disk is full", advice="make room and run the sweep again"))
+    the ledger cannot be written: disk is full; make room and run the sweep again
+    """
+
+    def __init__(self, what: str, *, dataset: Any = None, advice: str | None = None) -> None:
+        super().__init__(what, advice=advice)
+        self.dataset = dataset
 
 
 def _sentence(what: str, time: float | None, part: str | None, residual: float | None, advice: str | None) -> str:

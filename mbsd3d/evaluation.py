@@ -51,7 +51,7 @@ def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
     """Unwrapping references at a start: the signal where a coordinate is driven, else zero."""
     reference = np.zeros(compiled.model.coordinate.size)
     for joint, _ in compiled.drives:
-        for row in joint.rows():
+        for row in joint.primitives:
             if len(row.coordinates) == 1:
                 reference[compiled.coordinate(row.coordinates[0])] = float(row.signal(t)) / row.values[0]
     return reference

@@ -28,6 +28,7 @@ from .selection import block_rows, choose_rows
 from .solution import Solution
 from .state import State
 from .stiffness import check_forces
+from .threads import turn_passed_on
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
@@ -162,7 +163,8 @@ class Job:
 
     def call(self, budget: int) -> int:
         """The compiled loop of the method."""
-        return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
+        with turn_passed_on():
+            return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
 
     def choose(self, why: str) -> None:
         """Choose the independent rows at the present state; a change after the start is a rank event."""

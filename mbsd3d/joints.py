@@ -5,6 +5,7 @@ Every joint connects body ``a`` to body ``b``; points and axes are in world coor
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,11 +25,17 @@ def unit(value: Any, what: str) -> np.ndarray:
     return axis if abs(length - 1.0) < UNIT else axis / length
 
 
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of two (3,) vectors; np.cross spends twenty times as long on finding out that they are."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
-    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    x /= np.linalg.norm(x)
-    return x, np.cross(axis, x)
+    x = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.sqrt(x @ x)
+    return x, cross(axis, x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +63,16 @@ class Joint:
 
     def bodies(self) -> list:
         """All bodies the joint acts on."""
-        return list({id(body): body for row in self.rows() for body in row.bodies}.values())
+        return list({id(body): body for row in self.primitives for body in row.bodies}.values())
 
     def rows(self) -> list[Primitive]:
         """The primitives of the joint."""
         raise NotImplementedError
+
+    @cached_property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """`rows`, made once: whoever asks a joint that is part of a system reads these."""
+        return tuple(self.rows())
 
     def angle(self) -> Coordinate | None:
         """The angle of b relative to a about the joint's axis, if it has one."""
@@ -139,7 +151,7 @@ def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.nda
     x, _ = perpendiculars(axis)
     x_b = x - axis_b * (x @ axis_b)
     x_b /= np.linalg.norm(x_b)
-    return x_b, np.cross(axis_b, x_b)
+    return x_b, cross(axis_b, x_b)
 
 
 class Spherical(PointJoint):
@@ -194,7 +206,7 @@ class Universal(PointJoint):
     def check(self, what: str) -> None:
         super().check(what)
         x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
-        if np.linalg.norm(np.cross(x, y)) < 1e-6:
+        if np.linalg.norm(cross(x, y)) < 1e-6:
             raise ValueError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
         if abs(x @ y) > 1e-6:
             angle = np.degrees(np.arccos(x @ y))

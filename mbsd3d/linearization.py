@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from threadpoolctl import threadpool_limits
 
 from .kernels import kinds
 from .measures import Measure
@@ -22,6 +21,7 @@ from .steady import Units, check_signals, find_generator, natural_units
 from .symmetry import Generator
 from .system import System
 from .tangent import Tangent, tangent_space
+from .threads import on_one_thread
 from .variations import Field, Variations
 
 
@@ -128,7 +128,7 @@ class Linearization:
         return plot_eigenvalues(self)
 
 
-@threadpool_limits.wrap(limits=1)  # small dense algebra: more threads only wait for each other
+@on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize(
     system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
 ) -> Linearization:

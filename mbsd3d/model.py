@@ -1,6 +1,6 @@
 """From the description to the arrays of the kernels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -98,16 +98,17 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float, inertia: n
 def own_length(system: Any) -> float:
     """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
     largest = 0.0
-    centres = {id(b): b.position + matrix(b.orientation) @ b.com for b in system.bodies}
-    for body in system.bodies:
-        if body.mass > 0.0:
-            largest = max(largest, float(np.sqrt(np.linalg.eigvalsh(body.inertia)[-1] / body.mass)))
+    centres = {id(b): b.position + b.axes @ b.com for b in system.bodies}
+    heavy = [body for body in system.bodies if body.mass > 0.0]
+    if heavy:
+        moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
+        largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
     records = [force.record() for force in system.forces]
     pairs = [pair for r in records if r.coordinate is None for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
-    for body, point in pairs:
-        if body is not GROUND:
-            largest = max(largest, float(np.linalg.norm(point - centres[id(body)])))
+    arms = [point - centres[id(body)] for body, point in pairs if body is not GROUND]
+    if arms:
+        largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
     return largest or 1.0
 
 
@@ -268,13 +269,33 @@ def state_layout(system: Any, records: list, n_driven: int, length: float) -> di
     return {"z_work": own, "z_drive": own + n_forces, "z_impulse": own + works, "state": out}
 
 
+def switch_fields(switches: Switches) -> dict[str, Any]:
+    """The fields of the model that the switches set."""
+    return {
+        "gyroscopic": float(switches.gyroscopic),
+        "centripetal": float(switches.centripetal),
+        "gamma": float(switches.gamma),
+        "stabilisation": STABILISATIONS[switches.stabilisation],
+        "baumgarte_velocity": float(switches.baumgarte[0]),
+        "baumgarte_position": float(switches.baumgarte[1]),
+    }
+
+
 def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
-    """Lower a system to arrays."""
+    """The arrays of a system; what depends on neither measures nor switches is lowered once per system."""
     announce_compilation()
     switches = switches or Switches()
+    if measures:
+        return lower(system, measures, switches)
+    known: Compiled = system.lowered
+    return replace(known, model=known.model._replace(**switch_fields(switches)), switches=switches)
+
+
+def lower(system: Any, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
+    """Lower a system to arrays."""
     index = {id(body): i for i, body in enumerate(system.bodies)}
     index[id(GROUND)] = len(system.bodies)
-    rows_of_joint = [joint.rows() for joint in system.joints]
+    rows_of_joint = [joint.primitives for joint in system.joints]
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
@@ -306,12 +327,7 @@ def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Sw
         gravity=np.array(system.gravity, float),
         length=length,
         singular=int(singular),
-        gyroscopic=float(switches.gyroscopic),
-        centripetal=float(switches.centripetal),
-        gamma=float(switches.gamma),
-        stabilisation=STABILISATIONS[switches.stabilisation],
-        baumgarte_velocity=float(switches.baumgarte[0]),
-        baumgarte_position=float(switches.baumgarte[1]),
+        **switch_fields(switches),
     )
     slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
     driven = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from threadpoolctl import threadpool_limits
 
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
@@ -14,13 +13,14 @@ from .nearby import closed
 from .parts import number
 from .selection import choose_rows
 from .solution import Solution
+from .threads import on_one_thread
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 MARKERS = "osD^v<>pP*X"
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
-@threadpool_limits.wrap(limits=1)
+@on_one_thread
 def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
 
@@ -184,7 +184,7 @@ class Motion:
     com, point, animate = Solution.com, Solution.point, Solution.animate
 
 
-@threadpool_limits.wrap(limits=1)
+@on_one_thread
 def make_modes(linearization: Any) -> tuple[Mode, ...]:
     """Modes of all eigenvalues, one per complex pair."""
     n, values = linearization.compiled.model.body.size, linearization.eigenvalues

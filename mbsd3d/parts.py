@@ -1,6 +1,7 @@
 """Bodies: frozen descriptions of rigid parts at one reference pose, in world coordinates."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -132,10 +133,17 @@ class Body:
     def __repr__(self) -> str:
         return f"Body('{self.name}', mass={self.mass:g})"
 
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """R at the reference pose, body -> world; read-only."""
+        R = matrix(self.orientation)
+        R.setflags(write=False)
+        return R
+
     def local_point(self, point: np.ndarray) -> np.ndarray:
         """R'(p - r): a world point at the reference pose in body axes from O [m]."""
-        return matrix(self.orientation).T @ (np.asarray(point, float) - self.position)
+        return self.axes.T @ (np.asarray(point, float) - self.position)
 
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
         """R' a: a world direction at the reference pose in body axes."""
-        return matrix(self.orientation).T @ np.asarray(axis, float)
+        return self.axes.T @ np.asarray(axis, float)

@@ -9,10 +9,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.linalg
-from threadpoolctl import threadpool_limits
 
 from .blocks import BlockRows
 from .elimination import SAFE, Core, Elimination
+from .threads import one_thread
 
 RANK_TOLERANCE = 1e-10  # relative; must exceed the drift, else drift makes a redundant row look independent
 
@@ -46,7 +46,7 @@ class Analysis:
 
     def __init__(self, rows: BlockRows, tolerance: float = RANK_TOLERANCE, safe: float = SAFE, **options: int) -> None:
         self.n, self.m, self.tolerance = rows.n, rows.body.shape[0], tolerance
-        with threadpool_limits(1):
+        with one_thread():
             self.left = Elimination(rows, tolerance, max(safe, 10.0 * tolerance), **options)
             self.cores = self.left.cores
             self.decompositions = [scipy.linalg.svd(core.F, check_finite=False) for core in self.cores]

@@ -5,7 +5,7 @@ only if G N = 0; the share of least norm of the others is lam - N N' lam, which 
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,19 +24,24 @@ class Reaction:
     unique: bool
 
 
-def may_be_redundant(compiled: Compiled, data: Any, t: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Left null space at the middle sample, where no special start position hides the general rank."""
-    k = t.size // 2
-    return redundant_combinations(rows_at(compiled, data, t[k], states[k]))
+class MiddleRows(NamedTuple):
+    """The rows at the middle sample, where no special start position hides the general rank."""
+
+    N: np.ndarray  # (rows, k) left null space of the scaled J
+    J: np.ndarray  # (rows, 4, 6) blocks per slot
 
 
-def unique_wrench(compiled: Compiled, t: np.ndarray, states: np.ndarray, parts: list) -> bool:
-    """True if the summed wrench of the joints' rows on their body b is determined by the constraints."""
+def middle_rows(compiled: Compiled, t: np.ndarray, states: np.ndarray) -> MiddleRows:
+    """Rows of a run, for `unique_wrench` and `minimum_norm`."""
+    data, k = compiled.data(), t.size // 2
     if not compiled.model.row.size or not t.size:
-        return True
-    data = compiled.data()
-    N = may_be_redundant(compiled, data, t, states)
-    if not N.shape[1]:
+        return MiddleRows(np.zeros((compiled.model.row.size, 0)), data.row["J"])
+    return MiddleRows(redundant_combinations(rows_at(compiled, data, t[k], states[k])), data.row["J"])
+
+
+def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
+    """True if the summed wrench of the joints' rows on their body b is determined by the constraints."""
+    if not middle.N.shape[1]:
         return True
     model, G = compiled.model, np.zeros((6, compiled.model.row.size))
     body = compiled.body_index[id(parts[0].b)]
@@ -45,16 +50,17 @@ def unique_wrench(compiled: Compiled, t: np.ndarray, states: np.ndarray, parts: 
         for k in range(span.start, span.stop):
             for slot in range(4):
                 if model.row["body"][k, slot] == body:
-                    G[:, k] += data.row["J"][k, slot] * model.row["scale"][k] * np.repeat([model.length, 1.0], 3)
-    return bool(np.abs(G @ N).max() < 1e-7)
+                    G[:, k] += middle.J[k, slot] * model.row["scale"][k] * np.repeat([model.length, 1.0], 3)
+    return bool(np.abs(G @ middle.N).max() < 1e-7)
 
 
-def minimum_norm(compiled: Compiled, t: np.ndarray, states: np.ndarray, lam: np.ndarray) -> np.ndarray:
+def minimum_norm(
+    compiled: Compiled, middle: MiddleRows, t: np.ndarray, states: np.ndarray, lam: np.ndarray
+) -> np.ndarray:
     """Multipliers of least norm in the model's own units that give the same forces."""
-    data = compiled.data()
-    if not lam.shape[1] or not t.size or not may_be_redundant(compiled, data, t, states).shape[1]:
+    if not middle.N.shape[1]:
         return lam
-    scale, shared = compiled.model.row["scale"], np.empty_like(lam)
+    data, scale, shared = compiled.data(), compiled.model.row["scale"], np.empty_like(lam)
     for k in range(t.size):
         N = redundant_combinations(rows_at(compiled, data, t[k], states[k]))
         mu = lam[k] / scale

@@ -99,11 +99,18 @@ def matrix(e: ArrayLike) -> np.ndarray:
     ValueError
         If the last dimension is not 4 or a quaternion is zero.
     """
-    e = _nonzero_quaternion(e)
-    scalar, vector = e[..., :1, None], e[..., 1:]
-    square = np.sum(vector**2, axis=-1)[..., None, None]
-    dyad = vector[..., :, None] * vector[..., None, :]
-    return ((scalar**2 - square) * np.eye(3) + 2.0 * dyad + 2.0 * scalar * skew(vector)) / (scalar**2 + square)
+    e = _stack(e, 4, "quaternion")
+    single = e.ndim == 1
+    a, x, y, z = e.tolist() if single else (e[..., i] for i in range(4))  # floats: a tenth of the time of arrays of one
+    aa, xx, yy, zz = a * a, x * x, y * y, z * z
+    square = aa + xx + yy + zz
+    _check_nonzero(square)
+    R = np.array([
+        [aa + xx - yy - zz, 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)],
+        [2.0 * (x * y + a * z), aa - xx + yy - zz, 2.0 * (y * z - a * x)],
+        [2.0 * (x * z - a * y), 2.0 * (y * z + a * x), aa - xx - yy + zz],
+    ]) / square  # fmt: skip
+    return R if single else np.ascontiguousarray(np.moveaxis(R, (0, 1), (-2, -1)))
 
 
 def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
@@ -276,9 +283,11 @@ def skew(a: ArrayLike) -> np.ndarray:
         If the last dimension is not 3.
     """
     a = _stack(a, 3, "vector")
-    zero = np.zeros(a.shape[:-1])
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*a.shape[:-1], 3, 3)
+    out = np.zeros((*a.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = z, -y, x
+    return out
 
 
 def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
@@ -340,12 +349,16 @@ def _largest_column(R: np.ndarray) -> np.ndarray:
     return column / np.linalg.norm(column, axis=-1, keepdims=True)
 
 
+def _check_nonzero(square: float | np.ndarray) -> None:
+    """Refuse quaternions whose squares are zero or not finite."""
+    if not np.all((square > 0.0) & np.isfinite(square)):
+        raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
+
+
 def _nonzero_quaternion(e: ArrayLike) -> np.ndarray:
     """Stack of quaternions of which none is zero or contains NaN."""
     e = _stack(e, 4, "quaternion")
-    square = np.sum(e * e, axis=-1)
-    if not np.all((square > 0.0) & np.isfinite(square)):
-        raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
+    _check_nonzero(np.sum(e * e, axis=-1))
     return e
 
 

@@ -5,15 +5,17 @@ displacements in units of the model's length, rotations in radians), of which th
 no such decision (see `mbsd3d.elimination`).
 """
 
+from functools import lru_cache
+
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
-from threadpoolctl import threadpool_limits
 
 from .blocks import BlockRows
 from .kernels.layout import Data, Model, Schur, schur_records, table
 from .rank import RANK_TOLERANCE, Analysis
+from .threads import one_thread
 
 
 def block_rows(model: Model, data: Data) -> BlockRows:
@@ -44,7 +46,7 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
     """
     if not A.size or not A.any():
         return np.zeros(0, np.int64), 1.0
-    with threadpool_limits(1):
+    with one_thread():
         _, pivot = scipy.linalg.qr(A.T, mode="r", pivoting=True)
         singular = scipy.linalg.svdvals(A)
     rank = int((singular > tolerance * singular[0]).sum())
@@ -53,12 +55,18 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
 
 def elimination_order(model: Model, chosen: np.ndarray) -> np.ndarray:
     """The chosen rows in reverse Cuthill-McKee order of the graph 'two rows share a moving body'."""
-    n, on = model.body.size, model.row["body"][chosen]
+    return chosen[narrow_order(model.row["body"][chosen].tobytes(), model.body.size)]
+
+
+@lru_cache(maxsize=8)
+def narrow_order(rows: bytes, n: int) -> np.ndarray:
+    """Reverse Cuthill-McKee order of rows given by their bodies; cells of a sweep share it."""
+    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
     place, slot = np.nonzero((on >= 0) & (on < n))
-    bodies = on[place, slot]
-    incidence = csr_array((np.ones(place.size), (place, bodies)), shape=(chosen.size, n))
-    graph = csr_array(incidence @ incidence.T)
-    return chosen[reverse_cuthill_mckee(graph, symmetric_mode=True)]
+    incidence = csr_array((np.ones(place.size), (place, on[place, slot])), shape=(len(on), n))
+    order = reverse_cuthill_mckee(csr_array(incidence @ incidence.T), symmetric_mode=True)
+    order.setflags(write=False)
+    return order
 
 
 def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:

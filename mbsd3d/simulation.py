@@ -114,7 +114,7 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
     """Tables must cover the run."""
-    signals = [(joint, row.signal) for joint in compiled.system.joints for row in joint.rows()]
+    signals = [(joint, row.signal) for joint in compiled.system.joints for row in joint.primitives]
     signals += [(force, signal) for force in compiled.system.forces for signal in force.record().signals]
     for part, signal in signals:
         if signal is not None:

@@ -12,7 +12,7 @@ from .drivers import Driver
 from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
-from .reactions import Reaction, minimum_norm, unique_wrench
+from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
 from .rotations import matrix
 from .state import State
 
@@ -158,7 +158,9 @@ class Solution:
 
     def body_point(self, body: Any, point: np.ndarray) -> np.ndarray:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
-        return self._point_motion(body, point)[0]
+        if body is GROUND:
+            return np.broadcast_to(point, (self.t.size, 3))
+        return self.position(body) + self.rotation(body) @ body.local_point(point)
 
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
@@ -168,9 +170,14 @@ class Solution:
         return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
 
     @cached_property
+    def _middle(self) -> MiddleRows:
+        """Which shares of the rows the constraints leave open."""
+        return middle_rows(self.compiled, self.t, self.arrays["state"])
+
+    @cached_property
     def _multipliers(self) -> np.ndarray:
         """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
-        return minimum_norm(self.compiled, self.t, self.arrays["state"], self.arrays["lam"])
+        return minimum_norm(self.compiled, self._middle, self.t, self.arrays["state"], self.arrays["lam"])
 
     def reaction(self, *joints: Any) -> Reaction:
         """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
@@ -188,7 +195,7 @@ class Solution:
                     f"solution.reaction: '{self.system.name(part)}' acts on '{part.b.name}', "
                     f"'{self.system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
-        unique, samples = unique_wrench(self.compiled, self.t, self.arrays["state"], parts), self.t.size
+        unique, samples = unique_wrench(self.compiled, self._middle, parts), self.t.size
         lam = self.arrays["lam"] if unique else self._multipliers
         total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
         index = self.compiled.body_index[id(body)]
@@ -208,7 +215,7 @@ class Solution:
         if not isinstance(part, Driver):
             raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is no driver; ask for its reaction")
         rows = self.compiled.rows[id(part)]
-        unique = unique_wrench(self.compiled, self.t, self.arrays["state"], [part])
+        unique = unique_wrench(self.compiled, self._middle, [part])
         lam = self.arrays["lam"] if unique else self._multipliers
         effort = -lam[:, rows]
         return effort[:, 0] if effort.shape[1] == 1 else effort

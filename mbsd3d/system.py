@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from .parts import GROUND, Body, vector
 from .state import State
 
 if TYPE_CHECKING:
+    from .model import Compiled
     from .redundancy import Diagnosis
 
 
@@ -108,6 +110,13 @@ class System:
                         f"{type(joint).__name__} '{self.name(joint)}': its joint '{other.name}' is not in the "
                         "system; add it to joints"
                     )
+
+    @cached_property
+    def lowered(self) -> "Compiled":
+        """The arrays of this system with all terms of the equations; made once, nothing writes into them."""
+        from .model import Switches, lower
+
+        return lower(self, (), Switches())
 
     def name(self, part: Any) -> str:
         """Name of a part of this system."""

@@ -15,6 +15,7 @@ from .model import Compiled, inertia_about_origin
 from .parts import number
 from .selection import block_rows
 from .state import State
+from .threads import one_thread
 
 
 def given_velocities(system: Any) -> np.ndarray:
@@ -44,7 +45,8 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
     J = vstack(J, format="csr") if len(J) > 1 else J[0]
-    v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+    with one_thread():
+        v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 

@@ -5,6 +5,7 @@ column. Vectors are in world axes unless a line says "body axes"; SI units. Body
 ground: it has a pose and zero velocity in `Data`, and no columns in the equations.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numba
@@ -184,7 +185,13 @@ def schur_records(dtype: type) -> dict[str, list]:
     }
 
 
+@cache
+def record(fields: tuple) -> np.dtype:
+    """The type of a record of fields, made once: that takes numpy longer than a table."""
+    return np.dtype(list(fields))
+
+
 def table(fields: list, count: int) -> np.ndarray:
     """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
-    array = np.zeros(count, np.dtype(fields))
+    array = np.zeros(count, record(tuple(fields)))
     return array.view(np.recarray) if numba.config.DISABLE_JIT else array

@@ -1,0 +1,187 @@
+"""Nothing that a sweep has finished is lost: killed processes, broken pools, Ctrl-C, a full disk; and its ledger."""
+
+import multiprocessing
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweep_models import (
+    GRID,
+    LOCAL,
+    LONG,
+    RUN,
+    TIMELY,
+    counted,
+    deadly,
+    deadly_once,
+    history,
+    known,
+    speed,
+    touchy,
+    wheel,
+)
+
+from mbsd3d.errors import SweepError
+from mbsd3d.sweeps import sweep
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_a_killed_process_costs_its_cell_only():
+    began = time.perf_counter()
+    table = sweep(deadly, GRID, speed, run=RUN, executor="processes")
+    killed = (table["torque"] == 2.0) & (table["inertia"] == 0.4)
+    assert int(killed.sum()) == 1 and "WorkerDied" in str(table["error"].values[killed.values][0])
+    assert table.attrs["failed"] == 1 and time.perf_counter() - began < 10 * TIMELY  # five starts of processes
+    np.testing.assert_allclose(table["speed"].values[~killed.values], known(GRID)[~killed.values], rtol=LOCAL)
+
+
+def test_a_cell_whose_process_died_by_accident_runs_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MBSD3D_MARK", str(tmp_path / "mark"))
+    table = sweep(deadly_once, GRID, speed, run=RUN, executor="processes")
+    assert (tmp_path / "mark").exists() and table.attrs["failed"] == 0
+    np.testing.assert_allclose(table["speed"], known(GRID), rtol=LOCAL)
+
+
+def test_a_broken_pool_of_the_user_keeps_what_had_finished():
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        with pytest.raises(SweepError, match="broke, .* cells have not finished; executor='processes'") as caught:
+            sweep(deadly, GRID, speed, run=RUN, executor=pool)
+    kept = caught.value.dataset["speed"].values.ravel()
+    assert np.isfinite(kept[:4]).all() and np.isnan(kept[4:]).all()  # one worker: the fifth cell, (2.0, 0.4), kills it
+    assert caught.value.dataset.attrs["stopped_by"] == "stopped after 4 of 12 cells"
+
+
+def lines(path):
+    return path.read_text().splitlines() if path.exists() else []
+
+
+def start(ledger, mark, *arguments):
+    """A process that sweeps LONG with a ledger; returns when it has begun."""
+    environment = os.environ | {"MBSD3D_MARK": str(mark), "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
+    command = [sys.executable, "-m", "sweep_models", str(ledger), *map(str, arguments)]
+    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def wait_for(mark, count, process):
+    """Until so many cells have begun."""
+    while len(lines(mark)) < count:
+        assert process.poll() is None, process.communicate()[0]
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_ledger_goes_on_where_a_sweep_was_stopped(tmp_path, monkeypatch, how):
+    ledger, mark = tmp_path / "sweep.db", tmp_path / "mark"
+    process = start(ledger, mark)
+    wait_for(mark, 30, process)
+    process.send_signal(how)
+    said, _ = process.communicate(timeout=2 * TIMELY)
+    with sqlite3.connect(ledger) as file:
+        stored = file.execute("SELECT COUNT(*) FROM cells").fetchone()[0]
+    begun = len(lines(mark))
+    assert 160 > begun >= stored >= begun - 2 * os.cpu_count() - 2  # those in flight are lost, not one more
+    if how == signal.SIGINT:
+        assert f"finished {stored}; stopped after {stored} of 160 cells" in said
+    monkeypatch.setenv("MBSD3D_MARK", str(mark))
+    table = sweep(counted, LONG, speed, run=RUN, ledger=ledger)
+    assert len(lines(mark)) == begun + 160 - stored  # none twice
+    np.testing.assert_allclose(table["speed"], known(LONG), rtol=LOCAL)
+    again = sweep(counted, LONG, speed, run=RUN, ledger=ledger)
+    assert len(lines(mark)) == begun + 160 - stored and np.array_equal(again["speed"], table["speed"])
+
+
+def test_a_full_disk_is_named_and_the_finished_cells_are_returned(tmp_path):
+    """A limit of 128 kB on the size of files stands in for the disk."""
+    process = start(tmp_path / "sweep.db", tmp_path / "mark", 131072)
+    said, _ = process.communicate(timeout=12 * TIMELY)  # numba and the kernels have to be loaded first
+    assert "sweep.db' cannot be written:" in said and "make room, and run the sweep again" in said
+    finished = int(said.split("finished ")[1].split(";")[0])
+    assert 10 < finished < 160
+
+
+def test_failed_cells_are_tried_again(tmp_path):
+    first = sweep(touchy, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
+    again = sweep(touchy, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
+    assert first.attrs["failed"] == again.attrs["failed"] == 3 and first["speed"].equals(again["speed"])
+
+
+@pytest.mark.parametrize(
+    "change, word",
+    [
+        ({"grid": GRID | {"inertia": [0.2, 0.4, 0.8]}}, "values of 'inertia'"),
+        ({"tag": "second"}, "tag"),
+        ({"run": RUN | {"rtol": 1e-7}}, "run"),
+        ({"measure": history}, "measure"),
+    ],
+)
+def test_the_ledger_of_another_sweep_is_refused_by_name(tmp_path, change, word):
+    given = {"grid": GRID, "measure": speed, "run": RUN, "ledger": tmp_path / "sweep.db"}
+    sweep(wheel, **given)
+    with pytest.raises(ValueError, match=rf"belongs to another sweep, it differs in {word}; give another file"):
+        sweep(wheel, **(given | change))
+
+
+def test_ledgers_that_cannot_be_used(tmp_path):
+    (tmp_path / "text.db").write_text("a letter, not a ledger " * 100)
+    for ledger in (tmp_path / "text.db", tmp_path / "nowhere" / "sweep.db", tmp_path):
+        with pytest.raises(ValueError, match="ledger .* cannot be used: .*; give a file"):
+            sweep(wheel, GRID, speed, run=RUN, ledger=ledger)
+
+
+class InPlace(Executor):
+    """Runs a cell where it is submitted, as a debugger wants it; Ctrl-C comes with the fourth."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.count = getattr(self, "count", 0) + 1
+        if self.count == 4:
+            raise KeyboardInterrupt
+        future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def test_ctrl_c_returns_what_has_finished():
+    table = sweep(wheel, GRID, speed, run=RUN, executor=InPlace())
+    assert table.attrs["stopped_by"] == "stopped after 3 of 12 cells"
+    assert np.isfinite(table["speed"].values.ravel()[:3]).all()
+    assert (table["error"].values.ravel()[3:] == "not run").all()
+
+
+class Failing(InPlace):
+    """Fails in a way of its own at the fourth cell, or gives it back cancelled."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def submit(self, fn, /, *args, **kwargs):
+        try:
+            return super().submit(fn, *args, **kwargs)
+        except KeyboardInterrupt:
+            if self.error:
+                raise self.error from None
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+
+@pytest.mark.parametrize(
+    "error, words",
+    [
+        (OSError("no route to host"), "the executor failed, OSError: no route to host"),
+        (RuntimeError("cannot schedule new futures after shutdown"), "Failing broke, 9 cells have not finished"),
+        (None, "Failing broke, 9 cells have not finished"),
+    ],
+)
+def test_whatever_an_executor_does_the_finished_cells_are_kept(error, words):
+    with pytest.raises(SweepError, match=words) as caught:
+        sweep(wheel, GRID, speed, run=RUN, executor=Failing(error))
+    assert np.isfinite(caught.value.dataset["speed"].values.ravel()[:3]).all()
