@@ -23,7 +23,7 @@ from .measures import Condition
 from .model import Compiled, Switches
 from .parts import number
 from .progress import Progress
-from .samples import Samples, buffer_size
+from .recording import Samples, buffer_size
 from .selection import block_rows, choose_rows
 from .solution import Solution
 from .state import State

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from models import at_reference, dense_rows, revolute_chain
 
-from mbsd3d import RK4, PointOnLine, Revolute, System, samples, simulate
+from mbsd3d import RK4, PointOnLine, Revolute, System, recording, simulate
 from mbsd3d.elimination import Elimination
 from mbsd3d.model import compile_system
+from mbsd3d.recording import QUANTITIES, Samples
 from mbsd3d.rotations import conjugate, logarithm, multiply
-from mbsd3d.samples import QUANTITIES, Samples
 from mbsd3d.selection import choose_rows, independent_rows, scaled_rows
 from validation.mechanisms import ladder
 
@@ -131,8 +131,8 @@ def test_samples_are_kept_whatever_their_number(expected):
 def test_a_small_buffer_gives_the_same_samples(monkeypatch):
     system, method = revolute_chain(3), RK4(0.01)
     whole = [simulate(system, 0.5, method=method, output=output) for output in (190, None)]
-    monkeypatch.setattr(samples, "BUFFER", 1)
-    monkeypatch.setattr(samples, "FEWEST", 2)
+    monkeypatch.setattr(recording, "BUFFER", 1)
+    monkeypatch.setattr(recording, "FEWEST", 2)
     for first, output in zip(whole, (190, None), strict=True):
         again = simulate(system, 0.5, method=method, output=output)
         for name, array in first.arrays.items():
@@ -141,7 +141,7 @@ def test_a_small_buffer_gives_the_same_samples(monkeypatch):
 
 def test_a_run_holds_its_samples_once(monkeypatch):
     """Peak of what is allocated, certificate included, against what is stored."""
-    monkeypatch.setattr(samples, "BUFFER", 2**16)
+    monkeypatch.setattr(recording, "BUFFER", 2**16)
     system = revolute_chain(100)
     state = system.state()
     simulate(system, 0.004, state=state, method=RK4(0.001))

@@ -32,7 +32,10 @@ def test_every_cell_has_the_closed_form():
     # 96 samples per half turn and per turn and a half: both extremes, 0 and 90 degrees, are hit; projection holds them
     np.testing.assert_allclose(table["ratio"].values, [1 / np.cos(bends) ** 2] * 2, rtol=1e-12)
     assert table["bend"].attrs["units"] == "rad" and table["torque"].attrs["units"] == "N m"
-    assert table.attrs["runs"] == "DOP853(dt=None, max_step=inf), rtol 1e-06" and table.attrs["tag"] == "first"
+    assert (
+        table.attrs["runs"] == "DOP853(dt=None, max_step=inf, stiff='stop'), rtol 1e-06"
+        and table.attrs["tag"] == "first"
+    )
     assert table.attrs["failed"] == 0 and table.attrs["cells"] == 6 and (table["error"] == "").all()
 
 
