@@ -61,6 +61,7 @@ class Record:
     rank_events: list = field(default_factory=list)
     seconds: float = 0.0
     loop_seconds: float = 0.0  # of these, in the compiled time loop
+    rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
     stopped_by: str | None = None
 
 
@@ -177,6 +178,7 @@ class Job:
             self.fail(base.NO_SOLUTION)
         self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
         self.record.svd_calls += 1
+        self.record.rows_left_out = int(self.schur.skipped.size)
         self.last_event = int(run.count[base.STEPS]) if before is not None else -1
         # a row set that is as good as can be had is kept until its pivots fall a hundredfold
         run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
@@ -216,6 +218,8 @@ class Job:
         rate = rate if np.isfinite(rate) else 1.0
         rate = max(rate, 1.0 / horizon)
         run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
+        if self.record.kinematic:
+            run.clock[base.TURN] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
         run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** (1.0 / (self.method.order or 8)) / rate)
 
     def check_start(self) -> None:

@@ -83,15 +83,15 @@ def key_of(x: Coordinate) -> tuple:
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
-def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float, inertia: np.ndarray) -> np.ndarray:
-    """The 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] with s = R r_G, I_O = R I_G R' + m [s]x[s]x'."""
-    R = matrix(e)
-    S = skew(R @ com)
-    block = np.empty((6, 6))
-    block[:3, :3] = mass * np.eye(3)
-    block[:3, 3:] = -mass * S
-    block[3:, :3] = mass * S
-    block[3:, 3:] = R @ inertia @ R.T + mass * S @ S.T
+def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """The 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] with s = R r_G, I_O = R I_G R' + m [s]x[s]x'; or a stack."""
+    R, m = matrix(e), np.asarray(mass)[..., None, None]
+    S = skew(np.einsum("...ij,...j->...i", R, com))
+    block = np.empty((*R.shape[:-2], 6, 6))
+    block[..., :3, :3] = m * np.eye(3)
+    block[..., :3, 3:] = -m * S
+    block[..., 3:, :3] = m * S
+    block[..., 3:, 3:] = R @ inertia @ R.swapaxes(-1, -2) + m * S @ S.swapaxes(-1, -2)
     return block
 
 

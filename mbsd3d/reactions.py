@@ -31,10 +31,10 @@ class MiddleRows(NamedTuple):
     J: np.ndarray  # (rows, 4, 6) blocks per slot
 
 
-def middle_rows(compiled: Compiled, t: np.ndarray, states: np.ndarray) -> MiddleRows:
-    """Rows of a run, for `unique_wrench` and `minimum_norm`."""
+def middle_rows(compiled: Compiled, t: np.ndarray, states: np.ndarray, left_out: int | None = None) -> MiddleRows:
+    """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
     data, k = compiled.data(), t.size // 2
-    if not compiled.model.row.size or not t.size:
+    if not compiled.model.row.size or not t.size or left_out == 0:
         return MiddleRows(np.zeros((compiled.model.row.size, 0)), data.row["J"])
     return MiddleRows(redundant_combinations(rows_at(compiled, data, t[k], states[k])), data.row["J"])
 

@@ -351,7 +351,7 @@ def _largest_column(R: np.ndarray) -> np.ndarray:
 
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
-    if not np.all((square > 0.0) & np.isfinite(square)):
+    if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
         raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
 
 

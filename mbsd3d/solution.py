@@ -172,7 +172,7 @@ class Solution:
     @cached_property
     def _middle(self) -> MiddleRows:
         """Which shares of the rows the constraints leave open."""
-        return middle_rows(self.compiled, self.t, self.arrays["state"])
+        return middle_rows(self.compiled, self.t, self.arrays["state"], self.record.rows_left_out)
 
     @cached_property
     def _multipliers(self) -> np.ndarray:

@@ -88,9 +88,10 @@ def least_energy(
 
 def sparse_mass_matrix(system: Any, pose: State) -> csr_array:
     """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
-    e, n = pose.q.reshape(-1, 7)[:, 3:], len(system.bodies)
-    blocks = [inertia_about_origin(e[i], body.com, body.mass, body.inertia) for i, body in enumerate(system.bodies)]
-    return csr_array(bsr_array((np.array(blocks), np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
+    n = len(system.bodies)
+    com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))
+    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], com, mass, inertia)
+    return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))
 
 
 def check_determined(system: Any, A: csr_array, M: csr_array, free: np.ndarray) -> None:

@@ -27,10 +27,12 @@ from mbsd3d import (
     Revolute,
     Sine,
     SpringDamper,
+    StateFeedback,
     System,
     Table,
     Torque,
     TorsionSpring,
+    measures,
     simulate,
 )
 from mbsd3d.cli import main
@@ -67,6 +69,8 @@ def all_forces(rng):
         ),
         AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, 0.2, 0.3)),
     ]  # fmt: skip
+    seen = [measures.angle(hinge), measures.velocity(two, axis=direction(rng), at=rng.normal(size=3))]
+    forces.append(StateFeedback(measures=seen, gains=(3.0, 0.4), on=hinge, reference=(0.1, 0.2), time_constant=0.05))
     return System([one, two, three], [hinge, rail], forces, gravity=(0.4, -0.8, -9.6))
 
 

@@ -35,6 +35,8 @@ from .base import (
 from .events import LANDINGS, first_crossing, halt, may_come_true, missing_time
 from .scales import references
 
+TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
+
 
 @dataclass(frozen=True)
 class Kinematic:
@@ -101,6 +103,16 @@ def land(m, d, s, run, h, x):
     return halt(m, d, s, run, t + x)
 
 
+@inner_kernel
+def expected_turn(m, run, h):
+    """Largest angle a body may turn within h: by the greatest angular velocity so far and the present acceleration."""
+    n, alpha = m.body.shape[0], 0.0
+    for i in range(n):
+        for j in range(3):
+            alpha = max(alpha, abs(run.dy[7 * n + 6 * i + 3 + j]))
+    return h * run.clock[TURN] + 0.5 * h * h * alpha
+
+
 @kernel
 def follow(m, d, s, run, budget):
     """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
@@ -116,7 +128,7 @@ def follow(m, d, s, run, budget):
             return FULL
         t_new = run.times[run.count[NEXT]]
         h = t_new - run.clock[T]
-        pieces = max(1, int(np.ceil(max(h * run.clock[TURN] / 0.3, h / run.clock[MAX_STEP]))))  # 0.3 rad per Newton
+        pieces = max(1, int(np.ceil(max(expected_turn(m, run, h) / TURN_PER_POSE, h / run.clock[MAX_STEP]))))
         for piece in range(pieces):
             t = t_new if piece == pieces - 1 else run.clock[T] + h / pieces
             predict(m, run, t - run.clock[T])
