@@ -14,7 +14,7 @@ from .growth import Growth
 from .integrators import base
 from .integrators.base import Run
 from .integrators.driven import Kinematic
-from .kernels.dynamics import arrive
+from .kernels.dynamics import FAR, arrive
 from .kernels.jit import is_warm, mark_warm
 from .kernels.kinds import PROJECTION
 from .kernels.loads import loads
@@ -209,7 +209,7 @@ class Job:
         """Scales of the velocity errors and the first step from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
         horizon = run.clock[base.T_END] - run.clock[base.T]
-        arrive(model, self.data, self.schur, run.clock[base.T], run.y.copy(), run.dy)
+        arrive(model, self.data, self.schur, run.clock[base.T], run.y.copy(), run.dy, FAR)
         v = run.y[7 * n : 13 * n].reshape(n, 6)
         a = run.dy[7 * n : 13 * n].reshape(n, 6)
         spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))

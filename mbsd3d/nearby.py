@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .kernels.dynamics import PROJECTED, close
+from .kernels.dynamics import FAR, PROJECTED, close
 from .kernels.kinematics import displace_body
 from .kernels.layout import Data, Model, Schur
 from .rotations import matrix
@@ -22,4 +22,4 @@ def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
 def closed(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
     """`displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
     moved = displaced(model, y, X)
-    return moved if close(model, data, schur, t, moved) == PROJECTED else None
+    return moved if close(model, data, schur, t, moved, FAR) == PROJECTED else None

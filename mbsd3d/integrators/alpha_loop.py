@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import PROJECTED, arrive
+from ..kernels.dynamics import FAR, PROJECTED, arrive
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy
@@ -103,7 +103,7 @@ def step(m, d, s, g, run):
     status, t_new, h = attempt(m, d, s, run, g, c)
     if status != RUNNING:
         return status
-    projected, solved = arrive(m, d, s, t_new, run.trial, run.K[1])
+    projected, solved = arrive(m, d, s, t_new, run.trial, run.K[1], FAR)
     if projected != PROJECTED:
         return NOT_CLOSING
     if solved != SOLVED:

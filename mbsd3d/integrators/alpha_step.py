@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..kernels.dynamics import PROJECTED, audit_rates, close, rounding
+from ..kernels.dynamics import FAR, PROJECTED, audit_rates, close, rounding
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
@@ -48,7 +48,7 @@ def move(m, d, s, run, g, c, t, h):
         put(g.newton.move[i], turn)
         displace_body(run.trial, q, scale(h, (g.mean[u], g.mean[u + 1], g.mean[u + 2])), rotate(R, turn))
     run.count[EVALUATIONS] += 1
-    return m.stabilisation != PROJECTION or close(m, d, s, t, run.trial) == PROJECTED
+    return m.stabilisation != PROJECTION or close(m, d, s, t, run.trial, FAR) == PROJECTED
 
 
 @inner_kernel

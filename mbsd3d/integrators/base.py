@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.coordinates import coordinate, remember
-from ..kernels.dynamics import PROJECTED, arrive, skipped_residual
+from ..kernels.dynamics import FAR, PROJECTED, arrive, skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.rows import row_speed
@@ -76,7 +76,7 @@ def write(m, d, run, t, y):
 @inner_kernel
 def start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
-    status, result = arrive(m, d, s, run.clock[T], run.y, run.dy)
+    status, result = arrive(m, d, s, run.clock[T], run.y, run.dy, FAR)
     run.count[EVALUATIONS] += 1
     if status != PROJECTED:
         return NOT_CLOSING
@@ -118,7 +118,7 @@ def interpolate(run, x, y):
 def sample(m, d, s, run, t_old, h, t):
     """Project and evaluate the dense output at t, and store it; False if that fails."""
     interpolate(run, (t - t_old) / h, run.work)
-    status, result = arrive(m, d, s, t, run.work, run.work_rate)
+    status, result = arrive(m, d, s, t, run.work, run.work_rate, FAR)
     if status != PROJECTED or result != SOLVED:
         return False
     write(m, d, run, t, run.work)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import PROJECTED, arrive, evaluate
+from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
@@ -90,7 +90,7 @@ def land(m, d, s, run, h, x):
     t = run.clock[T]
     for left in range(LANDINGS, 0, -1):
         predict(m, run, x)
-        status, result = arrive(m, d, s, t + x, run.trial, run.work_rate)
+        status, result = arrive(m, d, s, t + x, run.trial, run.work_rate, FAR)
         run.count[EVALUATIONS] += 1
         if status != PROJECTED:
             return NOT_CLOSING
@@ -132,7 +132,7 @@ def follow(m, d, s, run, budget):
         for piece in range(pieces):
             t = t_new if piece == pieces - 1 else run.clock[T] + h / pieces
             predict(m, run, t - run.clock[T])
-            status, result = arrive(m, d, s, t, run.trial, run.work_rate)
+            status, result = arrive(m, d, s, t, run.trial, run.work_rate, FAR)
             run.count[EVALUATIONS] += 1
             if status != PROJECTED:
                 return NOT_CLOSING

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import PROJECTED, arrive, evaluate
+from ..kernels.dynamics import FAR, NEAR, PROJECTED, arrive, evaluate
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -87,7 +87,7 @@ def stages(m, d, s, table, run, h):
                 add_scaled(run.work, h * table.A[i, j], run.K[j])
         run.count[EVALUATIONS] += 1
         if run.count[ON_MANIFOLD] == 1:
-            status, result = arrive(m, d, s, t + table.c[i] * h, run.work, run.K[i])
+            status, result = arrive(m, d, s, t + table.c[i] * h, run.work, run.K[i], FAR)
             if status != PROJECTED or result != SOLVED:
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, run.K[i]) != SOLVED:
@@ -161,7 +161,7 @@ def land(m, d, s, table, run, h, x):
             interpolate(run, x / h, run.trial)
         elif not stages(m, d, s, table, run, x):
             return np.nan
-        status, result = arrive(m, d, s, t + x, run.trial, run.K[n])
+        status, result = arrive(m, d, s, t + x, run.trial, run.K[n], FAR)
         run.count[EVALUATIONS] += 1
         if status != PROJECTED or result != SOLVED or not finite(run.K[n]):
             return np.nan
@@ -241,7 +241,7 @@ def step(m, d, s, table, run):
             if run.clock[SMALLEST] < NEARLY_SINGULAR:
                 run.count[ON_MANIFOLD] = 1
             continue
-        status, result = arrive(m, d, s, t_new, run.trial, run.K[n], run.count[ON_MANIFOLD] == 0)
+        status, result = arrive(m, d, s, t_new, run.trial, run.K[n], NEAR - run.count[ON_MANIFOLD])
         run.count[EVALUATIONS] += 1
         if status == PROJECTED and result == SOLVED and finite(run.K[n]) and finite(run.trial):
             break

@@ -30,17 +30,26 @@ def unwrapped(d, i, angle, t):
 
 
 @kernel
-def angle(m, d, i, t):
-    """(value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
+def turn(m, d, i):
+    """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
+
+    g = x_b x f / (sin^2 + cos^2), f = cos y_a - sin x_a.
+    """
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
     xa, ya, xb = arm(a, x.axis[0]), arm(a, x.axis[1]), arm(b, x.axis[2])
-    wa, w = vec(a.w), sub(vec(b.w), vec(a.w))
     sine, cosine = dot(xb, ya), dot(xb, xa)
-    # theta_dot = g . (w_b - w_a),  g = x_b x (cos y_a - sin x_a) / (sin^2 + cos^2)
-    n = sine * sine + cosine * cosine
     f = sub(scale(cosine, ya), scale(sine, xa))
-    g = scale(1.0 / n, cross(xb, f))
+    return xa, ya, xb, sine, cosine, f, scale(1.0 / (sine * sine + cosine * cosine), cross(xb, f))
+
+
+@kernel
+def angle(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
+    a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
+    xa, ya, xb, sine, cosine, f, g = turn(m, d, i)
+    wa, w = vec(a.w), sub(vec(b.w), vec(a.w))
+    n = sine * sine + cosine * cosine
     sine_dot, cosine_dot = dot(w, cross(xb, ya)), dot(w, cross(xb, xa))
     f_dot = sub(
         add(scale(cosine_dot, ya), scale(cosine, cross(wa, ya))), add(scale(sine_dot, xa), scale(sine, cross(wa, xa)))
@@ -85,7 +94,10 @@ def coordinate(m, d, i, t):
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
-    value, _, la, ta, lb, tb = coordinate(m, d, i, t)
+    if m.coordinate[i].kind == ANGLE:
+        _, _, _, sine, cosine, _, g = turn(m, d, i)
+        return unwrapped(d, i, arctan2(sine, cosine), t), dot(g, sub(vec(b.w), vec(a.w)))
+    value, _, la, ta, lb, tb = slide(m, d, i)
     return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
 
 

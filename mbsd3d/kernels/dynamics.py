@@ -6,6 +6,8 @@
 `evaluate` is the right side of the ODE; `project` puts q on c = 0 and v on J v = b in the metric of M.
 """
 
+import numpy as np
+
 from .jit import inner_kernel, kernel
 from .kinds import PROJECTION
 from .kinematics import displace, kinematics, normalise, push_velocities, rates
@@ -15,6 +17,7 @@ from .saddle import SOLVED, factor, solve
 from .vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
+FAR, NEAR = np.int64(0), np.int64(1)  # the factor at hand, to `close`; plain ints would be compiled a second time
 
 
 @inner_kernel
@@ -129,18 +132,18 @@ def towards_closure(m, d, s, t, y):
 
 
 @kernel
-def close(m, d, s, t, y, near=False):
+def close(m, d, s, t, y, near):
     """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y.
 
-    ``near``: the factor at hand belongs to a pose close by, such as the last stage of a step. A first step with it
-    leaves c smaller by that distance, mostly to rounding, so that one new factor, of the projected pose, is enough.
+    ``near`` = NEAR: the factor at hand belongs to a pose close by, such as the last stage of a step. A first step
+    with it leaves c smaller by that distance, mostly to rounding: one new factor, of the projected pose, is enough.
     """
     normalise(m, y)
     kinematics(m, d, y)
     rows(m, d, t)
     floor = rounding(m, y)
     residual, fresh = largest_residual(m, d, s), False
-    if near and residual > floor:
+    if near == NEAR and residual > floor:
         if not towards_closure(m, d, s, t, y):
             return NO_FACTOR
         residual = largest_residual(m, d, s)
@@ -173,7 +176,7 @@ def settle(m, d, s, y):
 
 
 @kernel
-def project(m, d, s, t, y, near=False):
+def project(m, d, s, t, y, near):
     """q onto c = 0, then v onto J v = b, in place; PROJECTED, NOT_CLOSED or NO_FACTOR."""
     status = close(m, d, s, t, y, near)
     if status == PROJECTED:
@@ -182,7 +185,7 @@ def project(m, d, s, t, y, near=False):
 
 
 @kernel
-def arrive(m, d, s, t, y, dy, near=False):
+def arrive(m, d, s, t, y, dy, near):
     """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status).
 
     ``near`` as in `close`.
