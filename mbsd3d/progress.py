@@ -14,7 +14,7 @@ DELAY = 2.0  # s before a bar appears
 def announce_compilation() -> None:
     """Say once a process that kernels are being compiled, if they are not on disk yet."""
     if not is_warm():
-        sys.stderr.write("mbsd3d: compiling kernels, once after installation (up to 45 s) ...\n")
+        sys.stderr.write("mbsd3d: compiling kernels, once after installation (up to a minute) ...\n")
         sys.stderr.flush()
 
 
