@@ -77,7 +77,7 @@ class Elimination:
         self.changes: list[Repeat] = []
         self.redundant: list[int] = []
         self.made = self.left = 0  # parts so far; rows in the present ones
-        for part in parts_of(rows):
+        for part in parts_of(rows) if self.m > core_rows else [whole(rows)]:
             self.add(part)
         self.run(core_rows)
         self.cores = self.connected()
@@ -216,6 +216,13 @@ class Elimination:
                 x[step.columns[:r]] = -np.linalg.solve(step.L, step.F @ x[step.others])
             x[step.columns] = step.Q @ x[step.columns]
         return x
+
+
+def whole(rows: BlockRows) -> Part:
+    """All rows as one part: few rows are not taken apart only to be put together again."""
+    bodies = np.unique(rows.body[(rows.body >= 0) & (rows.body < rows.n)])
+    columns = (6 * bodies[:, None] + np.arange(6)).ravel()
+    return Part(np.arange(rows.body.shape[0]), bodies.tolist(), rows.dense().real[:, columns])
 
 
 def parts_of(rows: BlockRows) -> list[Part]:

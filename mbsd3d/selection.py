@@ -30,7 +30,7 @@ def scaled_rows(model: Model, data: Data) -> BlockRows:
 
 def dense_jacobian(model: Model, data: Data) -> np.ndarray:
     """J as an (m, 6 n) matrix from the blocks in ``data``; the ground's columns are left out."""
-    return block_rows(model, data).sparse().toarray()
+    return block_rows(model, data).dense()
 
 
 def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
