@@ -1,5 +1,6 @@
 """The command line: demos, checking and running models, warming up. Nothing heavy is imported before it is needed."""
 
+import math
 import signal
 import time
 from collections.abc import Iterator
@@ -227,12 +228,13 @@ def compile_all() -> None:
     free, driven = m.System([arm], [hinge]), m.System([arm], [hinge, driver])
     free.assemble(measures={m.measures.position(arm, axis=(0, 0, 1)): -0.05})
     free.check()
-    for system, method in ((free, m.DOP853()), (free, m.RK4(1e-3)), (driven, m.Kinematic())):
+    for system, method in ((free, m.DOP853()), (free, m.GeneralizedAlpha(1e-3)), (driven, m.Kinematic())):
         stop = m.measures.rate(hinge) > 1e3 if system is free else None
         solution = m.simulate(system, 1e-2, method=method, stop_when=stop)
         str(solution.certificate)
         solution.reaction(hinge)
     m.accelerations(driven).effort(driver)
+    m.linearize(free, free.assemble(angles={hinge: 0.5 * math.pi}))  # it hangs
 
 
 @main.command()

@@ -15,14 +15,14 @@ from .integrators import base
 from .integrators.base import Run
 from .integrators.driven import Kinematic
 from .kernels.dynamics import FAR, arrive
-from .kernels.jit import is_warm, mark_warm
+from .kernels.jit import mark_warm
 from .kernels.kinds import PROJECTION
 from .kernels.loads import loads
 from .kernels.probes import measure
 from .measures import Condition
 from .model import Compiled, Switches
 from .parts import number
-from .progress import Progress
+from .progress import Progress, announce_compilation
 from .recording import Samples, buffer_size
 from .selection import block_rows, choose_rows
 from .solution import Solution
@@ -117,7 +117,8 @@ class Job:
 
     def run(self, progress: Progress) -> Solution:
         """Call the time loop until the end, a stop, an error or Ctrl-C."""
-        began = time.perf_counter()
+        began, loop = time.perf_counter(), f"time loop {self.method.loop.__name__}"
+        announce_compilation(loop)
         try:
             with progress:
                 self.check_start()
@@ -125,8 +126,8 @@ class Job:
                 self.first_step()
                 self.check_condition()
                 self.loop(progress)
-                if not is_warm():
-                    mark_warm()
+                mark_warm(loop)
+                mark_warm()
         except KeyboardInterrupt:
             self.record.stopped_by = f"interrupted at t = {self.memory.clock[base.T]:.6g} s"
         self.record.seconds = time.perf_counter() - began

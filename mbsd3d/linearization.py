@@ -9,11 +9,13 @@ import numpy as np
 import scipy.linalg
 
 from .kernels import kinds
+from .kernels.jit import mark_warm
 from .measures import Measure
 from .model import Compiled, compile_system
 from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
 from .nearby import closed
 from .parts import GROUND, number
+from .progress import announce_compilation
 from .selection import RANK_TOLERANCE, schur_of
 from .simulation import accelerations
 from .state import State
@@ -189,6 +191,7 @@ def linearize(
     check_signals(system)
     start = accelerations(system, state).state(0)  # refuses a state that does not meet the joints
     compiled = compile_system(system, outputs)
+    announce_compilation("linearisation")
     field = Field(compiled, start, len(outputs))
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
@@ -198,6 +201,7 @@ def linearize(
     units = natural_units(compiled.model, at, space)
     generator, later, Q = find_generator(field, at, space, units, tolerance)
     whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
+    mark_warm("linearisation")
     error = max(error, generator.residual)
     found = Linearization(compiled, start, generator, space, units, whole, whole, error, outputs)
     return with_outputs(found, at, later, Q, tolerance) if outputs else found

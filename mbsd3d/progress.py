@@ -11,10 +11,12 @@ DELAY = 2.0  # s before a bar appears
 
 
 @cache
-def announce_compilation() -> None:
-    """Say once a process that kernels are being compiled, if they are not on disk yet."""
-    if not is_warm():
-        sys.stderr.write("mbsd3d: compiling kernels, once after installation (up to a minute) ...\n")
+def announce_compilation(part: str = "kernels") -> None:
+    """Say once a process that a part of the code is being compiled, if it is not on disk yet."""
+    if is_warm(part):
+        return
+    if part == "kernels" or is_warm():  # one line is enough at the very first run
+        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (up to a minute) ...\n")
         sys.stderr.flush()
 
 

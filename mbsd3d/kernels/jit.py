@@ -36,15 +36,21 @@ def _cache_root() -> Path:
 CACHE = _cache_root() / _digest()
 
 
-def is_warm() -> bool:
-    """True when the compiled kernels of exactly this source are on disk, or none are compiled at all."""
-    return bool(numba.config.DISABLE_JIT) or (CACHE / "complete").exists()
+def marker(part: str) -> Path:
+    """The file that says a part has been compiled."""
+    return CACHE / f"complete-{part.replace(' ', '-')}"
 
 
-def mark_warm() -> None:
-    """Note on disk that the kernels have been compiled."""
-    CACHE.mkdir(parents=True, exist_ok=True)
-    (CACHE / "complete").touch()
+def is_warm(part: str = "kernels") -> bool:
+    """True when a part of the compiled code of exactly this source is on disk, or none is compiled at all."""
+    return bool(numba.config.DISABLE_JIT) or marker(part).exists()
+
+
+def mark_warm(part: str = "kernels") -> None:
+    """Note on disk that a part has been compiled."""
+    if not is_warm(part):
+        CACHE.mkdir(parents=True, exist_ok=True)
+        marker(part).touch()
 
 
 def compiled(function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False) -> Callable:
