@@ -19,7 +19,7 @@ class Record:
 
     kind: int
     bodies: tuple
-    points: tuple = (np.zeros(3), np.zeros(3))
+    points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
     values: tuple = ()
     signals: tuple = (None, None, None)

@@ -126,10 +126,10 @@ class AxisJoint(PointJoint):
         self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+        return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
     def slide(self) -> Coordinate:
-        return Coordinate(kinds.SLIDE, self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
+        return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
     def parallel_rows(self) -> list[Primitive]:
         """axis_b stays along axis_a (2 rows)."""
@@ -273,7 +273,7 @@ class Planar(PointJoint):
         return [in_plane(self.a, self.b, self.normal, self.at, self.at_b), *flat]
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.normal, self.normal)
+        return Coordinate("angle", self.a, self.b, self.normal, self.normal)
 
 
 class Fixed(PointJoint):
@@ -393,7 +393,7 @@ class Parallel(Joint):
         return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+        return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
 
 @dataclass(frozen=True, eq=False)

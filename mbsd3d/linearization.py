@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .kernels import kinds
 from .measures import Measure
 from .model import Compiled, compile_system
 from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
@@ -259,7 +258,7 @@ def with_outputs(
     size = np.linalg.norm(L * x, axis=1)
     names = [f"'{measure.label}'" for measure in found.outputs]
     for name, measure, value in zip(names, found.outputs, at.outputs, strict=True):
-        if measure.kind == kinds.GAP and value == 0.0:
+        if measure.kind == "distance" and value == 0.0:
             raise ValueError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
     changed = np.abs((later.L @ Q @ E - L) * x).max(axis=1)
     for name, length, change in zip(names, size, changed, strict=True):

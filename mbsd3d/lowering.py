@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 
 from .joints import matched_perpendiculars, perpendiculars
-from .kernels import kinds
 from .kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
-from .measures import Measure
+from .measures import MEASURES, Measure
 from .parts import GROUND
-from .primitives import Coordinate, Primitive
+from .primitives import COORDINATES, Coordinate, Primitive
 from .signals import Signal
 
 
@@ -28,7 +27,7 @@ def own_length(system: Any) -> float:
         moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
         largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
     records = [force.record() for force in system.forces]
-    pairs = [pair for r in records if r.coordinate is None for pair in zip(r.bodies, r.points, strict=True)]
+    pairs = [pair for r in records if r.points for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
     arms = [point - centres[id(body)] for body, point in pairs if body is not GROUND]
     if arms:
@@ -82,9 +81,9 @@ def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np
     """The table of hinge coordinates."""
     out = table(COORDINATE, len(coordinates))
     for i, x in enumerate(coordinates):
-        out["kind"][i], out["body"][i] = x.kind, (index[id(x.a)], index[id(x.b)])
+        out["kind"][i], out["body"][i] = COORDINATES[x.kind], (index[id(x.a)], index[id(x.b)])
         out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
-        if x.kind == kinds.SLIDE:
+        if x.kind == "slide":
             out["axis"][i, 0] = x.a.local_axis(x.axis)
         else:
             x_a, y_a = perpendiculars(x.axis)
@@ -147,7 +146,7 @@ def force_table(
         out["signal"][i] = [signals.add(s) for s in r.signals]
         out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
         out["value"][i, : len(r.values)] = r.values
-        for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=True)):
+        for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=bool(r.points))):
             out["point"][i, slot] = body.local_point(point)
         for slot, body in enumerate(r.bodies[:2]):
             out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in r.frame.T]).ravel()
@@ -160,7 +159,7 @@ def measure_table(
     """The table of measures."""
     out = table(MEASURE, len(measures))
     for i, x in enumerate(measures):
-        out["kind"][i], out["body"][i], out["axis"][i] = x.kind, (index[id(x.a)], index[id(x.b)]), x.axis
+        out["kind"][i], out["body"][i], out["axis"][i] = MEASURES[x.kind], (index[id(x.a)], index[id(x.b)]), x.axis
         out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
         out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
         out["state"][i] = -1 if x.part is None else first_state[id(x.part)] + x.index
