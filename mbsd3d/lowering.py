@@ -21,7 +21,6 @@ def key_of(x: Coordinate) -> tuple:
 def own_length(system: Any) -> float:
     """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
     largest = 0.0
-    centres = {id(b): b.position + b.axes @ b.com for b in system.bodies}
     heavy = [body for body in system.bodies if body.mass > 0.0]
     if heavy:
         moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
@@ -29,7 +28,7 @@ def own_length(system: Any) -> float:
     records = [force.record() for force in system.forces]
     pairs = [pair for r in records if r.points for pair in zip(r.bodies, r.points, strict=True)]
     pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
-    arms = [point - centres[id(body)] for body, point in pairs if body is not GROUND]
+    arms = [point - body.centre for body, point in pairs if body is not GROUND]
     if arms:
         largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
     return largest or 1.0

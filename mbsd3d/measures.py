@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from .forces import ForceElement
+from .elements import ForceElement
 from .joints import Joint, coordinate_of, unit
 from .kernels import kinds
 from .parts import GROUND, Body, Ground, number, vector
 from .primitives import ZERO, Coordinate, check_kind
-from .rotations import matrix
 
 MEASURES = {
     "coordinate": kinds.COORDINATE,
@@ -123,7 +122,7 @@ def _point(body: Any, at: Any, what: str) -> np.ndarray:
     """World point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
-    return body.position + matrix(body.orientation) @ body.com
+    return body.centre
 
 
 def position(body: Body, *, axis: Any, at: Any = None) -> Measure:

@@ -13,6 +13,7 @@ from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .record import Record
 from .rotations import matrix
 from .state import State
 
@@ -45,15 +46,28 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
+    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 1.0, output=[0.25, 1.0])
+    >>> flight.position("stone")[:, 2].round(9)  # v t - g t^2 / 2
+    array([ 0.4434375, -1.905    ])
+    >>> flight.energy().total.round(9)
+    array([4.5, 4.5])
+    """
 
     compiled: Compiled
     arrays: dict[str, np.ndarray]
-    record: Any
+    record: Record
     final: State
 
     @classmethod
-    def from_run(cls, compiled: Compiled, arrays: dict, record: Any, y: np.ndarray, t: float, data: Any) -> "Solution":
+    def from_run(
+        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Any
+    ) -> "Solution":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
         states = arrays.pop("y")
@@ -160,7 +174,7 @@ class Solution:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3))
-        return self.position(body) + self.rotation(body) @ body.local_point(point)
+        return self.point(body, body.local_point(point))
 
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .forces import ForceElement
+from .elements import ForceElement
 from .joints import Joint
 from .parts import GROUND, Body, vector
 from .state import State

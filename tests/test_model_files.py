@@ -37,7 +37,7 @@ from mbsd3d import (
 )
 from mbsd3d.cli import main
 from mbsd3d.description import describe
-from mbsd3d.forces import ForceElement
+from mbsd3d.elements import ForceElement
 from mbsd3d.joints import Joint
 from mbsd3d.model import compile_system
 from mbsd3d.schema import types
