@@ -40,7 +40,16 @@ def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide."""
+    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Joint, Revolute
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> hinge = Revolute(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2))
+    >>> isinstance(hinge, Joint), [row.n_rows for row in hinge.rows()]  # coincide, two dots
+    (True, [3, 1, 1])
+    """
 
     name: str | None = field(default=None, kw_only=True)
 

@@ -44,6 +44,14 @@ class Linearization:
         The steady motion that was found.
     residual : float
         Largest violation of what was assumed, in the model's own units of length and time.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> found = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))]))
+    >>> found.eigenvalues.imag.round(6), found.generator.turning  # sqrt(m g l / (I + m l^2))
+    (array([ 4.952272, -4.952272]), False)
     """
 
     compiled: Compiled
