@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .measures import Measure
+from .measures import Measure, check_members
 from .model import Compiled, compile_system
 from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
 from .nearby import closed
-from .parts import GROUND, number
+from .parts import number
 from .selection import RANK_TOLERANCE, schur_of
 from .simulation import accelerations
 from .state import State
@@ -211,16 +211,11 @@ def linearize(
 
 
 def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
-    """Measures of bodies of this system."""
-    members = {id(body) for body in (*system.bodies, GROUND)}
+    """Measures of parts of this system."""
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise ValueError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
-        for body in (x.a, x.b):
-            if id(body) not in members:
-                raise ValueError(
-                    f"linearize: outputs: {x.label}: body '{body.name}' is not in the system; measure a part of it"
-                )
+        check_members(system, x, "linearize: outputs")
     return tuple(outputs or ())
 
 

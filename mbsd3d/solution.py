@@ -180,7 +180,11 @@ class Solution:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
-        arm = self.rotation(body) @ body.local_point(point)
+        return self._carried(body, body.local_point(point))
+
+    def _carried(self, body: Any, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a point given in body axes from the reference point."""
+        arm = self.rotation(body) @ local
         return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
 
     @cached_property
@@ -239,11 +243,10 @@ class Solution:
         model, system = self.compiled.model, self.system
         kinetic, potential = np.zeros(self.t.size), self.arrays["potential"].sum(axis=1)
         for body in system.bodies:
-            arm = self.rotation(body) @ body.com
-            v_com = self.velocity(body) + np.cross(self.omega(body), arm)
+            centre, v_com = self._carried(body, body.com)
             w = self.omega_body(body)
             kinetic += 0.5 * body.mass * (v_com**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)
-            potential -= body.mass * (self.position(body) + arm) @ system.gravity
+            potential -= body.mass * centre @ system.gravity
         work = self.arrays["z"][:, model.z_work : model.z_impulse].sum(axis=1)
         return Energy(kinetic, potential, kinetic + potential, work)
 
@@ -265,12 +268,11 @@ class Solution:
         """Momentum and angular momentum about the world origin."""
         linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))
         for body in self.system.bodies:
-            R, w = self.rotation(body), self.omega(body)
-            arm = R @ body.com
-            p = body.mass * (self.velocity(body) + np.cross(w, arm))
-            spin = np.einsum("tij,tj->ti", R, self.omega_body(body) @ body.inertia)
+            centre, v_com = self._carried(body, body.com)
+            p = body.mass * v_com
             linear += p
-            angular += np.cross(self.position(body) + arm, p) + spin
+            angular += np.cross(centre, p)
+            angular += np.einsum("tij,tj->ti", self.rotation(body), self.omega_body(body) @ body.inertia)
         return Momentum(linear, angular)
 
     def drift(self) -> Drift:
