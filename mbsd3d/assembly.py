@@ -12,13 +12,14 @@ from .errors import AssemblyError
 from .evaluation import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from .joints import coordinate_of
 from .kernels.coordinates import coordinate
-from .kernels.kinematics import displace, displace_body, kinematics
+from .kernels.kinematics import displace, kinematics
 from .kernels.layout import Data
 from .kernels.probes import measure
 from .kernels.rows import rows
 from .least import least
 from .measures import Measure, check_members
 from .model import Compiled, compile_system, initial_states
+from .nearby import nudged
 from .parts import number
 from .rotations import conjugate, logarithm, multiply
 from .selection import block_rows
@@ -82,10 +83,7 @@ def measure_gradient(compiled: Compiled, data: Data, t: float, i: int, y: np.nda
         for j in range(6):
             values = []
             for sign in (1.0, -1.0):
-                dx, trial = np.zeros(6), y.copy()
-                dx[j] = sign * step
-                displace_body(trial, 7 * body, tuple(dx[:3]), tuple(dx[3:]))
-                kinematics(model, data, trial)
+                kinematics(model, data, nudged(y, body, j, sign * step))
                 values.append(measure(model, data, i, t))
             gradient[body, j] = (values[0] - values[1]) / (2 * step)
     kinematics(model, data, y)

@@ -256,7 +256,7 @@ class GearMesh(Coupling):
             axes += [sign * n, spin]
             tilts += [sign * np.cross(moment, mount.axis), ZERO]  # x . axis = 0, gradient: moment across the axis
             levers.append(sign * float(moment @ mount.axis))
-            angles.append(Coordinate(kinds.ANGLE, carrier, gear, mount.axis, spin))
+            angles.append(Coordinate("angle", carrier, gear, mount.axis, spin))
         return [
             Primitive(
                 kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),

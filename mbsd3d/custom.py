@@ -12,7 +12,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import is_jitted
 
-from .forces import ForceElement, Record, sequence
+from .elements import ForceElement, Record, sequence
 from .kernels import kinds
 from .kernels.custom import RETURNED
 from .kernels.layout import MOST_BODIES, data_records

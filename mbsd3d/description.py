@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .forces import ForceElement
+from .elements import ForceElement
 from .joints import Joint
 from .parts import GROUND, Body, Ground
 from .schema import Document, check, place_of, roles, struct, types

@@ -14,7 +14,16 @@ from .signals import Signal, as_signal
 
 
 class Driver(Joint):
-    """A joint that prescribes a motion; `Solution.effort` gives what it takes."""
+    """A joint that prescribes a motion; `Solution.effort` gives what it takes.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, AngleDriver, Body, Driver, Revolute
+    >>> arm = Body("arm", mass=1.0, inertia=(0.1, 0.1, 0.1))
+    >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> isinstance(AngleDriver(hinge, 0.3), Driver), isinstance(hinge, Driver)
+    (True, False)
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +92,14 @@ class PositionDriver(Driver):
         The point, world at the reference pose [m].
     signal : sequence of three Signal, float or None
         Displacement from the reference pose along x, y, z [m].
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, Polynomial, PositionDriver, System, accelerations
+    >>> hook = Body("hook", mass=4.0, inertia=(0.2, 0.2, 0.1), position=(0.3, 0, 2))
+    >>> lift = PositionDriver(hook, at=(0.3, 0, 2), signal=(0.0, 0.0, Polynomial((0, 0, 0.5))), name="lift")
+    >>> accelerations(System([hook], [lift])).effort("lift")[0].round(9) + 0.0  # m (g + 1 m/s^2) upwards
+    array([ 0.  ,  0.  , 43.24])
     """
 
     body: Body

@@ -21,7 +21,7 @@ class Mbsd3dError(RuntimeError):
     solution : object, optional
         What was computed up to ``time``; None if nothing was.
     advice : str, optional
-        What to change, e.g. ``"stiff: use GeneralizedAlpha"``.
+        What to change, e.g. ``"use GeneralizedAlpha()"``.
     """
 
     def __init__(
@@ -54,8 +54,8 @@ class AssemblyError(Mbsd3dError):
 class IntegrationError(Mbsd3dError):
     """The integrator could not go on; ``solution`` holds the samples up to ``time``.
 
-    >>> print(IntegrationError("the step size fell below 1e-12 s", time=0.25, advice="stiff: use GeneralizedAlpha"))
-    the step size fell below 1e-12 s at t = 0.25 s; stiff: use GeneralizedAlpha
+    >>> print(IntegrationError("the model is stiff", time=0.25, part="force 'mount'", advice="use GeneralizedAlpha()"))
+    the model is stiff at t = 0.25 s: force 'mount'; use GeneralizedAlpha()
     """
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from .forces import ForceElement, Record, hinge_coordinate, sequence
+from .elements import ForceElement, Record, hinge_coordinate, sequence
 from .joints import Joint
 from .kernels import kinds
 from .measures import Measure, unit_powers

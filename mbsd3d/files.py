@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from .description import FORMAT, Writer, check_format, describe, read_system
-from .job import Record
 from .model import Compiled, compile_system
+from .record import Record
 from .solution import Solution
 from .state import State
 
@@ -140,6 +140,17 @@ def load(path: str | Path) -> Solution:
     ------
     ValueError
         If the file is missing, truncated, of another kind or version, or its parts do not fit together.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import Body, System, load, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 0.5, output=3)
+    >>> with TemporaryDirectory() as folder:
+    ...     again = load(flight.save(f"{folder}/flight"))
+    >>> bool((again.position("stone") == flight.position(stone)).all())
+    True
     """
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():

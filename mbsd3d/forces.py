@@ -5,101 +5,19 @@ from typing import Any
 
 import numpy as np
 
+from .elements import (
+    ForceElement,
+    Record,
+    check_body,
+    check_pair,
+    hinge_coordinate,
+    in_body_frame,
+    three_signals,
+)
 from .joints import Joint
 from .kernels import kinds
-from .parts import GROUND, Body, Ground, number, vector
-from .primitives import Coordinate
+from .parts import GROUND, Body, number, vector
 from .rotations import as_quaternion, matrix
-from .signals import Signal, as_signal
-
-
-@dataclass(frozen=True, eq=False)
-class Record:
-    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
-
-    kind: int
-    bodies: tuple
-    points: tuple = (np.zeros(3), np.zeros(3))
-    frame: np.ndarray = field(default_factory=lambda: np.eye(3))
-    values: tuple = ()
-    signals: tuple = (None, None, None)
-    coordinate: Coordinate | None = None
-    measures: tuple = ()  # it reads
-    numbers: tuple = ()  # gains, references, parameters
-    states: tuple = ()  # initial values of its own states
-    scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
-
-
-@dataclass(frozen=True, eq=False)
-class ForceElement:
-    """What all force elements share."""
-
-    name: str | None = field(default=None, kw_only=True)
-
-    def __post_init__(self) -> None:
-        kind = type(self).__name__
-        self.check(f"force '{self.name}' ({kind})" if self.name else f"{kind} without a name")
-
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
-
-    def check(self, what: str) -> None:
-        """Validate and convert the fields; errors start with ``what``."""
-        raise NotImplementedError
-
-    def record(self) -> Record:
-        """The record the kernel reads."""
-        raise NotImplementedError
-
-    def bodies(self) -> tuple:
-        """The bodies it acts on."""
-        return self.record().bodies
-
-    def partners(self) -> tuple:
-        """Joints and forces it refers to."""
-        return ()
-
-
-def sequence(values: Any, what: str) -> tuple[float, ...]:
-    """Finite numbers."""
-    try:
-        given = tuple(values)
-    except TypeError:
-        raise ValueError(f"{what}: {values!r} is not a sequence of numbers; give a tuple") from None
-    return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
-
-
-def check_body(body: Any, what: str) -> None:
-    """A Body, or a ValueError."""
-    if not isinstance(body, Body):
-        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
-
-
-def check_pair(a: Any, b: Any, what: str) -> None:
-    """Two different bodies, one of which may be the ground."""
-    for body in (a, b):
-        if not isinstance(body, Body | Ground):
-            raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
-    if a is b:
-        raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
-
-
-def three_signals(value: Any, what: str) -> tuple[Signal, ...]:
-    """Three components, each a number or a signal."""
-    try:
-        x, y, z = value
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: give three components, each a number or a signal") from None
-    return tuple(as_signal(s, f"{what} along {k}") for k, s in zip("xyz", (x, y, z), strict=True))
-
-
-def in_body_frame(frame: str, what: str) -> float:
-    """1 for "body", 0 for "world"."""
-    if frame not in ("world", "body"):
-        raise ValueError(f"{what}: frame {frame!r} is unknown; give 'world' or 'body'")
-    return float(frame == "body")
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +42,7 @@ class Force(ForceElement):
 
     def check(self, what: str) -> None:
         check_body(self.body, what)
-        centre = self.body.position + matrix(self.body.orientation) @ self.body.com
-        at = centre if self.at is None else vector(self.at, f"{what}: at")
+        at = self.body.centre if self.at is None else vector(self.at, f"{what}: at")
         in_body_frame(self.frame, what)
         self.set(force=three_signals(self.force, f"{what}: force"), at=at)
 
@@ -212,14 +129,6 @@ class SpringDamper(ForceElement):
         return Record(kinds.SPRING, (self.a, self.b), (self.at_a, self.at_b), values=values)
 
 
-def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
-    """The angle of a joint, else its slide."""
-    found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
-    if found is None:
-        raise ValueError(f"{what}: {hinge!r} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
-    return found
-
-
 @dataclass(frozen=True, eq=False)
 class TorsionSpring(ForceElement):
     """Spring and damper about a hinge (or along a Prismatic): load -(k (x - x0) + c x_dot) on b, angles unwrapped.
@@ -232,6 +141,15 @@ class TorsionSpring(ForceElement):
         k >= 0 [N m/rad or N/m], c >= 0 [N m s/rad or N s/m].
     angle : float
         Unloaded value x0 [rad or m], counted from the reference pose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring, accelerations
+    >>> flap = Body("flap", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+    >>> hinge = Revolute(GROUND, flap, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> system = System([flap], [hinge], [TorsionSpring(hinge, stiffness=30.0, angle=0.2)])
+    >>> round(float(accelerations(system).alpha(flap)[0, 2]), 12)  # 30 * 0.2 / (0.5 + 2 * 0.5^2)
+    6.0
     """
 
     hinge: Joint
@@ -268,6 +186,15 @@ class JointFriction(ForceElement):
         c >= 0 [N m s/rad or N s/m].
     transition : float
         v0 > 0 [rad/s or m/s]; the dry part reaches 76 % of T at this speed.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, JointFriction, Revolute, System, accelerations
+    >>> disc = Body("disc", mass=2.0, inertia=(0.3, 0.3, 0.5), omega=(0, 0, 5.0))
+    >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> system = System([disc], [hinge], [JointFriction(hinge, coulomb=0.3, viscous=0.02)])
+    >>> round(float(accelerations(system).alpha(disc)[0, 2]), 12)  # -(0.3 + 0.02 * 5) / 0.5
+    -0.8
     """
 
     hinge: Joint
@@ -310,6 +237,15 @@ class Bushing(ForceElement):
         About the element's axes [N m/rad], [N m s/rad].
     axes : (4,) or (3, 3) array_like
         Orientation of the element's axes, world at the reference pose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Bushing, System, accelerations
+    >>> engine = Body("engine", mass=2.0, inertia=(0.1, 0.1, 0.1), velocity=(0, 0, 0.5))
+    >>> mount = Bushing(GROUND, engine, at=(0, 0, 0), stiffness=400.0, damping=(3.0, 3.0, 8.0))
+    >>> system = System([engine], forces=[mount], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(engine)[0, 2]), 12)  # -8 * 0.5 / 2
+    -2.0
     """
 
     a: Any
@@ -350,6 +286,14 @@ class AeroDrag(ForceElement):
         Centre of pressure, world at the reference pose [m]; None = centre of mass.
     wind : three numbers or signals
         Velocity of the air, world [m/s].
+
+    Examples
+    --------
+    >>> from mbsd3d import AeroDrag, Body, System, accelerations
+    >>> kite = Body("kite", mass=3.0, inertia=(0.1, 0.1, 0.1), velocity=(6.0, 0, 0))
+    >>> system = System([kite], forces=[AeroDrag(kite, drag_area=0.5, density=1.2, wind=(-4.0, 0, 0))])
+    >>> round(float(accelerations(system).acceleration(kite)[0, 0]), 12)  # -0.5 * 1.2 * 0.5 * 10^2 / 3
+    -10.0
     """
 
     body: Body
@@ -360,11 +304,10 @@ class AeroDrag(ForceElement):
 
     def check(self, what: str) -> None:
         check_body(self.body, what)
-        centre = self.body.position + matrix(self.body.orientation) @ self.body.com
         self.set(
             drag_area=number(self.drag_area, f"{what}: drag_area", minimum=0.0),
             density=number(self.density, f"{what}: density", positive=True),
-            at=centre if self.at is None else vector(self.at, f"{what}: at"),
+            at=self.body.centre if self.at is None else vector(self.at, f"{what}: at"),
             wind=three_signals(self.wind, f"{what}: wind"),
         )
 

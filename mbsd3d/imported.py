@@ -27,6 +27,20 @@ class Imported(NamedTuple):
     ``merged`` maps bodies without a joint to the body they are part of; ``renamed`` maps names the system uses to those
     of the file (a joint of the name of a body); ``dropped`` lists what was left out because ``drop`` says so; ``idle``
     counts what has no effect on the motion (geoms, sites, cameras, sensors, key frames).
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import read_mjcf
+    >>> text = '''<mujoco><worldbody><body name="arm"><joint name="arm"/><geom size="0.1"/>
+    ...   <body name="hand" pos="0 0 1"><geom size="0.2"/></body></body></worldbody></mujoco>'''
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "arm.xml")
+    ...     _ = path.write_text(text)
+    ...     found = read_mjcf(path)
+    >>> found.merged, found.idle
+    ({'hand': 'arm'}, {'geom': 2})
     """
 
     system: System

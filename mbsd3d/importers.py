@@ -68,6 +68,22 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     ------
     ValueError
         As `read_mjcf`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import read_urdf
+    >>> text = '''<robot name="swing"><link name="frame"/><link name="bob"><inertial><origin xyz="0 0 -0.6"/>
+    ...   <mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    ...   <joint name="hinge" type="continuous"><parent link="frame"/><child link="bob"/><axis xyz="0 1 0"/></joint>
+    ... </robot>'''
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "swing.urdf")
+    ...     _ = path.write_text(text)
+    ...     found = read_urdf(path)
+    >>> found.system.bodies, found.system.joints[0].name
+    ((Body('bob', mass=2),), 'hinge')
     """
     return read_xml(path, "robot", drop, timeout)
 

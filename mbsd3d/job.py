@@ -1,7 +1,6 @@
 """One run: the compiled time loop in chunks, the choice of rows between them, and what came out."""
 
 import time
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,9 +19,10 @@ from .kernels.kinds import PROJECTION
 from .kernels.loads import loads
 from .kernels.probes import measure
 from .measures import Condition
-from .model import Compiled, Switches
+from .model import Compiled
 from .parts import number
 from .progress import Progress, announce_compilation
+from .record import Record
 from .recording import Samples, buffer_size
 from .selection import block_rows, choose_rows
 from .solution import Solution
@@ -35,7 +35,8 @@ CAPACITY = 1024  # samples between visits to Python where every step is one
 
 FAILURES = {
     base.STEP_TOO_SMALL: (
-        "the step became too small", "stiff: use GeneralizedAlpha; or the motion has a singularity here",
+        "no step is small enough",
+        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
     ),
     base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
     base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
@@ -43,26 +44,6 @@ FAILURES = {
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
-
-
-@dataclass
-class Record:
-    """What a run did, for the certificate."""
-
-    method: Any
-    rtol: float
-    switches: Switches
-    tolerance: float = 0.0
-    kinematic: bool = False
-    steps: int = 0
-    rejected: int = 0
-    evaluations: int = 0
-    svd_calls: int = 0
-    rank_events: list = field(default_factory=list)
-    seconds: float = 0.0
-    loop_seconds: float = 0.0  # of these, in the compiled time loop
-    rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
-    stopped_by: str | None = None
 
 
 class Job:

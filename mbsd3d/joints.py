@@ -40,7 +40,16 @@ def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide."""
+    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Joint, Revolute
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> hinge = Revolute(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2))
+    >>> isinstance(hinge, Joint), [row.n_rows for row in hinge.rows()]  # coincide, two dots
+    (True, [3, 1, 1])
+    """
 
     name: str | None = field(default=None, kw_only=True)
 
@@ -126,10 +135,10 @@ class AxisJoint(PointJoint):
         self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+        return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
     def slide(self) -> Coordinate:
-        return Coordinate(kinds.SLIDE, self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
+        return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
     def parallel_rows(self) -> list[Primitive]:
         """axis_b stays along axis_a (2 rows)."""
@@ -273,7 +282,7 @@ class Planar(PointJoint):
         return [in_plane(self.a, self.b, self.normal, self.at, self.at_b), *flat]
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.normal, self.normal)
+        return Coordinate("angle", self.a, self.b, self.normal, self.normal)
 
 
 class Fixed(PointJoint):
@@ -393,7 +402,7 @@ class Parallel(Joint):
         return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
 
     def angle(self) -> Coordinate:
-        return Coordinate(kinds.ANGLE, self.a, self.b, self.axis, self.axis_b)
+        return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from .kernels import kinds
 from .kernels.jit import mark_warm
-from .measures import Measure
+from .measures import Measure, check_members
 from .model import Compiled, compile_system
 from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
 from .nearby import closed
-from .parts import GROUND, number
+from .parts import number
 from .progress import announce_compilation
 from .selection import RANK_TOLERANCE, schur_of
 from .simulation import accelerations
@@ -47,6 +46,14 @@ class Linearization:
         The steady motion that was found.
     residual : float
         Largest violation of what was assumed, in the model's own units of length and time.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> found = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))]))
+    >>> found.eigenvalues.imag.round(6), found.generator.turning  # sqrt(m g l / (I + m l^2))
+    (array([ 4.952272, -4.952272]), False)
     """
 
     compiled: Compiled
@@ -208,16 +215,11 @@ def linearize(
 
 
 def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
-    """Measures of bodies of this system."""
-    members = {id(body) for body in (*system.bodies, GROUND)}
+    """Measures of parts of this system."""
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise ValueError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
-        for body in (x.a, x.b):
-            if id(body) not in members:
-                raise ValueError(
-                    f"linearize: outputs: {x.label}: body '{body.name}' is not in the system; measure a part of it"
-                )
+        check_members(system, x, "linearize: outputs")
     return tuple(outputs or ())
 
 
@@ -263,7 +265,7 @@ def with_outputs(
     size = np.linalg.norm(L * x, axis=1)
     names = [f"'{measure.label}'" for measure in found.outputs]
     for name, measure, value in zip(names, found.outputs, at.outputs, strict=True):
-        if measure.kind == kinds.GAP and value == 0.0:
+        if measure.kind == "distance" and value == 0.0:
             raise ValueError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
     changed = np.abs((later.L @ Q @ E - L) * x).max(axis=1)
     for name, length, change in zip(names, size, changed, strict=True):

@@ -5,21 +5,30 @@ from typing import Any
 
 import numpy as np
 
-from .forces import ForceElement
+from .elements import ForceElement
 from .joints import Joint, coordinate_of, unit
 from .kernels import kinds
 from .parts import GROUND, Body, Ground, number, vector
-from .primitives import Coordinate
-from .rotations import matrix
+from .primitives import ZERO, Coordinate, check_kind
 
-ZERO = np.zeros(3)
+MEASURES = {
+    "coordinate": kinds.COORDINATE,
+    "coordinate rate": kinds.COORDINATE_RATE,
+    "position": kinds.POSITION,
+    "velocity": kinds.VELOCITY,
+    "omega": kinds.TURN,
+    "lean": kinds.LEAN,
+    "lean rate": kinds.LEAN_RATE,
+    "distance": kinds.GAP,
+    "state": kinds.OWN_STATE,
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measure:
     """A scalar function of the state; build one with the functions of this module."""
 
-    kind: int
+    kind: str  # a key of MEASURES
     label: str
     unit: str
     a: Any = GROUND
@@ -30,6 +39,9 @@ class Measure:
     coordinate: Coordinate | None = None
     part: Any = None  # force element whose own state it is,
     index: int = 0  # and which one
+
+    def __post_init__(self) -> None:
+        check_kind(self.kind, MEASURES, "Measure")
 
     def __repr__(self) -> str:
         return f"<measure: {self.label} [{self.unit}]>"
@@ -80,25 +92,25 @@ def label(part: Any) -> str:
 def angle(hinge: Joint) -> Measure:
     """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
     x = coordinate_of(hinge, "angle", "measures.angle")
-    return Measure(kinds.COORDINATE, f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
+    return Measure("coordinate", f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
 
 
 def rate(hinge: Joint) -> Measure:
     """Rate of the angle of a hinge [rad/s]."""
     x = coordinate_of(hinge, "angle", "measures.rate")
-    return Measure(kinds.COORDINATE_RATE, f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
+    return Measure("coordinate rate", f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
 
 
 def slide(slider: Joint) -> Measure:
     """Displacement of a sliding joint [m]."""
     x = coordinate_of(slider, "slide", "measures.slide")
-    return Measure(kinds.COORDINATE, f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
+    return Measure("coordinate", f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
 
 
 def slide_rate(slider: Joint) -> Measure:
     """Speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
-    return Measure(kinds.COORDINATE_RATE, f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
+    return Measure("coordinate rate", f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
 
 
 def _body(body: Any, what: str) -> None:
@@ -110,29 +122,27 @@ def _point(body: Any, at: Any, what: str) -> np.ndarray:
     """World point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
-    return body.position + matrix(body.orientation) @ body.com
+    return body.centre
 
 
 def position(body: Body, *, axis: Any, at: Any = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     _body(body, "measures.position")
     point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
-    return Measure(kinds.POSITION, f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
+    return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
 def velocity(body: Body, *, axis: Any, at: Any = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
     _body(body, "measures.velocity")
     point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
-    return Measure(kinds.VELOCITY, f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
+    return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
 def omega(body: Body, *, axis: Any) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
     _body(body, "measures.omega")
-    return Measure(
-        kinds.TURN, f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis")
-    )
+    return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
 def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
@@ -142,14 +152,14 @@ def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
     """
     _body(body, "measures.lean")
     axis = body.local_axis(unit(lateral, "measures.lean: lateral"))
-    return Measure(kinds.LEAN, f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
+    return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
 def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
     _body(body, "measures.lean_rate")
     axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
-    return Measure(kinds.LEAN_RATE, f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
+    return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
 
 def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
@@ -157,7 +167,7 @@ def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
     for body in (a, b):
         _body(body, "measures.distance")
     point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
-    return Measure(kinds.GAP, f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
+    return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
 def state(force: ForceElement, index: int = 0) -> Measure:
@@ -178,4 +188,4 @@ def state(force: ForceElement, index: int = 0) -> Measure:
     states = force.record().states if isinstance(force, ForceElement) else ()
     if type(index) is not int or not 0 <= index < len(states):
         raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
-    return Measure(kinds.OWN_STATE, f"state {index} of {label(force)}", "-", part=force, index=index)
+    return Measure("state", f"state {index} of {label(force)}", "-", part=force, index=index)

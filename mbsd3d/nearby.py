@@ -1,4 +1,4 @@
-"""Poses near a given one: moved along a small deviation X and closed by the joints again."""
+"""Poses near a given one: moved along one freedom, or along a small deviation X and closed by the joints again."""
 
 import numpy as np
 
@@ -6,6 +6,14 @@ from .kernels.dynamics import FAR, PROJECTED, close
 from .kernels.kinematics import displace_body
 from .kernels.layout import Data, Model, Schur
 from .rotations import matrix
+
+
+def nudged(y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
+    """The state y with body b displaced by h in world direction j, or for j > 2 turned by h about direction j - 3."""
+    dx, moved = np.zeros(6), y.copy()
+    dx[j] = h
+    displace_body(moved, 7 * b, tuple(dx[:3]), tuple(dx[3:]))
+    return moved
 
 
 def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:

@@ -46,6 +46,7 @@ class Ground:
     name = "ground"
     position = np.zeros(3)
     com = np.zeros(3)
+    centre = np.zeros(3)
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
 
     def __repr__(self) -> str:
@@ -139,6 +140,13 @@ class Body:
         R = matrix(self.orientation)
         R.setflags(write=False)
         return R
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """Centre of mass r + R r_G at the reference pose, world [m]; read-only."""
+        centre = self.position + self.axes @ self.com
+        centre.setflags(write=False)
+        return centre
 
     def local_point(self, point: np.ndarray) -> np.ndarray:
         """R'(p - r): a world point at the reference pose in body axes from O [m]."""

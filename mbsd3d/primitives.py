@@ -1,5 +1,6 @@
 """Constraint primitives as data in world coordinates of the reference pose; joints and drivers are lists of them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +10,13 @@ from .kernels import kinds
 from .signals import Signal
 
 ZERO = np.zeros(3)
+COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE}
+
+
+def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
+    """One of the kinds there are, or a ValueError that lists them."""
+    if kind not in known:
+        raise ValueError(f"{what}: kind {kind!r} is unknown; give one of {', '.join(map(repr, known))}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,13 +27,16 @@ class Coordinate:
     ``axis . (point_b - point_a)``. World coordinates at the reference pose.
     """
 
-    kind: int
+    kind: str  # a key of COORDINATES
     a: Any
     b: Any
     axis: np.ndarray
     axis_b: np.ndarray
     point_a: np.ndarray = field(default_factory=lambda: ZERO)
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
+
+    def __post_init__(self) -> None:
+        check_kind(self.kind, COORDINATES, "Coordinate")
 
 
 @dataclass(frozen=True, eq=False)

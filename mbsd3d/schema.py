@@ -15,13 +15,13 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
-from .forces import ForceElement
-from .job import Record
+from .elements import ForceElement
 from .joints import Joint
 from .measures import Condition, Measure
 from .model import Switches
 from .parts import Body, Ground
 from .primitives import Coordinate
+from .record import Record
 from .signals import Signal
 from .simulation import METHODS
 from .state import State

@@ -79,6 +79,14 @@ def simulate(
         For input that makes no sense.
     IntegrationError
         With time, part and advice; ``error.solution`` holds what was computed.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, measures, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 1.0, stop_when=measures.velocity(stone, axis=(0, 0, 1)) < 0.0)
+    >>> round(float(flight.position(stone)[-1, 2]), 9)  # v^2 / (2 g)
+    0.458715596
     """
     method = method or DOP853()
     check_kinds(system, method, rtol, stop_when)
@@ -146,6 +154,17 @@ def accelerations(system: Any, state: State | None = None) -> Solution:
     """Accelerations and reactions at one state: a `Solution` with a single sample.
 
     ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
+    >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+    >>> system = System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")])
+    >>> now = accelerations(system)
+    >>> round(float(now.alpha(arm)[0, 1]), 12)  # m g l / (I_G + m l^2) about y
+    9.81
+    >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
+    9.81
     """
     start = state or system.state()
     compiled = compile_system(system)

@@ -13,6 +13,7 @@ from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .record import Record
 from .rotations import matrix
 from .state import State
 
@@ -45,15 +46,28 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
+    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 1.0, output=[0.25, 1.0])
+    >>> flight.position("stone")[:, 2].round(9)  # v t - g t^2 / 2
+    array([ 0.4434375, -1.905    ])
+    >>> flight.energy().total.round(9)
+    array([4.5, 4.5])
+    """
 
     compiled: Compiled
     arrays: dict[str, np.ndarray]
-    record: Any
+    record: Record
     final: State
 
     @classmethod
-    def from_run(cls, compiled: Compiled, arrays: dict, record: Any, y: np.ndarray, t: float, data: Any) -> "Solution":
+    def from_run(
+        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Any
+    ) -> "Solution":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
         states = arrays.pop("y")
@@ -160,13 +174,17 @@ class Solution:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3))
-        return self.position(body) + self.rotation(body) @ body.local_point(point)
+        return self.point(body, body.local_point(point))
 
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
-        arm = self.rotation(body) @ body.local_point(point)
+        return self._carried(body, body.local_point(point))
+
+    def _carried(self, body: Any, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a point given in body axes from the reference point."""
+        arm = self.rotation(body) @ local
         return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
 
     @cached_property
@@ -225,11 +243,10 @@ class Solution:
         model, system = self.compiled.model, self.system
         kinetic, potential = np.zeros(self.t.size), self.arrays["potential"].sum(axis=1)
         for body in system.bodies:
-            arm = self.rotation(body) @ body.com
-            v_com = self.velocity(body) + np.cross(self.omega(body), arm)
+            centre, v_com = self._carried(body, body.com)
             w = self.omega_body(body)
             kinetic += 0.5 * body.mass * (v_com**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)
-            potential -= body.mass * (self.position(body) + arm) @ system.gravity
+            potential -= body.mass * centre @ system.gravity
         work = self.arrays["z"][:, model.z_work : model.z_impulse].sum(axis=1)
         return Energy(kinetic, potential, kinetic + potential, work)
 
@@ -251,12 +268,11 @@ class Solution:
         """Momentum and angular momentum about the world origin."""
         linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))
         for body in self.system.bodies:
-            R, w = self.rotation(body), self.omega(body)
-            arm = R @ body.com
-            p = body.mass * (self.velocity(body) + np.cross(w, arm))
-            spin = np.einsum("tij,tj->ti", R, self.omega_body(body) @ body.inertia)
+            centre, v_com = self._carried(body, body.com)
+            p = body.mass * v_com
             linear += p
-            angular += np.cross(self.position(body) + arm, p) + spin
+            angular += np.cross(centre, p)
+            angular += np.einsum("tij,tj->ti", self.rotation(body), self.omega_body(body) @ body.inertia)
         return Momentum(linear, angular)
 
     def drift(self) -> Drift:

@@ -24,6 +24,24 @@ class State:
         Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero.
     moved : mapping
         What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
+
+    Raises
+    ------
+    ValueError
+        For entries that are not finite, and numbers of q and v that do not belong together.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from mbsd3d import Body, System, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), position=(0, 0, 2), velocity=(3, 0, 0), omega=(0, 0, 0))
+    >>> system = System([stone])
+    >>> start = system.state()
+    >>> start.q, start.v
+    (array([0., 0., 2., 1., 0., 0., 0.]), array([3., 0., 0., 0., 0., 0.]))
+    >>> faster = replace(start, v=2.0 * start.v)
+    >>> round(float(simulate(system, 0.5, state=faster).position(stone)[-1, 0]), 9)
+    3.0
     """
 
     t: float

@@ -1,6 +1,7 @@
 """Which force makes a model stiff: the fastest rate that each force element gives to the bodies it acts on."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,9 @@ import scipy.linalg
 from .errors import IntegrationError
 from .evaluation import load_rows
 from .integrators.stiff import FAST
-from .kernels.kinematics import displace_body
 from .kernels.loads import loads
 from .model import Compiled, inertia_about_origin
+from .nearby import nudged
 from .rotations import matrix
 
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
@@ -48,12 +49,12 @@ def force_rate(compiled: Compiled, data: Any, y: np.ndarray, t: float, k: int) -
         return data.body["Q"][bodies].ravel()
 
     blocks = []
-    for change in (displaced, hastened):
+    for change in (nudged, partial(hastened, model.body.size)):
         columns = []
         for b in bodies:
             for j in range(6):
                 h = STEP * (model.length if j < 3 else 1.0)
-                columns.append((load(change(model, y, b, j, h)) - load(change(model, y, b, j, -h))) / (2.0 * h))
+                columns.append((load(change(y, b, j, h)) - load(change(y, b, j, -h))) / (2.0 * h))
         blocks.append(np.column_stack(columns))
     M = scipy.linalg.block_diag(*[mass_block(model, y, b) for b in bodies])
     A = np.linalg.solve(M, np.hstack(blocks))
@@ -74,17 +75,9 @@ def mass_block(model: Any, y: np.ndarray, b: int) -> np.ndarray:
     return inertia_about_origin(y[7 * b + 3 : 7 * b + 7], body["com"], body["mass"], body["inertia"].reshape(3, 3))
 
 
-def displaced(model: Any, y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
-    """The state with body b displaced by h in world direction j, or turned about it."""
-    dx, moved = np.zeros(6), y.copy()
-    dx[j] = h
-    displace_body(moved, 7 * b, tuple(dx[:3]), tuple(dx[3:]))
-    return moved
-
-
-def hastened(model: Any, y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
-    """The state with a world component of the velocity or angular velocity of body b changed by h."""
-    dv, moved, u = np.zeros(6), y.copy(), 7 * model.body.size + 6 * b
+def hastened(n: int, y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
+    """The state of n bodies with a world component of the velocity or angular velocity of body b changed by h."""
+    dv, moved, u = np.zeros(6), y.copy(), 7 * n + 6 * b
     dv[j] = h
     moved[u : u + 3] += dv[:3]
     moved[u + 3 : u + 6] += matrix(y[7 * b + 3 : 7 * b + 7]).T @ dv[3:]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .forces import ForceElement
+from .elements import ForceElement
 from .joints import Joint
 from .parts import GROUND, Body, vector
 from .state import State
@@ -84,8 +84,9 @@ class System:
         return names
 
     def _check_members(self) -> None:
-        """Every joint and force acts on bodies of this system, every coupling on joints of it."""
+        """Every joint and force acts on bodies of this system and refers to joints and forces of it."""
         members = {id(body) for body in self.bodies} | {id(GROUND)}
+        known = {id(part) for part in (*self.joints, *self.forces)}
         for part in (*self.joints, *self.forces):
             for body in part.bodies():
                 if id(body) not in members:
@@ -93,22 +94,12 @@ class System:
                         f"{type(part).__name__} '{self.name(part)}': body '{body.name}' is not in the system; "
                         "add it to bodies"
                     )
-        joints = {id(joint) for joint in self.joints}
-        known = joints | {id(force) for force in self.forces}
-        for force in self.forces:
-            for other in force.partners():
+            for other in part.partners():
                 if id(other) not in known:
                     kind = "joint" if isinstance(other, Joint) else "force"
                     raise ValueError(
-                        f"{type(force).__name__} '{self.name(force)}': its {kind} '{other.name}' is not in the "
+                        f"{type(part).__name__} '{self.name(part)}': its {kind} '{other.name}' is not in the "
                         f"system; add it to {kind}s"
-                    )
-        for joint in self.joints:
-            for other in joint.partners():
-                if id(other) not in joints:
-                    raise ValueError(
-                        f"{type(joint).__name__} '{self.name(joint)}': its joint '{other.name}' is not in the "
-                        "system; add it to joints"
                     )
 
     @cached_property

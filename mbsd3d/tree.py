@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from .kernels import kinds
 from .model import Compiled
 from .primitives import Coordinate
 from .rotations import exponential, matrix, multiply
@@ -27,7 +26,7 @@ def swing(compiled: Compiled, pose: State, targets: list[tuple[Any, float]]) -> 
         e, r = (fixed.orientation, fixed.position) if i == n else (poses[i, 3:], poses[i, :3])
         own = x.axis if fixed is x.a else x.axis_b
         axis = matrix(e) @ fixed.local_axis(own)
-        if x.kind == kinds.SLIDE:
+        if x.kind == "slide":
             poses[k, :3] += sign * value * axis
             continue
         point = points.get(line_of(x), x.point_a if fixed is x.a else x.point_b)

@@ -57,3 +57,10 @@ def test_custom_force_that_depends_on_time_is_refused():
     system = System([body], [hinge], [CustomForce(push, on=body, parameters=(2.0,))])
     with pytest.raises(ValueError, match="change along the motion"):
         linearize(system)  # in balance at t = 0, but not for long
+
+
+def test_a_state_of_a_force_that_is_not_in_the_system_is_refused():
+    body, hinge, _ = arm()
+    servo = StateFeedback(measures=[measures.angle(hinge)], gains=(30.0,), on=hinge, time_constant=0.05, name="servo")
+    with pytest.raises(ValueError, match="linearize: outputs: state 0 of servo: force 'servo' is not in the system"):
+        linearize(System([body], [hinge]), outputs=[measures.state(servo)])

@@ -18,6 +18,7 @@ from models import (
 from mbsd3d import (
     GROUND,
     AeroDrag,
+    Body,
     Bushing,
     Cylindrical,
     Force,
@@ -409,3 +410,12 @@ def test_bushing_moment_of_a_large_turn_about_one_axis():
     # U = 2 k sin^2(angle/2), M = -dU/dangle = -k sin(angle)
     assert Q[0] == pytest.approx([0, 0, 0, 0, -1.3 * np.sin(angle), 0], abs=1e-13)
     assert energy == pytest.approx(2.6 * np.sin(angle / 2) ** 2, abs=1e-13)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (300.0, -200.0, 700.0)])
+def test_a_torque_acts_at_no_point_and_gives_the_model_no_length(place):
+    """The length of a free body is its largest radius of gyration, wherever it starts and whatever turns it."""
+    body = Body("rotor", mass=2.0, inertia=(0.3, 0.5, 0.72), com=(0.2, -0.1, 0.3), position=place)
+    system = System([body], forces=[Torque(body, (0.1, 0.2, 0.3))])
+    rounding = 1e-15
+    assert abs(system.lowered.model.length - np.sqrt(0.72 / 2.0)) < rounding

@@ -37,7 +37,7 @@ from mbsd3d import (
 )
 from mbsd3d.cli import main
 from mbsd3d.description import describe
-from mbsd3d.forces import ForceElement
+from mbsd3d.elements import ForceElement
 from mbsd3d.joints import Joint
 from mbsd3d.model import compile_system
 from mbsd3d.schema import types
@@ -153,6 +153,20 @@ def test_files_are_short_and_read_like_the_call(tmp_path):
     assert data["forces"] == [{"type": "TorsionSpring", "hinge": "hinge", "stiffness": 2.0}]
     text = system.to_file(tmp_path / "a.toml").read_text()
     assert '[[joints]]\ntype = "Revolute"\nname = "hinge"\na = "ground"\nb = "bob"\nat = [0.0, 0.0, 0.0]\n' in text
+
+
+FILTERED = """
+[[forces]]
+type = "StateFeedback"
+on = "Revolute 1"
+gains = [3.0]
+[[forces.measures]]
+type = "Measure"
+kind = "coordinate rate"
+label = "spin"
+unit = "rad/s"
+coordinate = {type = "Coordinate", kind = "angle", a = "ground", b = "bob", axis = [0, 1, 0], axis_b = [0, 1, 0]}
+"""
 
 
 HAND = """
@@ -300,6 +314,30 @@ MISTAKES = [
 def test_mistakes_are_named_with_their_place(hand, old, new, message):
     hand.write_text(edit(change=(old, new)))
     with pytest.raises(ValueError, match=rf"hand.toml': (?s:.*){message}"):
+        System.from_file(hand)
+
+
+def test_kinds_are_words(hand):
+    hand.write_text(HAND + FILTERED)
+    seen = System.from_file(hand).forces[0].measures[0]
+    assert (seen.kind, seen.coordinate.kind) == ("coordinate rate", "angle")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            '"coordinate rate"',
+            '"speed"',
+            "Measure: kind 'speed' is unknown; give one of 'coordinate', 'coordinate rate'",
+        ),
+        ('"angle"', '"turn"', "Coordinate: kind 'turn' is unknown; give one of 'angle', 'slide'"),
+        ('"coordinate rate"', "1", "Expected `str`, got `int`"),
+    ],
+)
+def test_other_kinds_are_refused_with_their_place(hand, old, new, message):
+    hand.write_text(HAND + FILTERED.replace(old, new))
+    with pytest.raises(ValueError, match=rf"hand.toml': (?s:.*){message}.* - at `\$.forces\[0\].measures\[0\]"):
         System.from_file(hand)
 
 

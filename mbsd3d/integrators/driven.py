@@ -44,6 +44,16 @@ class Kinematic:
 
     ``max_step`` [s] bounds the distance between poses, so that Newton stays on its branch. A condition to stop is
     watched between the poses too, on cubics through them.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Ramp, Revolute, System, simulate
+    >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    >>> motor = AngleDriver(hinge, Ramp(3.0))
+    >>> turn = simulate(System([arm], [hinge, motor]), 0.7, method=Kinematic(), output=8)
+    >>> round(float(turn.angle(hinge)[-1]), 9), round(float(turn.acceleration(arm)[0, 0]), 9)  # w t, -l w^2
+    (2.1, -4.5)
     """
 
     max_step: float = np.inf

@@ -11,7 +11,16 @@ from .runge_kutta import Table, advance
 
 @dataclass(frozen=True)
 class RK4:
-    """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``."""
+    """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``.
+
+    Examples
+    --------
+    >>> from mbsd3d import RK4, Body, System, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> run = simulate(System([stone]), 0.5, method=RK4(dt=0.2))
+    >>> run.t.round(9)  # equal steps of at most dt
+    array([0.        , 0.16666667, 0.33333333, 0.5       ])
+    """
 
     dt: float
 
