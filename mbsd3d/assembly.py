@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from .blocks import scaled
+from .blocks import displacement_units, scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from .joints import coordinate_of
@@ -102,7 +102,7 @@ def newton(
     scale = model.row["scale"] * (1.0 if weights is None else weights)
     y = load_state(compiled, data, pose)
     free = np.repeat([i not in pinned for i in range(model.body.size)], 6)
-    columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size) * free
+    columns = displacement_units(model.length, model.body.size) * free
     holonomic = model.row["holonomic"].astype(bool)
     best, best_y, stalled = np.inf, y.copy(), 0
     for _ in range(200):

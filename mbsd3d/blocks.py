@@ -6,6 +6,11 @@ import numpy as np
 from scipy.sparse import csr_array
 
 
+def displacement_units(length: float, n: int) -> np.ndarray:
+    """(6 n,) units in which displacements (metres) and rotations (radians) of n bodies are of order one."""
+    return np.tile(np.repeat([length, 1.0], 3), n)
+
+
 class BlockRows(NamedTuple):
     """Rows of a Jacobian by blocks: row i has ``J[i, slot]`` in the columns of ``body[i, slot]``."""
 
@@ -19,7 +24,7 @@ class BlockRows(NamedTuple):
 
     def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
         """Rows times ``rows``, columns in units of ``length`` and radians."""
-        columns = np.repeat([length, 1.0], 3)
+        columns = displacement_units(length, 1)
         return self._replace(J=self.J * (np.asarray(rows)[:, None, None] * columns))
 
     def dense(self) -> np.ndarray:

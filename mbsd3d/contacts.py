@@ -10,7 +10,6 @@ from .joints import Joint, PointJoint, perpendiculars, unit
 from .kernels import kinds
 from .parts import GROUND, number, vector
 from .primitives import ZERO, Primitive
-from .rotations import matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,22 +87,23 @@ class RollingDisc(Joint):
         """The centre in world coordinates at the reference pose."""
         if self.centre is not None:
             return vector(self.centre, f"{what}: centre")
-        return self.b.position + matrix(self.b.orientation) @ self.b.com
+        return self.b.centre
 
     def point(self) -> np.ndarray:
         """The contact point at the reference pose (it travels over both bodies)."""
-        normal = self.plane[1]
-        lean = normal @ self.axis
-        down = -(normal - lean * self.axis) / np.sqrt(1.0 - lean**2)
-        return self.centre + (self.radius - self.crown) * down - self.crown * normal
+        return self.contact(self.centre, self.plane[1], self.axis)
+
+    def contact(self, centre: np.ndarray, normal: np.ndarray, axis: np.ndarray) -> np.ndarray:
+        """(..., 3) contact points: centre + (radius - crown) down - crown normal, all in world axes."""
+        lean = np.sum(normal * axis, axis=-1, keepdims=True)
+        across = normal - lean * axis
+        down = -across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-12)
+        return centre + (self.radius - self.crown) * down - self.crown * normal
 
     def reaction_points(self, solution: Any) -> np.ndarray:
-        """(samples, 3) contact points: centre + (radius - crown) down - crown normal."""
+        """(samples, 3) contact points."""
         centre, axis = solution.body_point(self.b, self.centre), solution.body_axis(self.b, self.axis)
-        normal = solution.body_axis(self.a, self.plane[1])
-        lean = np.einsum("ti,ti->t", normal, axis)[:, None]
-        down = -(normal - lean * axis) / np.sqrt(1.0 - lean**2)
-        return centre + (self.radius - self.crown) * down - self.crown * normal
+        return self.contact(centre, solution.body_axis(self.a, self.plane[1]), axis)
 
     def rows(self) -> list[Primitive]:
         at, normal = self.plane

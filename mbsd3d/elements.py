@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .joints import Joint
-from .parts import Body, Ground, number
+from .parts import Body, Ground, Part, number
 from .primitives import Coordinate
 from .signals import Signal, as_signal
 
@@ -29,23 +29,10 @@ class Record:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceElement:
+class ForceElement(Part):
     """What all force elements share."""
 
-    name: str | None = field(default=None, kw_only=True)
-
-    def __post_init__(self) -> None:
-        kind = type(self).__name__
-        self.check(f"force '{self.name}' ({kind})" if self.name else f"{kind} without a name")
-
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
-
-    def check(self, what: str) -> None:
-        """Validate and convert the fields; errors start with ``what``."""
-        raise NotImplementedError
+    role = "force"
 
     def record(self) -> Record:
         """The record the kernel reads."""

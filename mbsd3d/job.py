@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from .blocks import displacement_units
 from .custom import check_runnable
 from .drivers import SpeedDriver
 from .errors import AssemblyError, IntegrationError
@@ -218,7 +219,7 @@ class Job:
             return
         scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)
         v = self.start.v.reshape(-1, 6)
-        speed = max(1.0, float(np.abs(v / np.repeat([model.length, 1.0], 3)).max(initial=0.0)))
+        speed = max(1.0, float(np.abs(v / displacement_units(model.length, 1)).max(initial=0.0)))
         slip = block_rows(model, self.data).sparse() @ self.start.v - row["b"]
         checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
         for residual, unit, limit in checks:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .kernels import kinds
-from .parts import Body, Ground, number, vector
+from .parts import Body, Ground, Part, number, vector
 from .primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .rotations import UNIT
 
@@ -39,7 +39,7 @@ def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(Part):
     """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide.
 
     Examples
@@ -51,11 +51,7 @@ class Joint:
     (True, [3, 1, 1])
     """
 
-    name: str | None = field(default=None, kw_only=True)
-
-    def __post_init__(self) -> None:
-        kind = type(self).__name__
-        self.check(f"joint '{self.name}' ({kind})" if self.name else f"{kind} without a name")
+    role = "joint"
 
     def check(self, what: str) -> None:
         """Validate and convert the fields; errors start with ``what``."""
@@ -64,11 +60,6 @@ class Joint:
                 raise ValueError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
         if self.a is self.b:
             raise ValueError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
-
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
 
     def bodies(self) -> list:
         """All bodies the joint acts on."""

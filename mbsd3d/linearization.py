@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
+from .blocks import displacement_units
 from .kernels.jit import mark_warm
 from .measures import Measure, check_members
 from .model import Compiled, compile_system
@@ -227,7 +228,7 @@ def check_regular(field: Field, space: Tangent) -> None:
     """Small motions are linear only where the rank of the rows is the same all around."""
     model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
     schur, random = schur_of(model, chosen), np.random.default_rng(0)
-    unit = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    unit = displacement_units(model.length, model.body.size)
     X = space.E[: unit.size, : space.configuration] @ random.normal(size=space.configuration)
     for step in 0.02 * X / np.abs(X / unit).max(initial=1e-300) * np.array([[1.0], [-1.0]]):
         y = closed(model, field.real, schur, field.t, field.y, step)

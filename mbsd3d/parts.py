@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -155,3 +155,25 @@ class Body:
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
         """R' a: a world direction at the reference pose in body axes."""
         return self.axes.T @ np.asarray(axis, float)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What joints and force elements share: a name, and fields that are checked and converted once."""
+
+    name: str | None = field(default=None, kw_only=True)
+
+    role: ClassVar[str] = "part"
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
+
+    def check(self, what: str) -> None:
+        """Validate and convert the fields; errors start with ``what``."""
+        raise NotImplementedError
+
+    def set(self, **values: Any) -> None:
+        """Write converted values into the frozen fields."""
+        for key, value in values.items():
+            object.__setattr__(self, key, value)

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
+from .blocks import displacement_units
 from .evaluation import load_state
 from .kernels.loads import loads
 from .model import Compiled, compile_system
 from .rotations import matrix
-from .selection import RANK_TOLERANCE, dense_jacobian
+from .selection import RANK_TOLERANCE, dense_jacobian, scaled_jacobian
 from .state import State
 from .velocities import sparse_mass_matrix
 
@@ -70,8 +71,8 @@ def solve_svd(system: Any, state: State, tolerance: float = RANK_TOLERANCE) -> t
     """
     M, force, J, gamma, compiled = equations(system, state)
     model = compiled.model
-    rows, columns = model.row["scale"], np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
-    U, s, Vt = scipy.linalg.svd(J * rows[:, None] * columns)
+    rows, columns = model.row["scale"], displacement_units(model.length, model.body.size)
+    U, s, Vt = scipy.linalg.svd(scaled_jacobian(model, J))
     rank = int((s > tolerance * s[0]).sum()) if s.size else 0
     V1, V2 = columns[:, None] * Vt[:rank].T, columns[:, None] * Vt[rank:].T
     v_dot = V1 @ ((U[:, :rank].T @ (gamma * rows)) / s[:rank])

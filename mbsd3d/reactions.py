@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .blocks import displacement_units
 from .evaluation import rows_at
 from .model import Compiled
 from .rank import redundant_combinations
@@ -50,7 +51,7 @@ def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
         for k in range(span.start, span.stop):
             for slot in range(4):
                 if model.row["body"][k, slot] == body:
-                    G[:, k] += middle.J[k, slot] * model.row["scale"][k] * np.repeat([model.length, 1.0], 3)
+                    G[:, k] += middle.J[k, slot] * model.row["scale"][k] * displacement_units(model.length, 1)
     return bool(np.abs(G @ middle.N).max() < 1e-7)
 
 

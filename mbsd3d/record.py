@@ -3,14 +3,20 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from .integrators.dop853 import DOP853
+from .integrators.driven import Kinematic
+from .integrators.generalized_alpha import GeneralizedAlpha
+from .integrators.rk4 import RK4
 from .model import Switches
+
+METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
 
 
 @dataclass
 class Record:
     """What a run did, for the certificate."""
 
-    method: Any  # DOP853, RK4, GeneralizedAlpha or Kinematic
+    method: Any  # one of METHODS
     rtol: float
     switches: Switches
     tolerance: float = 0.0  # within which redundant rows may be violated, in model lengths; 0 = as_built not given

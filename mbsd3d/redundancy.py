@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 
 from .assembly import close_pose, gap_size, newton, reference_pose
-from .blocks import BlockRows
+from .blocks import BlockRows, displacement_units
 from .cures import Cure, find_cures
 from .drivers import Driver
 from .elimination import SAFE, Core
@@ -208,7 +208,7 @@ def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[in
         return []
     y = load_state(compiled, data, pose)
     free = found.free_motion(np.random.default_rng(0))
-    columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    columns = displacement_units(model.length, model.body.size)
     free = columns * free / max(np.abs(free).max(), 1e-300)
     ranks = []
     for step in (0.05, -0.05):

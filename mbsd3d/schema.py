@@ -21,9 +21,8 @@ from .measures import Condition, Measure
 from .model import Switches
 from .parts import Body, Ground
 from .primitives import Coordinate
-from .record import Record
+from .record import METHODS, Record
 from .signals import Signal
-from .simulation import METHODS
 from .state import State
 
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]

@@ -12,7 +12,7 @@ import scipy.linalg
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .blocks import BlockRows
+from .blocks import BlockRows, displacement_units
 from .kernels.layout import Data, Model, Schur, schur_records, table
 from .rank import RANK_TOLERANCE, Analysis
 from .threads import one_thread
@@ -35,7 +35,7 @@ def dense_jacobian(model: Model, data: Data) -> np.ndarray:
 
 def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
     """Rows and columns in units of the model's length and radians: entries are of order one."""
-    columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    columns = displacement_units(model.length, model.body.size)
     return J * model.row["scale"][:, None] * columns
 
 

@@ -9,19 +9,16 @@ from .assembly import reference_state
 from .integrators import base
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
-from .integrators.generalized_alpha import GeneralizedAlpha
-from .integrators.rk4 import RK4
 from .job import Job
 from .measures import Condition, check_members
 from .model import Compiled, Switches, compile_system
 from .parts import number
 from .progress import Progress
+from .record import METHODS
 from .signals import check_interval
 from .solution import Solution
 from .state import State
 from .system import System
-
-METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
 
 
 def simulate(

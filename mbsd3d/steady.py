@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .blocks import displacement_units
 from .drivers import Driver
 from .evaluation import worst_joint
 from .kernels import kinds
@@ -26,7 +27,7 @@ class Units:
 def natural_units(model: Model, at: Variations, space: Tangent) -> Units:
     """The model's length, and as rate the fastest of: stiffness, damping, angular velocity, gravity."""
     n, c, v = 6 * model.body.size, space.configuration, space.velocity
-    one = np.tile(np.repeat([model.length, 1.0], 3), 2 * model.body.size)
+    one = displacement_units(model.length, 2 * model.body.size)
     chosen = space.chosen[: c + v]
     pull = np.abs((at.F @ space.E)[n : 2 * n, : c + v] / one[:n, None] * one[chosen])
     stiffness, damping = pull[:, :c].max(initial=0.0), pull[:, c:].max(initial=0.0)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
+from .blocks import displacement_units
 from .evaluation import worst_joint
 from .kernels.layout import Model
 from .model import Compiled
@@ -62,7 +63,7 @@ def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
         If a row that is redundant here is not so for neighbouring states: a singular position.
     """
     model, n = compiled.model, 6 * compiled.model.body.size
-    columns = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    columns = displacement_units(model.length, model.body.size)
     rows = model.row["scale"][:, None]
     D_q, D_v = rows * at.D[:, :n] * columns, rows * at.D[:, n : 2 * n] * columns
     N_q, free_q = free_basis(rows * at.C[:, :n] * columns)

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import bsr_array, csr_array, vstack
 
-from .blocks import largest_in_rows, scaled
+from .blocks import displacement_units, largest_in_rows, scaled
 from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
 from .least import least
@@ -58,7 +58,7 @@ def least_energy(
     model = compiled.model
     known = ~np.isnan(given)
     v = np.where(known, given, 0.0)
-    scale = np.tile(np.repeat([model.length, 1.0], 3), model.body.size)
+    scale = displacement_units(model.length, model.body.size)
     A = scaled(J, np.ones(J.shape[0]), scale)
     unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
     A = scaled(A, unit_rows, np.ones(known.size))

@@ -11,8 +11,9 @@ from PIL import Image
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, RollingDisc, System, accelerations, inertia, measures, rotation, simulate
-from mbsd3d.animation import Scene, animate, nearest, outline
+from mbsd3d.animation import Scene, animate, nearest
 from mbsd3d.plots import PANELS, plot_quantity, save_figure, show_system
+from mbsd3d.scene import outline
 
 
 @pytest.fixture(scope="module")
