@@ -40,6 +40,8 @@ class Measure:
     def __lt__(self, value: float) -> "Condition":
         return Condition(self, number(value, f"threshold of {self.label}"), -1.0)
 
+    __ge__, __le__ = __gt__, __lt__  # a run ends where the value is reached
+
 
 @dataclass(frozen=True, eq=False)
 class Condition:
@@ -48,6 +50,12 @@ class Condition:
     measure: Measure
     value: float
     direction: float
+
+    def __bool__(self) -> bool:
+        raise ValueError(
+            f"condition '{self}' is neither true nor false before a run, so 'and', 'or' and 'a < x < b' would drop a "
+            "part of it; give stop_when a single comparison"
+        )
 
     def __str__(self) -> str:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
@@ -175,7 +183,9 @@ def state(force: ForceElement, index: int = 0) -> Measure:
     ValueError
         If there is no such state.
     """
-    states = force.record().states if isinstance(force, ForceElement) else ()
+    record = force.record() if isinstance(force, ForceElement) else None
+    states = record.states if record else ()
     if type(index) is not int or not 0 <= index < len(states):
         raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
-    return Measure(kinds.OWN_STATE, f"state {index} of {label(force)}", "-", part=force, index=index)
+    what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
+    return Measure(kinds.OWN_STATE, f"state {index} of {label(force)}", what, part=force, index=index)
