@@ -13,6 +13,13 @@ from .primitives import Coordinate
 from .rotations import matrix
 
 ZERO = np.zeros(3)
+OF_JOINTS = (kinds.COORDINATE, kinds.COORDINATE_RATE)
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+MEASURED = {
+    kinds.COORDINATE: ("rad", "m"), kinds.COORDINATE_RATE: ("rad/s", "m/s"), kinds.POSITION: ("m",),
+    kinds.VELOCITY: ("m/s",), kinds.TURN: ("rad/s",), kinds.LEAN: ("rad",), kinds.LEAN_RATE: ("rad/s",),
+    kinds.GAP: ("m",), kinds.OWN_STATE: tuple(UNITS),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,6 +37,17 @@ class Measure:
     coordinate: Coordinate | None = None
     part: Any = None  # force element whose own state it is,
     index: int = 0  # and which one
+
+    def __post_init__(self) -> None:
+        """Also a file may describe a measure, and kernels do not check."""
+        states = 0 if self.part is None else len(self.part.record().states)
+        fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
+        own = 0 <= self.index < states if self.kind == kinds.OWN_STATE else self.part is None
+        if self.unit not in MEASURED.get(self.kind, ()) or not fits or not own:
+            raise ValueError(
+                f"measure '{self.label}': kind {self.kind} in {self.unit!r} does not fit its parts; build it with a "
+                "function of mbsd3d.measures"
+            )
 
     def __repr__(self) -> str:
         return f"<measure: {self.label} [{self.unit}]>"
@@ -70,9 +88,6 @@ def check_members(system: Any, measure: Measure, what: str) -> None:
             raise ValueError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
-
-
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
 
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
