@@ -55,17 +55,23 @@ def callback(function: Callable, dtype: type) -> Any:
     """The C function for real or complex numbers; ``.address`` is where it is."""
     real = types.complex128 if dtype is complex else types.float64
     pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
-    compiled = function if is_jitted(function) else numba.njit(error_model="numpy")(function)
+    compiled = function if is_jitted(function) else numba.njit(error_model="numpy", boundscheck=True)(function)
     pointer, size = types.CPointer, types.intp
     signature = types.void(
         types.float64, pointer(pose), size, pointer(real), size, pointer(types.float64), size, pointer(real),
         pointer(real),
     )  # fmt: skip
-    return numba.cfunc(signature)(wrapped(compiled))
+    found = numba.cfunc(signature)(wrapped(compiled))
+    returned = compiled.nopython_signatures[-1].return_type
+    if returned is not types.none:
+        raise TypeError(f"it returns {returned}, which nobody reads; fill loads and z_dot and return nothing")
+    return found
 
 
 def reason(error: Exception) -> str:
     """First line of numba's message that says something."""
+    if isinstance(error, KeyError):  # all that numba says of a field that a record does not have
+        return f"bodies have no {error}, they have r, R, velocity, w"
     lines = [re.sub(r"\x1b\[[0-9;]*m", "", line).strip() for line in str(error).splitlines()]
     telling = [line for line in lines if line and not line.startswith("Failed in nopython mode")]
     return (telling or [type(error).__name__])[0]
@@ -82,6 +88,8 @@ class FunctionForce(ForceElement):
     scales: Sequence[float] | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
+        if not isinstance(self.on, Body | Ground | list | tuple):
+            raise ValueError(f"{what}: on {self.on!r}; give a Body, GROUND or a tuple of them")
         on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
         if not 1 <= len(on) <= MOST_BODIES:
             raise ValueError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
@@ -138,7 +146,8 @@ class CustomForce(FunctionForce):
     z_dot      (n,)              to be filled: rates of the own states [1/s]; zero before
     ========== ================= ===================================================================================
 
-    It returns nothing and must not write beyond the ends of ``loads`` and ``z_dot``: compiled code does not check.
+    It returns nothing. A place beyond the end of an array stops the run with an error, unless the function is jitted
+    already: numba then checks it only if told so (``boundscheck=True``).
     Forces between bodies must be given for each of them, with opposite signs. Nothing is stored (potential 0): the
     power ``sum(force . velocity + moment . w)`` is integrated as its work, so the energy balance stays exact.
     The arrays are complex where derivatives are taken by a complex step: use ``np`` functions, and neither ``abs``,
@@ -192,18 +201,26 @@ class CustomForce(FunctionForce):
             raise ValueError(f"{what}: function {self.function!r} is not a function; give a plain or a jitted one")
         if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
             raise ValueError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
-        try:
-            self.address(float)
-        except numba.core.errors.NumbaError as error:
-            raise ValueError(
-                f"{what}: function '{plain.__name__}' does not compile: {reason(error)}; use what numba supports"
-            ) from error
+        self.address(float)
 
     def address(self, dtype: type) -> Any:
         if numba.config.DISABLE_JIT:
             return uncompiled(self.function)
-        self.callbacks[dtype] = self.callbacks.get(dtype) or callback(self.function, dtype)
+        if dtype not in self.callbacks:
+            try:
+                self.callbacks[dtype] = callback(self.function, dtype)
+            except Exception as error:  # numba has several families of them
+                raise ValueError(self.uncompilable(dtype, reason(error))) from error
         return self.callbacks[dtype].address
+
+    def uncompilable(self, dtype: type, why: str) -> str:
+        """What to say of a function that numba refuses."""
+        force = f"force '{self.name}' (CustomForce)" if self.name else "CustomForce without a name"
+        kind, remedy = "", "use what numba supports"
+        if dtype is complex:
+            kind = " for the complex numbers of exact derivatives (GeneralizedAlpha, linearize)"
+            remedy = "compare real parts, x.real < 0, and use np functions"
+        return f"{force}: function '{self.function.__name__}' does not compile{kind}: {why}; {remedy}"
 
     def saved(self) -> "SavedForce":
         """What of it a file can hold: all but the function."""

@@ -65,7 +65,7 @@ class StateFeedback(ForceElement):
 
     def check(self, what: str) -> None:
         hinge_coordinate(self.on, f"{what}: on")
-        seen = (self.measures,) if isinstance(self.measures, Measure) else tuple(self.measures)
+        seen = (self.measures,) if not isinstance(self.measures, Sequence) else tuple(self.measures)
         if not seen:
             raise ValueError(f"{what}: no measures; give at least one of mbsd3d.measures")
         for measure in seen:

@@ -87,7 +87,7 @@ class Job:
         clock[base.MAX_STEP] = getattr(self.method, "max_step", np.inf)
         clock[base.MIN_STEP] = 1e-13 * max(abs(t_end), t_end - t)
         count[base.FRESH], count[base.EVERY], count[base.CONDITION] = 1, times is None, -1
-        if self.stop_when:
+        if self.stop_when is not None:
             clock[base.STOP], clock[base.SIGN] = self.stop_when.value, self.stop_when.direction
             count[base.CONDITION] = 0
         return Run(
@@ -271,7 +271,8 @@ class Job:
         part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.clock[base.STEP]))
         what, advice = FAILURES[status]
         if part:
-            what, advice = "a part returns values that are not finite", "correct its parameters or end the run earlier"
+            what = "a part returns values that are not finite"
+            advice = "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
 
 

@@ -17,7 +17,7 @@ from .nearby import closed
 from .parts import number
 from .progress import announce_compilation
 from .selection import RANK_TOLERANCE, schur_of
-from .simulation import accelerations
+from .simulation import accelerations, check_state
 from .state import State
 from .steady import Units, check_signals, find_generator, natural_units
 from .symmetry import Generator
@@ -27,7 +27,7 @@ from .threads import on_one_thread
 from .variations import Field, Variations
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Linearization:
     """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
 
@@ -112,9 +112,9 @@ class Linearization:
 
     def mode(self, k: int) -> Mode:
         """Mode number k, counted from zero."""
-        if not -len(self.modes) <= k < len(self.modes):
+        if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
             raise ValueError(
-                f"linearization.mode: {k} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+                f"linearization.mode: {k!r} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
             )
         return self.modes[k]
 
@@ -130,7 +130,7 @@ class Linearization:
             seen = seen - unseen @ np.linalg.lstsq(shifted @ unseen, shifted @ seen, rcond=1e-12)[0]
         return self.space.E @ (x * seen)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return table(self)
 
     def plot(self) -> Any:
@@ -197,6 +197,7 @@ def linearize(
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
     check_signals(system)
+    check_state(state, "linearize")
     start = accelerations(system, state).state(0)  # refuses a state that does not meet the joints
     compiled = compile_system(system, outputs)
     announce_compilation("linearisation")
@@ -217,6 +218,8 @@ def linearize(
 
 def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
     """Measures of parts of this system."""
+    if isinstance(outputs, Measure):
+        outputs = (outputs,)
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise ValueError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")

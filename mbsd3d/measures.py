@@ -22,6 +22,12 @@ MEASURES = {
     "distance": kinds.GAP,
     "state": kinds.OWN_STATE,
 }
+OF_JOINTS = ("coordinate", "coordinate rate")
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+UNITS_OF = {
+    "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
+    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +47,16 @@ class Measure:
     index: int = 0  # and which one
 
     def __post_init__(self) -> None:
+        """Also a file may describe a measure, and kernels do not check."""
         check_kind(self.kind, MEASURES, "Measure")
+        states = 0 if self.part is None else len(self.part.record().states)
+        fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
+        own = 0 <= self.index < states if self.kind == "state" else self.part is None
+        if self.unit not in UNITS_OF[self.kind] or not fits or not own:
+            raise ValueError(
+                f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
+                "function of mbsd3d.measures"
+            )
 
     def __repr__(self) -> str:
         return f"<measure: {self.label} [{self.unit}]>"
@@ -52,6 +67,8 @@ class Measure:
     def __lt__(self, value: float) -> "Condition":
         return Condition(self, number(value, f"threshold of {self.label}"), -1.0)
 
+    __ge__, __le__ = __gt__, __lt__  # a run ends where the value is reached
+
 
 @dataclass(frozen=True, eq=False)
 class Condition:
@@ -60,6 +77,12 @@ class Condition:
     measure: Measure
     value: float
     direction: float
+
+    def __bool__(self) -> bool:
+        raise ValueError(
+            f"condition '{self}' is neither true nor false before a run, so 'and', 'or' and 'a < x < b' would drop a "
+            "part of it; give stop_when a single comparison"
+        )
 
     def __str__(self) -> str:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
@@ -74,9 +97,6 @@ def check_members(system: Any, measure: Measure, what: str) -> None:
             raise ValueError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
-
-
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
 
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
@@ -185,7 +205,9 @@ def state(force: ForceElement, index: int = 0) -> Measure:
     ValueError
         If there is no such state.
     """
-    states = force.record().states if isinstance(force, ForceElement) else ()
+    record = force.record() if isinstance(force, ForceElement) else None
+    states = record.states if record else ()
     if type(index) is not int or not 0 <= index < len(states):
         raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
-    return Measure("state", f"state {index} of {label(force)}", "-", part=force, index=index)
+    what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
+    return Measure("state", f"state {index} of {label(force)}", what, part=force, index=index)

@@ -21,7 +21,7 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 from .animation import COLOURS, GREY, Scene, bounds, colour, draw, prepare
 from .files import write_atomically
 from .state import State
-from .tables import BODY_QUANTITIES, QUANTITIES, columns_of_effort
+from .tables import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
 
 CYCLE = cycler(linestyle=["-", "--", ":", "-."]) * cycler(color=COLOURS)
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
@@ -94,13 +94,26 @@ def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     """Torques and forces of drivers; none given = all."""
     drivers = [solution.system.part(part, "joints") for part in parts]
     drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
-    groups: dict[str, list] = {}
-    for driver in drivers:
-        for column in columns_of_effort(solution, driver):
-            groups.setdefault(column.unit, []).append((column.part, column.values))
-    if not groups:
+    if not drivers:
         raise ValueError("plot: this system has no driver, so there is no effort; give another quantity")
-    return [scalar_panel("effort", f"[{unit}]", lines) for unit, lines in groups.items()]
+    return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
+
+
+def state_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Own states of forces; none given = all."""
+    forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
+    found = [column for force in forces for column in columns_of_states(solution, force)]
+    if not found:
+        raise ValueError("plot: these forces have no own states; give another quantity")
+    return panels_by_unit("state", found)
+
+
+def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
+    """One panel per unit."""
+    groups: dict[str, list] = {}
+    for column in found:
+        groups.setdefault(column.unit, []).append((column.part, column.values))
+    return [scalar_panel(label, f"[{unit}]", lines) for unit, lines in groups.items()]
 
 
 def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
@@ -150,6 +163,7 @@ PANELS: dict[str, Callable[[Any, str, tuple], list[Panel]]] = {
     **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
     "reaction": reaction_panels,
     "effort": effort_panels,
+    "state": state_panels,
     "momentum": momentum_panels,
     "drift": drift_panels,
 }
@@ -165,8 +179,9 @@ def plot_quantity(solution: Any, quantity: str, *parts: Any, axes: Any = None) -
         What to plot.
     quantity : str
         "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
-        "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort".
-    *parts : Body, Joint or str
+        "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
+        "state" (own states).
+    *parts : Body, Joint, ForceElement or str
         Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
         component (reactions: by magnitude).
     axes : matplotlib Axes, sequence of them, or None

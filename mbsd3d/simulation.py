@@ -87,6 +87,7 @@ def simulate(
     """
     method = method or DOP853()
     check_kinds(system, method, rtol, stop_when)
+    check_state(state, "simulate")
     start, t_end = state or reference_state(system, as_built), number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(
@@ -95,7 +96,7 @@ def simulate(
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
-    compiled = compile_system(system, (stop_when.measure,) if stop_when else (), switches)
+    compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), switches)
     check_signals(compiled, start.t, t_end)
     times = output_times(output, start.t, t_end, method)
     job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
@@ -115,6 +116,12 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
         raise ValueError(
             f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
+
+
+def check_state(state: Any, what: str) -> None:
+    """ValueError for a start that is no State."""
+    if state is not None and not isinstance(state, State):
+        raise ValueError(f"{what}: state {state!r} is not a State; give one of system.assemble() or solution.final")
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
@@ -163,6 +170,9 @@ def accelerations(system: Any, state: State | None = None) -> Solution:
     >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
     9.81
     """
+    if not isinstance(system, System):
+        raise ValueError(f"accelerations: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+    check_state(state, "accelerations")
     start = state or system.state()
     compiled = compile_system(system)
     job = Job(compiled, start, start.t + 1.0, np.array([start.t]), DOP853(), 1e-8, None, None)

@@ -44,7 +44,7 @@ class Drift:
     velocity: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
 
@@ -63,6 +63,10 @@ class Solution:
     arrays: dict[str, np.ndarray]
     record: Record
     final: State
+
+    def __repr__(self) -> str:
+        span = f"{self.t[0]:g} ... {self.t[-1]:g} s" if self.t.size else "nothing"
+        return f"<solution: {self.t.size} samples, {span}, by {self.record.method}; print(solution.certificate)>"
 
     @classmethod
     def from_run(

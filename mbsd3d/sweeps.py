@@ -101,7 +101,7 @@ def sweep(
     results: dict[int, Outcome] = {}
     try:
         with one_thread(), Progress(f"sweep of {len(cells.cells)} cells", 0, len(cells.cells), progress) as bar:
-            trouble = collect(experiment, cells, executor, book, results, bar)
+            trouble = collect(experiment, cells, executor, book, results, units or {}, bar)
     finally:
         if book is not None:
             book.close()
@@ -135,7 +135,13 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
 
 
 def collect(
-    experiment: Experiment, grid: Grid, executor: Any, book: Ledger | None, results: dict[int, Outcome], bar: Progress
+    experiment: Experiment,
+    grid: Grid,
+    executor: Any,
+    book: Ledger | None,
+    results: dict[int, Outcome],
+    units: Mapping[str, str],
+    bar: Progress,
 ) -> SweepError | None:
     """Fill ``results``; what stopped the sweep before its end, if anything did."""
     if book is not None:
@@ -145,7 +151,7 @@ def collect(
     try:
         with closing(outcomes(experiment, grid.cells, todo, executor)) as arriving:
             for cell, outcome in arriving:
-                first = agree(grid, first, cell, outcome)
+                first = agree(grid, units, first, cell, outcome)
                 results[cell] = outcome
                 if book is not None:
                     book.put(cell, outcome)
@@ -163,13 +169,16 @@ def collect(
     return None
 
 
-def agree(grid: Grid, first: tuple[int, Outcome] | None, cell: int, outcome: Outcome) -> tuple[int, Outcome] | None:
+def agree(
+    grid: Grid, units: Mapping[str, str], first: tuple[int, Outcome] | None, cell: int, outcome: Outcome
+) -> tuple[int, Outcome] | None:
     """SweepError where a cell does not fit the others; the cell that others are compared with."""
     if outcome.misuse:
         raise SweepError(f"sweep: {grid.title(cell)}: {outcome.error}")
     if outcome.error:
         return first
     if first is None:
+        check_names(grid, units, cell, outcome)
         return cell, outcome
     if shapes(first[1]) != shapes(outcome):
         raise SweepError(
@@ -178,6 +187,21 @@ def agree(grid: Grid, first: tuple[int, Outcome] | None, cell: int, outcome: Out
             advice="return the same names and lengths everywhere, e.g. with run=dict(output=count)",
         )
     return first
+
+
+def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcome) -> None:
+    """SweepError where measures are named like parameters, or units are given for what there is not."""
+    own = {*outcome.values, *(f"{name}_index" for name, length in shapes(outcome).items() if length is not None)}
+    taken = sorted(own & {*grid.columns, *grid.dims})
+    if taken:
+        raise SweepError(
+            f"sweep: {grid.title(cell)}: measure returned a value named '{taken[0]}', as a parameter is",
+            advice="give it another name",
+        )
+    unknown = sorted(units.keys() - outcome.values.keys() - grid.columns.keys())
+    if unknown:
+        known = ", ".join([*grid.columns, *outcome.values])
+        raise SweepError(f"sweep: units of '{unknown[0]}', which is none of {known}", advice="correct the name")
 
 
 def shapes(outcome: Outcome) -> dict[str, int | None]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .drivers import PositionDriver
 from .files import package_version, with_suffix, write_atomically
+from .measures import state
 from .solution import Solution
 
 
@@ -38,6 +39,7 @@ QUANTITIES = {
     "reaction_point": Quantity("m", "world", "point at which the reaction is given"),
     "reaction_unique": Quantity("1", "none", "1: determined by the constraints, 0: a least-norm share"),
     "effort": Quantity("N m or N", "joint", "torque or force of the driver on b along its motion, see driver_unit"),
+    "state": Quantity("see state_unit", "none", "own state of a force, e.g. of a filter; -: as the user defined it"),
     "kinetic": Quantity("J", "world", "kinetic energy"),
     "potential": Quantity("J", "world", "potential energy of gravity and springs"),
     "total": Quantity("J", "world", "kinetic and potential energy"),
@@ -62,7 +64,7 @@ class Column(NamedTuple):
 
 
 def columns(solution: Solution) -> list[Column]:
-    """All quantities of all parts; kind is "body", "joint", "driver" or "" for the whole system."""
+    """All quantities of all parts; kind is "body", "joint", "driver", "own_state" or "" for the whole system."""
     system, found = solution.system, []
 
     def add(kind: str, part: str, quantity: str, values: Any) -> None:
@@ -82,6 +84,8 @@ def columns(solution: Solution) -> list[Column]:
             add("joint", name, f"reaction_{quantity}", values)
     for driver in dict.fromkeys(driver for driver, _ in solution.compiled.drives):
         found += columns_of_effort(solution, driver)
+    for force in system.forces:
+        found += columns_of_states(solution, force)
     for quantity, values in vars(solution.energy()).items():
         add("", "energy", quantity, values)
     for owner in ("momentum", "drift"):
@@ -100,6 +104,12 @@ def columns_of_effort(solution: Solution, driver: Any) -> list[Column]:
         labels = [""] if len(units) == 1 else [f".{k}" for k in range(len(units))]
     names = [solution.system.name(driver) + label for label in labels]
     return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
+
+
+def columns_of_states(solution: Solution, force: Any) -> list[Column]:
+    """One column per own state of a force, named by its number."""
+    name, values = solution.system.name(force), solution.state_of(force).T
+    return [Column("own_state", f"{name}.{k}", "state", state(force, k).unit, z) for k, z in enumerate(values)]
 
 
 def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:
@@ -154,17 +164,18 @@ def to_xarray(solution: Solution) -> Any:
     Returns
     -------
     xarray.Dataset
-        Dimensions time, body, joint, driver, axis (x, y, z) and quaternion (e0 ... e3); every variable carries units,
-        frame and description. Quantities a joint does not have are NaN.
+        Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3); every
+        variable carries units, frame and description. Quantities a joint does not have are NaN.
     """
     import xarray
 
     found, system = columns(solution), solution.system
-    efforts = [column for column in found if column.kind == "driver"]
+    efforts, states = ([column for column in found if column.kind == kind] for kind in ("driver", "own_state"))
     names = {
         "body": [body.name for body in system.bodies],
         "joint": [system.name(joint) for joint in system.joints],
         "driver": [column.part for column in efforts],
+        "own_state": [column.part for column in states],
     }
     grouped: dict[tuple[str, str], list[Column]] = {}
     for column in found:
@@ -174,6 +185,8 @@ def to_xarray(solution: Solution) -> Any:
     labels["time"] = ("time", solution.t, {"units": "s", "description": "time"})
     if efforts:
         labels["driver_unit"] = ("driver", [column.unit for column in efforts])
+    if states:
+        labels["state_unit"] = ("own_state", [column.unit for column in states])
     return xarray.Dataset(variables, labels, attributes(solution))
 
 

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from mbsd3d import (
     GROUND,
     Body,
+    GeneralizedAlpha,
     IntegrationError,
     Polynomial,
     Prismatic,
@@ -23,6 +24,7 @@ from mbsd3d import (
     SpringDamper,
     System,
     accelerations,
+    linearize,
     load,
     measures,
     simulate,
@@ -225,9 +227,52 @@ def raises(t, bodies, z, parameters, loads, z_dot):
     loads[0, 0] = 1.0
 
 
+def typo(t, bodies, z, parameters, loads, z_dot):
+    """There is no field v."""
+    loads[0, :3] = -bodies[0].v
+
+
+def imports(t, bodies, z, parameters, loads, z_dot):
+    """Statements that numba does not know at all."""
+    import os
+
+    os.abort()
+
+
+def returns(t, bodies, z, parameters, loads, z_dot):
+    """A load that nobody reads."""
+    return -bodies[0].velocity
+
+
+def compares(t, bodies, z, parameters, loads, z_dot):
+    """A comparison that complex numbers do not have."""
+    if bodies[0].r[2] < 0.0:
+        loads[0, 2] = -1000.0 * bodies[0].r[2]
+
+
+def beyond(t, bodies, z, parameters, loads, z_dot):
+    """A parameter that was not given."""
+    loads[0, 2] = parameters[3]
+
+
+@WITH_COMPILER
+def test_what_complex_numbers_do_not_have_is_named_where_it_is_needed():
+    system = System([BALL], [], [CustomForce(compares, on=BALL, name="floor")])
+    assert simulate(system, 0.1).certificate.passed
+    for call in (lambda: simulate(system, 0.1, method=GeneralizedAlpha(0.01)), lambda: linearize(system)):
+        with pytest.raises(ValueError, match="'floor'.*'compares' does not compile for the complex numbers.*x.real"):
+            call()
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        *(pytest.param(lambda f=f: CustomForce(f, on=BALL, name="lift"), words, marks=WITH_COMPILER) for f, words in (
+            (typo, "lift.*'typo' does not compile: bodies have no 'v', they have r, R, velocity, w"),
+            (imports, "lift.*'imports' does not compile: .*unsupported opcode"),
+            (returns, r"lift.*'returns' does not compile: it returns array.*fill loads"),
+        )),
+        (lambda: CustomForce(magnet, on=3, name="lift"), "lift.*on 3; give a Body"),
         pytest.param(
             lambda: CustomForce(broken, on=BALL, name="lift"), "lift.*'broken' does not compile: .*no_such_name",
             marks=WITH_COMPILER,
@@ -256,6 +301,14 @@ def test_a_function_that_fails_is_named(function):
         simulate(system, 1.0)
     assert 0.2 < caught.value.time <= 0.3 + 1e-9
     assert caught.value.solution.t.size > 1
+
+
+@WITH_COMPILER
+def test_a_place_beyond_the_end_of_an_array_is_an_error():
+    """Unchecked, it would read any number."""
+    system = System([BALL], [], [CustomForce(beyond, on=BALL, parameters=(1.0, 2.0, 3.0), name="lift")])
+    with pytest.raises(IntegrationError, match="force 'lift'.*parameters or function"):
+        simulate(system, 1.0)
 
 
 def test_models_are_refused_but_results_are_kept(tmp_path):

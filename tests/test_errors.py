@@ -421,6 +421,8 @@ RUNS = {
         lambda: simulate(swing(), 1.0, state=State(0.0, np.zeros(14), np.zeros(12))),
         ["state", "2 bodies, the system has 1", "state of this system"],
     ),
+    "state that is none": (lambda: simulate(swing(), 1.0, state=3), ["simulate", "state 3 is not a State", "assemble"]),
+    "accelerations of no system": (lambda: accelerations(3), ["accelerations", "3 is not a System"]),
     "state with NaN": (lambda: State(0.0, np.full(7, NAN), np.zeros(6)), ["State", "q", "finite"]),
     "state of wrong size": (lambda: State(0.0, np.zeros(7), np.zeros(5)), ["7 coordinates", "5 velocities", "7 and 6"]),
     "Table that ends too early": (

@@ -141,6 +141,22 @@ def cardan_angle(bend, phi):
     return np.arctan2(np.sin(phi) * np.cos(bend), np.cos(phi)), np.arctan2(np.sin(phi), np.cos(phi) * np.cos(bend))
 
 
+@pytest.mark.parametrize("combine", [
+    lambda x, y: (x > 0.1) and (y > 0.2), lambda x, y: (x > 0.1) or (y > 0.2), lambda x, y: 0.1 < x < 0.2,
+])  # fmt: skip
+def test_conditions_are_not_combined_without_a_word(combine):
+    """Python's and, or and chains would silently keep one of the two."""
+    _, hinge, *_ = pendulum(0.5)
+    with pytest.raises(ValueError, match="condition 'angle of .* 0.1 rad' is neither true nor false.*single"):
+        combine(measures.angle(hinge), measures.rate(hinge))
+
+
+def test_at_least_and_at_most_are_the_same_events():
+    _, hinge, *_ = pendulum(0.5)
+    angle = measures.angle(hinge)
+    assert (str(angle >= 0.3), str(angle <= 0.3)) == (str(angle > 0.3), str(angle < 0.3))
+
+
 def test_kinematic_runs_stop_too():
     system, hinge, bend = cardan()
     condition = measures.angle(hinge) > 0.8

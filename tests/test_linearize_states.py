@@ -59,8 +59,18 @@ def test_custom_force_that_depends_on_time_is_refused():
         linearize(system)  # in balance at t = 0, but not for long
 
 
-def test_a_state_of_a_force_that_is_not_in_the_system_is_refused():
+def test_outputs_are_measures_of_parts_of_the_system():
     body, hinge, _ = arm()
-    servo = StateFeedback(measures=[measures.angle(hinge)], gains=(30.0,), on=hinge, time_constant=0.05, name="servo")
-    with pytest.raises(ValueError, match="linearize: outputs: state 0 of servo: force 'servo' is not in the system"):
-        linearize(System([body], [hinge]), outputs=[measures.state(servo)])
+    servo, other = (
+        StateFeedback(measures=[measures.rate(hinge)], gains=(4.0,), on=hinge, time_constant=0.05, name=name)
+        for name in ("servo", "other")
+    )
+    system = System([body], [hinge], [servo])
+    with pytest.raises(ValueError, match="outputs: state 0 of other: force 'other' is not in the system"):
+        linearize(system, outputs=[measures.rate(hinge), measures.state(other)])
+    with pytest.raises(ValueError, match="the rate of 'angle of hinge' depends on more"):
+        linearize(system, outputs=measures.angle(hinge))  # a single one is a list of one
+    with pytest.raises(ValueError, match="linearize: state 3 is not a State"):
+        linearize(system, 3)
+    with pytest.raises(ValueError, match="mode: 1.5 is not one of"):
+        linearize(system).mode(1.5)

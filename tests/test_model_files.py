@@ -467,3 +467,20 @@ def test_failures_of_the_commands_are_one_line(hand, monkeypatch, arguments, mes
     (hand.parent / "bad.toml").write_text(edit(change=("mass = 2", 'mass = "2"')))
     result = command(*arguments)
     assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1 and re.search(message, result.stderr)
+
+
+@pytest.mark.parametrize(("old", "new"), [
+    ('"kind": 1', '"kind": 77'), ('"kind": 1', '"kind": 2'), ('"unit": "m/s"', '"unit": "furlong"'),
+    ('"kind": 1', '"kind": 8'),
+])  # fmt: skip
+def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
+    """A kernel would read past the end for a kind or a state that is not there."""
+    body = Body("cart", 1.3, (0.2, 0.3, 0.4), com=(0.1, 0.2, 0.3))
+    rail = Prismatic(GROUND, body, at=(0, 0, 0), axis=(1, 2, 3), name="rail")
+    servo = StateFeedback(measures=[measures.slide_rate(rail)], gains=(3.0,), on=rail, name="servo")
+    path = System([body], [rail], [servo]).to_file(tmp_path / "cart.json")
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ValueError, match="measure 'slide rate of rail': kind .* does not fit.*measures.0"):
+        System.from_file(path)

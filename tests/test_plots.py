@@ -22,7 +22,7 @@ def solution():
     return simulate(pendulum(), 0.2, output=21)
 
 
-@pytest.mark.parametrize("quantity", [quantity for quantity in PANELS if quantity != "slide"])
+@pytest.mark.parametrize("quantity", [quantity for quantity in PANELS if quantity not in ("slide", "state")])
 def test_every_axis_has_a_unit_and_nothing_is_cut(solution, quantity):
     figure = plot_quantity(solution, quantity)
     assert isinstance(figure, Figure) and not matplotlib.pyplot.get_fignums()

@@ -62,6 +62,23 @@ def test_filtered_feedback_of_a_cart():
     assert solution.certificate.passed
 
 
+def test_own_states_have_columns_units_and_a_figure(tmp_path):
+    system, slider, servo, _ = cart()
+    solution = simulate(system, 0.5, output=6)
+    data, z = solution.to_xarray(), solution.state_of(servo)
+    assert data["own_state"].values.tolist() == ["servo.0", "servo.1"]
+    assert data["state_unit"].values.tolist() == ["m", "m/s"]  # those of the measures that are filtered
+    assert np.array_equal(data["state"].sel(own_state="servo.1"), z[:, 1]) and np.ptp(z[:, 1]) > 0.1
+    header, *rows = [line.split(",") for line in solution.to_csv(tmp_path / "cart").read_text().splitlines()]
+    place = header.index("servo.0.state [m]")
+    assert [float(row[place]) for row in rows] == z[:, 0].tolist()
+    figure = solution.plot("state", servo)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["state of servo.0 [m]", "state of servo.1 [m/s]"]
+    assert np.array_equal(figure.axes[1].lines[0].get_ydata(), z[:, 1])
+    with pytest.raises(ValueError, match="no own states"):
+        simulate(cart(tau=None)[0], 0.1).plot("state")
+
+
 def test_own_states_can_be_given():
     system, slider, servo, axis = cart()
     start, given = system.state(), (0.8, -1.1)

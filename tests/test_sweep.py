@@ -150,6 +150,7 @@ WRONG = {
     "text": (wheel, lambda solution: "fast", RUN, "measure returned 'value' = 'fast'; return a number"),
     "matrix": (wheel, lambda s: {"q": s.position("wheel")}, RUN, r"'q' = an array of shape \(33, 3\)"),
     "complex": (wheel, lambda solution: {"z": 1j}, RUN, "'z' = 1j; return a number"),
+    "name of a parameter": (wheel, lambda solution: {"torque": 1.0}, RUN, "a value named 'torque', as a parameter"),
     "no name": (wheel, lambda solution: {3: 1.0}, RUN, "a value named 3"),
     "no system": (lambda torque, inertia: None, speed, RUN, "build returned NoneType; return a System"),
     "no end": (wheel, speed, {"rtol": 1e-6}, r"no t_end; give run=dict\(t_end=\.\.\.\)"),
@@ -162,6 +163,11 @@ def test_functions_that_return_something_else_stop_the_sweep(name):
     with pytest.raises(SweepError, match=rf"cell \d+ \(torque=.*{words}") as caught:
         sweep(build, GRID, measure, run=run)
     assert caught.value.dataset["error"].shape == (4, 3)
+
+
+def test_units_of_what_there_is_not_stop_the_sweep():
+    with pytest.raises(SweepError, match="units of 'sped', which is none of torque, inertia, speed"):
+        sweep(wheel, GRID, speed, run=RUN, units={"torque": "N m", "sped": "rad/s"})
 
 
 def test_cells_that_measure_different_things_stop_the_sweep():
