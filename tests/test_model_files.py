@@ -470,8 +470,8 @@ def test_failures_of_the_commands_are_one_line(hand, monkeypatch, arguments, mes
 
 
 @pytest.mark.parametrize(("old", "new"), [
-    ('"kind": 1', '"kind": 77'), ('"kind": 1', '"kind": 2'), ('"unit": "m/s"', '"unit": "furlong"'),
-    ('"kind": 1', '"kind": 8'),
+    ('"coordinate rate"', '"coordinate"'), ('"coordinate rate"', '"position"'), ('"coordinate rate"', '"state"'),
+    ('"unit": "m/s"', '"unit": "furlong"'),
 ])  # fmt: skip
 def test_measures_of_a_file_are_what_kernels_know(tmp_path, old, new):
     """A kernel would read past the end for a kind or a state that is not there."""
