@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from .jit import kernel
+from .jit import kernel, merged_kernel
 from .kinds import ANGLE
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
 
@@ -21,7 +21,7 @@ def arctan2(y, x):
     return angle + (c * y - s * x) / (c * x + s * y)
 
 
-@kernel
+@merged_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
     last = d.coordinate[i]
@@ -29,7 +29,7 @@ def unwrapped(d, i, angle, t):
     return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
 
 
-@kernel
+@merged_kernel
 def turn(m, d, i):
     """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
 
@@ -90,7 +90,7 @@ def coordinate(m, d, i, t):
     return slide(m, d, i)
 
 
-@kernel
+@merged_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]

@@ -9,13 +9,13 @@ A new primitive is one function here and one line in `rows`.
 import numpy as np
 
 from .coordinates import coordinate, slide_along
-from .jit import kernel
+from .jit import kernel, merged_kernel
 from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
 from .signals import signal
 from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
-@kernel
+@merged_kernel
 def coincide(d, p, a, b):
     """c = p_b - p_a (3 rows, world components)."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
@@ -38,7 +38,7 @@ def axes_dot(x, y, wx, wy):
     return dot(x, y), cross(x, y), rest
 
 
-@kernel
+@merged_kernel
 def axis_dot(row, p, a, b):
     """c = x_a . y_b."""
     c, n, rest = axes_dot(arm(a, p.axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
@@ -165,7 +165,7 @@ def no_sideslip(row, p, a, b):
     contact_row(row, a, b, n, cross(vec(b.w), n), s, reach, turning(vec(b.w), s), reach_dot)
 
 
-@kernel
+@merged_kernel
 def roll(d, p, a, b):
     """Disc with axis u, centre C, outer radius value[0], crown radius value[1] on the plane (P, n) of body a.
 
@@ -226,7 +226,7 @@ def row_speed(m, d, k):
     return total
 
 
-@kernel
+@merged_kernel
 def fill(m, d, p, t):
     """Rows of one primitive."""
     row, a, b = d.row[p.row], d.body[p.body[0]], d.body[p.body[1]]
