@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import evaluate
-from ..kernels.jit import inner_kernel
+from ..kernels.jit import inner_kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.probes import measure
 from ..kernels.vectors import add_scaled, copy
@@ -96,7 +96,7 @@ def missing_time(m, d, run, h, t, dy):
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
-@inner_kernel
+@merged_kernel
 def halt(m, d, s, run, t):
     """End the run at t, where trial has been accepted as the state at which the condition comes true."""
     evaluate(m, d, s, t, run.trial, run.dy)

@@ -57,7 +57,7 @@ def compiled(
         return numba.njit(
             cache=True, error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
             no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
-            forceinline=merged,
+            forceinline=fused, inline="always" if merged else "never",
         )(function)  # fmt: skip
     finally:
         numba.config.CACHE_DIR = before  # the caller's own numba code keeps its cache
@@ -82,9 +82,10 @@ def fused_kernel(function: Callable) -> Callable:
 
 
 def merged_kernel(function: Callable) -> Callable:
-    """A kernel that becomes part of its caller, for inner loops: model and work space are 170 numbers to pass.
+    """A kernel that becomes part of its caller before anything is compiled: for inner loops and for single callers.
 
-    Measured on the three primitives of a hinge: 350 cycles with calls, of which 240 went into passing the tables.
+    Model and work space are 170 numbers to pass: of 350 cycles for the rows of a hinge, 240 went into calls. And a
+    kernel is compiled again with all that it calls in every kernel above it: one level less is seconds less.
     """
     return compiled(function, merged=True)
 

@@ -87,7 +87,7 @@ def factor_skyline(s):
     return True
 
 
-@kernel
+@inner_kernel
 def smallest_pivot(s):
     """Smallest pivot relative to its diagonal of S: what is left of a row that is nearly dependent on those before."""
     smallest = 1.0
@@ -123,7 +123,7 @@ def factor(m, d, s):
     return SOLVED if factor_skyline(s) else BAD_PIVOT
 
 
-@kernel
+@inner_kernel
 def solve(m, d, s):
     """acceleration, lam := solution for the right sides top, bottom (top is used up)."""
     for k in range(m.row.shape[0]):
