@@ -8,7 +8,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
 from .base import (
@@ -75,7 +75,7 @@ def predict(m, run, h):
             run.trial[7 * i + j] += 0.5 * h * h * run.dy[7 * n + 6 * i + j]
 
 
-@inner_kernel
+@merged_kernel
 def event(m, d, run, h, t_new):
     """Time from the last pose to where the condition comes true before the next one, -1 if it does not."""
     if not may_come_true(m, d, run, h, t_new, run.work_rate):

@@ -111,7 +111,7 @@ def body_error(m, run, weights, h):
     return state_error(m, run)
 
 
-@inner_kernel
+@merged_kernel
 def error_norm(m, table, run, h):
     """Estimated local error in units of LOCAL rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, run, table.error[0], h)

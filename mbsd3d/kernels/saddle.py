@@ -126,7 +126,7 @@ def factor(m, d, s):
 @inner_kernel
 def solve(m, d, s):
     """acceleration, lam := solution for the right sides top, bottom (top is used up)."""
-    for k in range(m.row.shape[0]):
+    for k in s.skipped:
         d.row[k].lam = 0.0
     if m.singular == 1:
         return solve_dense(m, d, s)
