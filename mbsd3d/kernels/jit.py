@@ -77,7 +77,10 @@ def inner_kernel(function: Callable) -> Callable:
 
 
 def fused_kernel(function: Callable) -> Callable:
-    """An inner kernel whose sums may be formed in any order, with fused multiply-add: a tenth off dot products."""
+    """An inner kernel whose sums may be formed in any order, with fused multiply-add: a tenth off dot products.
+
+    Merged into its callers by LLVM: these flags would be lost in `merged_kernel`.
+    """
     return compiled(function, from_python=numba.config.DISABLE_JIT, fused=True)
 
 
