@@ -81,16 +81,17 @@ def schur_of(model: Model, chosen: np.ndarray, dtype: type = float) -> Schur:
     body_first = np.cumsum([0, *(len(places) for places in on)])
     place, block = table(records["place"], row.size), table(records["block"], int(body_first[-1]))
     block["place"] = [i for places in on for i in places]
-    block_of = {(i, b): body_first[b] + k for b, places in enumerate(on) for k, i in enumerate(places)}
+    block["row"] = row[block["place"]]
+    slots = model.row["body"][block["row"]] == np.repeat(np.arange(n), [len(places) for places in on])[:, None]
+    block["slot"] = slots.argmax(axis=1)
+    block["twin"] = np.where(slots.sum(axis=1) == 2, 3 - slots[:, ::-1].argmax(axis=1), -1)
     place["row"] = row
-    place["slot_block"] = [
-        [block_of[i, int(b)] if 0 <= b < n else -1 for b in bodies] for i, bodies in enumerate(model.row["body"][row])
-    ] or -1
     place["first"] = np.arange(row.size)
     for places in on:
         np.minimum.at(place["first"], places, places[0] if places else 0)
     lengths = np.arange(row.size) - place["first"] + 1
     place["line"] = np.cumsum(lengths) - lengths - place["first"]
+    block["line"] = place["line"][block["place"]]
     return Schur(
         place=place,
         block=block,

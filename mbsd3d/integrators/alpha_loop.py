@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import FAR, PROJECTED, arrive
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy
 from .alpha_memory import FIRST, LAST, MADE
@@ -34,7 +34,7 @@ from .scales import references
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
-@inner_kernel
+@merged_kernel
 def attempt(m, d, s, run, g, c):
     """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
     rejected, fixed = False, g.table.steps > 0
@@ -74,7 +74,7 @@ def ends(m, run, g, h):
     copy(run.K[0], run.dy)
 
 
-@inner_kernel
+@merged_kernel
 def keep(m, run, g, c, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
@@ -96,7 +96,7 @@ def keep(m, run, g, c, t_new, h):
     run.count[STEPS] += 1
 
 
-@inner_kernel
+@merged_kernel
 def step(m, d, s, g, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     c = g.first if g.flag[FIRST] == 1 else g.weights
@@ -118,7 +118,7 @@ def step(m, d, s, g, run):
     return RUNNING if rows_hold(m, d, s, run) else CHOOSE_ROWS
 
 
-@inner_kernel
+@merged_kernel
 def begin(m, d, s, g, run):
     """Rates and multipliers of the start, or of a new choice of rows."""
     status = start(m, d, s, run)

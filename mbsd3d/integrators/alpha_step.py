@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels.dynamics import FAR, PROJECTED, audit_rates, close, rounding
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
@@ -51,7 +51,7 @@ def move(m, d, s, run, g, c, t, h):
     return m.stabilisation != PROJECTION or close(m, d, s, t, run.trial, FAR) == PROJECTED
 
 
-@inner_kernel
+@merged_kernel
 def correct(m, s, run, w, h_v):
     """Subtract the correction w.x from the unknowns; its largest velocity in the scales of the error."""
     n, nz, largest = m.body.shape[0], m.z_work, 0.0
@@ -123,7 +123,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     return False
 
 
-@inner_kernel
+@merged_kernel
 def arrived(m, d, s, run, g, c, t, h, h_v):
     """The trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
     w = g.newton
@@ -137,7 +137,7 @@ def arrived(m, d, s, run, g, c, t, h, h_v):
     return finite(run.trial)
 
 
-@inner_kernel
+@merged_kernel
 def local_error(m, d, s, run, g, c, h):
     """Estimated local error in units of LOCAL rtol, seen through the matrix: unresolved stiff motion does not count."""
     n, e = m.body.shape[0], run.work

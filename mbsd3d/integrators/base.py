@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.coordinates import coordinate, remember
 from ..kernels.dynamics import FAR, PROJECTED, arrive, skipped_residual
-from ..kernels.jit import inner_kernel
+from ..kernels.jit import inner_kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED, smallest_pivot
@@ -73,7 +73,7 @@ def write(m, d, run, t, y):
     run.count[WRITTEN] += 1
 
 
-@inner_kernel
+@merged_kernel
 def start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     status, result = arrive(m, d, s, run.clock[T], run.y, run.dy, FAR)
@@ -114,7 +114,7 @@ def interpolate(run, x, y):
     add_scaled(y, 1.0, run.y)
 
 
-@inner_kernel
+@merged_kernel
 def sample(m, d, s, run, t_old, h, t):
     """Project and evaluate the dense output at t, and store it; False if that fails."""
     interpolate(run, (t - t_old) / h, run.work)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
 from .base import (
@@ -87,14 +87,14 @@ def predict(m, run, h):
             run.trial[7 * i + j] += 0.5 * h * h * run.dy[7 * n + 6 * i + j]
 
 
-@inner_kernel
+@merged_kernel
 def correct(m, run, h):
     """Work and own states of the trial, predicted by the rate at the last pose, by the mean of both rates."""
     for i in range(13 * m.body.shape[0], run.trial.shape[0]):
         run.trial[i] += 0.5 * h * (run.work_rate[i] - run.dy[i])
 
 
-@inner_kernel
+@merged_kernel
 def event(m, d, run, h, t_new):
     """Time from the last pose to where the condition comes true before the next one, -1 if it does not."""
     if not may_come_true(m, d, run, h, t_new, run.work_rate):
@@ -123,7 +123,7 @@ def land(m, d, s, run, h, x):
     return halt(m, d, s, run, t + x)
 
 
-@inner_kernel
+@merged_kernel
 def expected_turn(m, run, h):
     """Largest angle a body may turn within h: by the greatest angular velocity so far and the present acceleration."""
     n, alpha = m.body.shape[0], 0.0

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import evaluate
-from ..kernels.jit import inner_kernel
+from ..kernels.jit import inner_kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.probes import measure
 from ..kernels.vectors import add_scaled, copy
@@ -32,7 +32,7 @@ def slope(m, d, run, t, y, dy, h):
     return (later - condition(m, d, run, t, y)) / dt
 
 
-@inner_kernel
+@merged_kernel
 def may_come_true(m, d, run, h, t_new, dy_new):
     """True if the condition holds at the end of the step, or rises at its start and falls at its end."""
     if condition(m, d, run, t_new, run.trial) >= 0.0:
@@ -62,7 +62,7 @@ def locate(m, d, run, h, low, high):
     return high
 
 
-@inner_kernel
+@merged_kernel
 def first_crossing(m, d, run, h, t_new):
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
@@ -89,14 +89,14 @@ def first_crossing(m, d, run, h, t_new):
     return -1.0
 
 
-@inner_kernel
+@merged_kernel
 def missing_time(m, d, run, h, t, dy):
     """Time from t until the condition comes true, by Newton from trial and its rate; 0 where that leads astray."""
     dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, dy, h)
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
-@inner_kernel
+@merged_kernel
 def halt(m, d, s, run, t):
     """End the run at t, where trial has been accepted as the state at which the condition comes true."""
     evaluate(m, d, s, t, run.trial, run.dy)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.coordinates import remember
 from ..kernels.dynamics import FAR, NEAR, PROJECTED, arrive, evaluate
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from .base import (
@@ -111,7 +111,7 @@ def body_error(m, run, weights, h):
     return state_error(m, run)
 
 
-@inner_kernel
+@merged_kernel
 def error_norm(m, table, run, h):
     """Estimated local error in units of LOCAL rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, run, table.error[0], h)
@@ -126,7 +126,7 @@ def error_norm(m, table, run, h):
     return e5 / np.sqrt(e5 + 0.01 * e3) / tolerance
 
 
-@inner_kernel
+@merged_kernel
 def dense(m, d, s, table, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     n = table.c.shape[0]
@@ -148,7 +148,7 @@ def dense(m, d, s, table, run, h):
     return True
 
 
-@inner_kernel
+@merged_kernel
 def land(m, d, s, table, run, h, x):
     """Time at which the condition comes true, with the state there in trial: steps of length x from the start.
 
@@ -172,7 +172,7 @@ def land(m, d, s, table, run, h, x):
     return t + x
 
 
-@inner_kernel
+@merged_kernel
 def outputs(m, d, s, table, run, t_new, h):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.count[CONDITION] >= 0
@@ -216,7 +216,7 @@ def end_of_step(table, run):
     return t_new, t_new - t
 
 
-@inner_kernel
+@merged_kernel
 def step(m, d, s, table, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     n = table.c.shape[0]

@@ -8,12 +8,12 @@ import math
 
 import numpy as np
 
-from .jit import kernel
+from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import ANGLE
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
 
 
-@kernel
+@inner_kernel
 def arctan2(y, x):
     """atan2 for real and complex-step arguments: the real angle plus the small rotation left over."""
     angle = math.atan2(y.real, x.real)
@@ -21,7 +21,7 @@ def arctan2(y, x):
     return angle + (c * y - s * x) / (c * x + s * y)
 
 
-@kernel
+@merged_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
     last = d.coordinate[i]
@@ -29,7 +29,7 @@ def unwrapped(d, i, angle, t):
     return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
 
 
-@kernel
+@merged_kernel
 def turn(m, d, i):
     """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
 
@@ -43,7 +43,7 @@ def turn(m, d, i):
     return xa, ya, xb, sine, cosine, f, scale(1.0 / (sine * sine + cosine * cosine), cross(xb, f))
 
 
-@kernel
+@inner_kernel
 def angle(m, d, i, t):
     """(value, J_dot v, blocks on a and b as (linear, angular)) of angle i."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
@@ -61,7 +61,7 @@ def angle(m, d, i, t):
     return unwrapped(d, i, arctan2(sine, cosine), t), bias, zero, scale(-1.0, g), zero, g
 
 
-@kernel
+@inner_kernel
 def slide_along(a, b, n, sa, sb):
     """(value, J_dot v, blocks) of n . (p_b - p_a) for n, s_a fixed in body a and s_b fixed in body b (world axes)."""
     wa, wb = vec(a.w), vec(b.w)
@@ -74,7 +74,7 @@ def slide_along(a, b, n, sa, sb):
     return dot(n, gap), bias, scale(-1.0, n), cross(n, reach), n, cross(sb, n)
 
 
-@kernel
+@inner_kernel
 def slide(m, d, i):
     """(value, J_dot v, blocks on a and b as (linear, angular)) of slide i."""
     x = m.coordinate[i]
@@ -90,7 +90,7 @@ def coordinate(m, d, i, t):
     return slide(m, d, i)
 
 
-@kernel
+@merged_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]

@@ -11,7 +11,7 @@ from llvmlite import ir
 from numba.core import types
 from numba.extending import intrinsic
 
-from .jit import kernel
+from .jit import inner_kernel
 from .layout import MOST_BODIES
 from .vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 
@@ -41,7 +41,7 @@ def plain_call(function, t, poses, k, z, states, numbers, n, wrench, z_dot):
 call = plain_call if numba.config.DISABLE_JIT else intrinsic(pointer_call)
 
 
-@kernel
+@inner_kernel
 def place(body, pose, s):
     """Fill what the function reads of the point of a body at O + s."""
     R = mat(body.R)
@@ -53,7 +53,7 @@ def place(body, pose, s):
             pose.R[i, j] = R[3 * i + j]
 
 
-@kernel
+@inner_kernel
 def custom(m, d, p, out, t):
     """Loads of a custom force at its points; a function that is missing or does not return leaves the power NaN."""
     for i in range(p.bodies):

@@ -8,7 +8,7 @@
 
 import numpy as np
 
-from .jit import inner_kernel, kernel
+from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import PROJECTION
 from .kinematics import displace, kinematics, normalise, push_velocities, rates
 from .loads import loads
@@ -20,7 +20,7 @@ PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
 FAR, NEAR = np.int64(0), np.int64(1)  # the factor at hand, to `close`; plain ints would be compiled a second time
 
 
-@inner_kernel
+@merged_kernel
 def audit_rates(m, d, dy):
     """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin.
 
@@ -74,7 +74,7 @@ def finish(m, d, s, t, dy):
     return status
 
 
-@kernel
+@inner_kernel
 def evaluate(m, d, s, t, y, dy):
     """dy = dy/dt at (t, y); SOLVED or the reason why not."""
     kinematics(m, d, y)
@@ -164,7 +164,7 @@ def close(m, d, s, t, y, near):
     return PROJECTED if residual <= 1e3 * floor else NOT_CLOSED
 
 
-@inner_kernel
+@merged_kernel
 def settle(m, d, s, y):
     """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
     for k in range(m.row.shape[0]):
@@ -175,7 +175,7 @@ def settle(m, d, s, y):
     return PROJECTED
 
 
-@kernel
+@merged_kernel
 def project(m, d, s, t, y, near):
     """q onto c = 0, then v onto J v = b, in place; PROJECTED, NOT_CLOSED or NO_FACTOR."""
     status = close(m, d, s, t, y, near)

@@ -5,11 +5,11 @@
 
 import numpy as np
 
-from .jit import kernel
+from .jit import inner_kernel, kernel
 from .vectors import add, mat, pair, put, rotate, vec
 
 
-@kernel
+@inner_kernel
 def rotation_matrix(e0, e1, e2, e3):
     """R(e) as a 9-tuple, exact for quaternions of any length."""
     k = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
@@ -20,7 +20,7 @@ def rotation_matrix(e0, e1, e2, e3):
     )  # fmt: skip
 
 
-@kernel
+@inner_kernel
 def quaternion_rate(e, w):
     """e_dot = H(e) w / 2, w in world axes."""
     return (
@@ -59,7 +59,7 @@ def kinematics(m, d, y):
         d.z[j] = y[13 * n + j]
 
 
-@kernel
+@inner_kernel
 def rates(m, d, dy):
     """State rates dy of q and u from velocities and accelerations: u_dot = (r_ddot, R'w_dot), since w x w = 0."""
     n = m.body.shape[0]
@@ -100,7 +100,7 @@ def displace(m, d, y):
         displace_body(y, 7 * i, dr, dtheta)
 
 
-@kernel
+@inner_kernel
 def push_velocities(m, d, y):
     """Add the world velocity changes that `solve` left in the accelerations; u keeps its digits where they are zero."""
     n = m.body.shape[0]
@@ -111,7 +111,7 @@ def push_velocities(m, d, y):
             y[u + 3 + j] += body.alpha[j]
 
 
-@kernel
+@inner_kernel
 def normalise(m, y):
     """|e| = 1 for every body."""
     for i in range(m.body.shape[0]):

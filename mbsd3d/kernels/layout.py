@@ -163,8 +163,8 @@ class Data(NamedTuple):
 class Schur(NamedTuple):
     """The chosen rows in elimination order, and the skyline of S = J M^-1 J' in that order."""
 
-    place: np.ndarray  # (c,) row, first stored column, start of the line, blocks of the slots, diagonal of S
-    block: np.ndarray  # (blocks,) place of its row, Y = J U^-1 with M = U'U; ascending places within a body
+    place: np.ndarray  # (c,) row, first stored column, start of the line, diagonal of S
+    block: np.ndarray  # (blocks,) a row on a body: Y = J U^-1 with M = U'U; ascending places within a body
     body_first: np.ndarray  # (n + 1,) first block of each body
     skyline: np.ndarray  # lower triangle of S, then of its factor L (1 / L_ii): S[i, j] is skyline[line_i + j]
     rhs: np.ndarray  # (c,) right side, then solution
@@ -178,10 +178,16 @@ def schur_records(dtype: type) -> dict[str, list]:
             ("row", int),
             ("first", int),
             ("line", int),
-            ("slot_block", int, 4),  # block of Y a slot adds to, -1 = ground or unused
             ("s_ii", dtype),  # diagonal of S before factoring
         ],
-        "block": [("place", int), ("Y", dtype, 6)],
+        "block": [
+            ("place", int),
+            ("line", int),  # start of the line of that place
+            ("row", int),
+            ("slot", int),  # of the row that is on the body,
+            ("twin", int),  # and a second one on the same body (the carrier of two gears), -1 = none
+            ("Y", dtype, 6),
+        ],
     }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from .coordinates import coordinate
 from .custom import custom
-from .jit import kernel
+from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import BUSHING, COORDINATE_SPRING, CUSTOM, DRAG, FEEDBACK, FORCE, FRICTION, SPRING, TORQUE
 from .probes import measure
 from .signals import signal
@@ -33,19 +33,19 @@ from .vectors import (
 )  # fmt: skip
 
 
-@kernel
+@inner_kernel
 def push(body, force, s):
     """Add a force acting at O + s to a body."""
     add6(body.Q, force, cross(s, force))
 
 
-@kernel
+@inner_kernel
 def twist(body, moment):
     """Add a moment to a body."""
     add6(body.Q, scale(0.0, moment), moment)
 
 
-@kernel
+@merged_kernel
 def inertial(m, d):
     """Gravity in Q and the velocity-quadratic term h of all bodies."""
     g = vec(m.gravity)
@@ -61,7 +61,7 @@ def inertial(m, d):
         put6(body.h, pull, add(rotate(R, spin), cross(s, pull)))
 
 
-@kernel
+@inner_kernel
 def components(m, p, t):
     """The three signal components of an element at time t."""
     x = signal(m, p.signal[0], t)[0] if p.signal[0] >= 0 else 0.0
@@ -70,7 +70,7 @@ def components(m, p, t):
     return x, y, z
 
 
-@kernel
+@merged_kernel
 def applied(m, d, p, out, t):
     """Force (at a point) or torque with given components in world or body axes (value[0] = 1)."""
     body = d.body[p.body[1]]
@@ -85,7 +85,7 @@ def applied(m, d, p, out, t):
         out.power = dot(load, point_velocity(body, s))
 
 
-@kernel
+@merged_kernel
 def spring(d, p, out):
     """Force -(k (l - l0) + c l_dot) n on b along the line from a to b; value = k, c, l0."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -101,7 +101,7 @@ def spring(d, p, out):
     out.power = -p.value[1] * speed * speed
 
 
-@kernel
+@merged_kernel
 def feedback(m, d, p, t):
     """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
     load = 0.0
@@ -115,7 +115,7 @@ def feedback(m, d, p, t):
     return load
 
 
-@kernel
+@merged_kernel
 def along_coordinate(m, d, p, out, t):
     """Spring (k, c, rest value), friction (T, c, speed of transition) or feedback along a hinge coordinate."""
     x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
@@ -136,26 +136,26 @@ def along_coordinate(m, d, p, out, t):
     add6(b.Q, scale(load, lb), scale(load, tb))
 
 
-@kernel
+@inner_kernel
 def columns(body, frame):
     """Columns of R frame: the axes of an element in world axes."""
     R, F = mat(body.R), mat(frame)
     return rotate(R, (F[0], F[3], F[6])), rotate(R, (F[1], F[4], F[7])), rotate(R, (F[2], F[5], F[8]))
 
 
-@kernel
+@inner_kernel
 def into(F, a):
     """F'a for axes F given as three columns."""
     return dot(F[0], a), dot(F[1], a), dot(F[2], a)
 
 
-@kernel
+@inner_kernel
 def out_of(F, a):
     """F a for axes F given as three columns."""
     return add(add(scale(a[0], F[0]), scale(a[1], F[1])), scale(a[2], F[2]))
 
 
-@kernel
+@inner_kernel
 def relative_quaternion(A, B):
     """(p0, p) of the rotation A'B as a quaternion, for rotations below half a turn."""
     p0 = 0.5 * np.sqrt(1.0 + dot(A[0], B[0]) + dot(A[1], B[1]) + dot(A[2], B[2]))
@@ -164,13 +164,13 @@ def relative_quaternion(A, B):
     return p0, (k * x, k * y, k * z)
 
 
-@kernel
+@inner_kernel
 def scaled(p, first, x):
     """Diagonal stiffness or damping times a vector: value[first + i] x_i."""
     return p.value[first] * x[0], p.value[first + 1] * x[1], p.value[first + 2] * x[2]
 
 
-@kernel
+@merged_kernel
 def bushing(d, p, out):
     """Linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
 
@@ -196,7 +196,7 @@ def bushing(d, p, out):
     out.power = -dot(x_dot, Cx) - dot(w, Cw)
 
 
-@kernel
+@merged_kernel
 def drag(m, d, p, out, t):
     """Aerodynamic drag -k |v| v at a point, v relative to the wind; value[0] = k = density area coefficient / 2."""
     body = d.body[p.body[1]]

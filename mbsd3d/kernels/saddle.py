@@ -11,16 +11,16 @@ Models with a body without mass or with a singular inertia go through the dense 
 
 import numpy as np
 
-from .jit import allocating_kernel, fused_kernel, inner_kernel, kernel
+from .jit import allocating_kernel, fused_kernel, inner_kernel, kernel, merged_kernel
 from .vectors import add, clear, cross, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
 
 SOLVED, BAD_PIVOT, NOT_FINITE = 0, 1, 2
 
 
-@inner_kernel
-def to_scaled(fixed, body, force, moment):
+@merged_kernel
+def to_scaled(whiten_mass, A, s, force, moment):
     """U^-T (force, moment about O) of a body."""
-    return scale(fixed.whiten_mass, force), rotate(mat(body.A), add(moment, cross(force, vec(body.s))))
+    return scale(whiten_mass, force), rotate(A, add(moment, cross(force, s)))
 
 
 @inner_kernel
@@ -32,35 +32,28 @@ def put_solution(fixed, body, linear, angular):
     put6(body.acceleration, add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w)
 
 
-@fused_kernel
-def scaled_rows(m, d, s):
-    """Y = J U^-1 of the chosen rows; slots of one body add up in one block."""
-    for e in range(s.block.shape[0]):
-        Y = s.block[e].Y
-        for j in range(6):
-            Y[j] = 0.0
-    for i in range(s.place.shape[0]):
-        place = s.place[i]
-        k = place.row
-        for slot in range(4):
-            if place.slot_block[slot] >= 0:
-                b = m.row[k].body[slot]
-                force, moment = pair(d.row[k].J[slot])
-                linear, angular = to_scaled(m.body[b], d.body[b], force, moment)
-                Y = s.block[place.slot_block[slot]].Y
-                for j in range(3):
-                    Y[j] += linear[j]
-                    Y[3 + j] += angular[j]
+@merged_kernel
+def row_on_body(row, block):
+    """(force, moment about O) of a unit multiplier of a row on the body of a block; both slots if it has two."""
+    force, moment = pair(row.J[block.slot])
+    if block.twin >= 0:
+        more_force, more_moment = pair(row.J[block.twin])
+        force, moment = add(force, more_force), add(moment, more_moment)
+    return force, moment
 
 
 @fused_kernel
-def assemble_schur(s):
-    """Lower triangle of S = Y Y' into the skyline."""
+def assemble_schur(m, d, s):
+    """Y = J U^-1 of the chosen rows and the lower triangle of S = Y Y' into the skyline, body by body."""
     clear(s.skyline)
-    for i in range(s.body_first.shape[0] - 1):
+    for i in range(m.body.shape[0]):
+        whiten_mass, A, arm = m.body[i].whiten_mass, mat(d.body[i].A), vec(d.body[i].s)  # in registers
         for e in range(s.body_first[i], s.body_first[i + 1]):
-            line = s.place[s.block[e].place].line
-            x, y = pair(s.block[e].Y)
+            block = s.block[e]
+            force, moment = row_on_body(d.row[block.row], block)
+            x, y = to_scaled(whiten_mass, A, arm, force, moment)
+            put6(block.Y, x, y)
+            line = block.line
             for f in range(s.body_first[i], e + 1):
                 Y = s.block[f].Y
                 s.skyline[line + s.block[f].place] += (
@@ -94,7 +87,7 @@ def factor_skyline(s):
     return True
 
 
-@kernel
+@inner_kernel
 def smallest_pivot(s):
     """Smallest pivot relative to its diagonal of S: what is left of a row that is nearly dependent on those before."""
     smallest = 1.0
@@ -126,15 +119,14 @@ def factor(m, d, s):
     """Prepare `solve` at the present rows; SOLVED or BAD_PIVOT. The dense path has nothing to prepare."""
     if m.singular == 1:
         return SOLVED
-    scaled_rows(m, d, s)
-    assemble_schur(s)
+    assemble_schur(m, d, s)
     return SOLVED if factor_skyline(s) else BAD_PIVOT
 
 
-@kernel
+@inner_kernel
 def solve(m, d, s):
     """acceleration, lam := solution for the right sides top, bottom (top is used up)."""
-    for k in range(m.row.shape[0]):
+    for k in s.skipped:
         d.row[k].lam = 0.0
     if m.singular == 1:
         return solve_dense(m, d, s)
@@ -143,7 +135,7 @@ def solve(m, d, s):
     for i in range(m.body.shape[0]):
         top = d.body[i].top
         force, moment = pair(top)
-        linear, angular = to_scaled(m.body[i], d.body[i], force, moment)
+        linear, angular = to_scaled(m.body[i].whiten_mass, mat(d.body[i].A), vec(d.body[i].s), force, moment)
         put6(top, linear, add(angular, rotate(mat(m.body[i].whiten), vec(d.body[i].turn))))
         for e in range(s.body_first[i], s.body_first[i + 1]):
             Y = s.block[e].Y

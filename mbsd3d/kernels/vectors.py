@@ -4,28 +4,28 @@ Matrices are 9-tuples in row order. Nothing here takes a norm or an absolute val
 for complex arguments (complex-step derivatives); products are transposes, never conjugates.
 """
 
-from .jit import kernel
+from .jit import inner_kernel
 
 
-@kernel
+@inner_kernel
 def vec(a):
     """An array of 3 as a tuple."""
     return a[0], a[1], a[2]
 
 
-@kernel
+@inner_kernel
 def mat(a):
     """An array of 9 as a tuple."""
     return a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]
 
 
-@kernel
+@inner_kernel
 def pair(a):
     """An array of 6 as two 3-vectors."""
     return (a[0], a[1], a[2]), (a[3], a[4], a[5])
 
 
-@kernel
+@inner_kernel
 def put(array, a):
     """array[:3] = a"""
     array[0] = a[0]
@@ -33,7 +33,7 @@ def put(array, a):
     array[2] = a[2]
 
 
-@kernel
+@inner_kernel
 def put6(array, a, b):
     """array = (a, b)"""
     array[0] = a[0]
@@ -44,7 +44,7 @@ def put6(array, a, b):
     array[5] = b[2]
 
 
-@kernel
+@inner_kernel
 def add6(array, a, b):
     """array += (a, b)"""
     array[0] += a[0]
@@ -55,43 +55,43 @@ def add6(array, a, b):
     array[5] += b[2]
 
 
-@kernel
+@inner_kernel
 def add(a, b):
     """a + b"""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@kernel
+@inner_kernel
 def sub(a, b):
     """a - b"""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@kernel
+@inner_kernel
 def scale(k, a):
     """k a"""
     return k * a[0], k * a[1], k * a[2]
 
 
-@kernel
+@inner_kernel
 def dot(a, b):
     """a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@inner_kernel
 def cross(a, b):
     """a x b"""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@inner_kernel
 def turning(w, s):
     """w x (w x s): centripetal acceleration of a point at s."""
     return cross(w, cross(w, s))
 
 
-@kernel
+@inner_kernel
 def rotate(R, a):
     """R a"""
     return (
@@ -101,7 +101,7 @@ def rotate(R, a):
     )
 
 
-@kernel
+@inner_kernel
 def rotate_back(R, a):
     """R' a"""
     return (
@@ -111,25 +111,25 @@ def rotate_back(R, a):
     )
 
 
-@kernel
+@inner_kernel
 def arm(body, local):
     """R p: a body-fixed vector in world axes."""
     return rotate(mat(body.R), vec(local))
 
 
-@kernel
+@inner_kernel
 def point(body, s):
     """World position of the point at s (world) from O."""
     return add(vec(body.r), s)
 
 
-@kernel
+@inner_kernel
 def point_velocity(body, s):
     """Velocity of the point of the body at s (world) from O."""
     return add(vec(body.velocity), cross(vec(body.w), s))
 
 
-@kernel
+@inner_kernel
 def finite(array):
     """True if no entry is NaN or infinite."""
     total = 0.0
@@ -138,21 +138,21 @@ def finite(array):
     return total == 0.0
 
 
-@kernel
+@inner_kernel
 def copy(target, source):
     """target = source"""
     for i in range(source.shape[0]):
         target[i] = source[i]
 
 
-@kernel
+@inner_kernel
 def add_scaled(target, k, source):
     """target += k source"""
     for i in range(source.shape[0]):
         target[i] += k * source[i]
 
 
-@kernel
+@inner_kernel
 def clear(target):
     """target = 0"""
     for i in range(target.shape[0]):
