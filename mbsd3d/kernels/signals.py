@@ -2,11 +2,11 @@
 
 import math
 
-from .jit import inner_kernel
+from .jit import kernel
 from .kinds import POLYNOMIAL, SINE
 
 
-@inner_kernel
+@kernel
 def polynomial(data, first, count, x):
     """c0 + c1 x + ... and its two derivatives, by Horner's rule."""
     f, g, h = 0.0, 0.0, 0.0
@@ -17,7 +17,7 @@ def polynomial(data, first, count, x):
     return f, g, h
 
 
-@inner_kernel
+@kernel
 def spline(data, first, x):
     """Piecewise cubic: [pieces, breaks, 4 coefficients per piece with the highest power first]."""
     pieces = int(data[first])
@@ -35,7 +35,7 @@ def spline(data, first, x):
     return ((c3 * s + c2) * s + c1) * s + c0, (3.0 * c3 * s + 2.0 * c2) * s + c1, 6.0 * c3 * s + 2.0 * c2
 
 
-@inner_kernel
+@kernel
 def signal(m, i, t):
     """(f, f', f'') of signal i at time t."""
     f, g, h = 0.0, 0.0, 0.0
