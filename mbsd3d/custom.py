@@ -12,7 +12,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import is_jitted
 
-from .elements import ForceElement, Record, sequence
+from .elements import ForceElement, ForceRecord, sequence
 from .kernels import kinds
 from .kernels.custom import RETURNED
 from .kernels.layout import MOST_BODIES, data_records
@@ -107,8 +107,8 @@ class FunctionForce(ForceElement):
         parameters = sequence(self.parameters, f"{what}: parameters")
         self.set(on=on, points=points, parameters=parameters, states=states, scales=scales)
 
-    def record(self) -> Record:
-        return Record(
+    def record(self) -> ForceRecord:
+        return ForceRecord(
             kinds.CUSTOM,
             self.on,
             self.points,

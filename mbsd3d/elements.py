@@ -12,7 +12,7 @@ from .signals import Signal, as_signal
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class ForceRecord:
     """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
 
     kind: int
@@ -34,7 +34,7 @@ class ForceElement(Part):
 
     role = "force"
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         """The record the kernel reads."""
         raise NotImplementedError
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from .elements import ForceElement, Record, hinge_coordinate, sequence
+from .elements import ForceElement, ForceRecord, hinge_coordinate, sequence
 from .joints import Joint
 from .kernels import kinds
 from .measures import Measure, unit_powers
@@ -80,9 +80,9 @@ class StateFeedback(ForceElement):
             time_constant=None if tau is None else number(tau, f"{what}: time_constant", positive=True),
         )
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         x, filtered = hinge_coordinate(self.on, ""), self.time_constant is not None
-        return Record(
+        return ForceRecord(
             kinds.FEEDBACK,
             (x.a, x.b),
             values=(self.time_constant,) if filtered else (),

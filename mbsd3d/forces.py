@@ -7,7 +7,7 @@ import numpy as np
 
 from .elements import (
     ForceElement,
-    Record,
+    ForceRecord,
     check_body,
     check_pair,
     hinge_coordinate,
@@ -46,9 +46,9 @@ class Force(ForceElement):
         in_body_frame(self.frame, what)
         self.set(force=three_signals(self.force, f"{what}: force"), at=at)
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         flag = (in_body_frame(self.frame, ""),)
-        return Record(kinds.FORCE, (GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
+        return ForceRecord(kinds.FORCE, (GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +73,9 @@ class Torque(ForceElement):
         in_body_frame(self.frame, what)
         self.set(torque=three_signals(self.torque, f"{what}: torque"))
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         flag = (in_body_frame(self.frame, ""),)
-        return Record(kinds.TORQUE, (GROUND, self.body), values=flag, signals=self.torque)
+        return ForceRecord(kinds.TORQUE, (GROUND, self.body), values=flag, signals=self.torque)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,9 +124,9 @@ class SpringDamper(ForceElement):
             length=span if self.length is None else number(self.length, f"{what}: length", minimum=0.0),
         )
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         values = (self.stiffness, self.damping, self.length)
-        return Record(kinds.SPRING, (self.a, self.b), (self.at_a, self.at_b), values=values)
+        return ForceRecord(kinds.SPRING, (self.a, self.b), (self.at_a, self.at_b), values=values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,10 +165,10 @@ class TorsionSpring(ForceElement):
             angle=number(self.angle, f"{what}: angle"),
         )
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         values = (self.stiffness, self.damping, self.angle)
-        return Record(kinds.COORDINATE_SPRING, (x.a, x.b), values=values, coordinate=x)
+        return ForceRecord(kinds.COORDINATE_SPRING, (x.a, x.b), values=values, coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)
@@ -210,10 +210,10 @@ class JointFriction(ForceElement):
             transition=number(self.transition, f"{what}: transition", positive=True),
         )
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         values = (self.coulomb, self.viscous, self.transition)
-        return Record(kinds.FRICTION, (x.a, x.b), values=values, coordinate=x)
+        return ForceRecord(kinds.FRICTION, (x.a, x.b), values=values, coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)
@@ -267,9 +267,9 @@ class Bushing(ForceElement):
                 raise ValueError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
             self.set(**{name: three})
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
-        return Record(kinds.BUSHING, (self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)
+        return ForceRecord(kinds.BUSHING, (self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,6 +311,6 @@ class AeroDrag(ForceElement):
             wind=three_signals(self.wind, f"{what}: wind"),
         )
 
-    def record(self) -> Record:
+    def record(self) -> ForceRecord:
         values = (0.5 * self.density * self.drag_area,)
-        return Record(kinds.DRAG, (GROUND, self.body), (self.at, self.at), values=values, signals=self.wind)
+        return ForceRecord(kinds.DRAG, (GROUND, self.body), (self.at, self.at), values=values, signals=self.wind)

@@ -17,7 +17,7 @@ from .nearby import closed
 from .parts import number
 from .progress import announce_compilation
 from .selection import RANK_TOLERANCE, schur_of
-from .simulation import accelerations, check_state
+from .simulation import accelerations, check_state, check_system
 from .state import State
 from .steady import Units, check_signals, find_generator, natural_units
 from .symmetry import Generator
@@ -192,8 +192,7 @@ def linearize(
     >>> round(swing.eigenvalue.imag, 9), swing.label
     (4.952272206, "angle of 'hinge'")
     """
-    if not isinstance(system, System):
-        raise ValueError(f"linearize: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+    check_system(system, "linearize")
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
     check_signals(system)

@@ -105,8 +105,7 @@ def simulate(
 
 def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
-    if not isinstance(system, System):
-        raise ValueError(f"simulate: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+    check_system(system, "simulate")
     if not isinstance(method, METHODS):
         names = ", ".join(kind.__name__ for kind in METHODS)
         raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
@@ -116,6 +115,12 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
         raise ValueError(
             f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
+
+
+def check_system(system: Any, what: str) -> None:
+    """ValueError for what is no System."""
+    if not isinstance(system, System):
+        raise ValueError(f"{what}: {system!r} is not a System; give System(bodies=[...], joints=[...])")
 
 
 def check_state(state: Any, what: str) -> None:
@@ -170,8 +175,7 @@ def accelerations(system: Any, state: State | None = None) -> Solution:
     >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
     9.81
     """
-    if not isinstance(system, System):
-        raise ValueError(f"accelerations: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+    check_system(system, "accelerations")
     check_state(state, "accelerations")
     start = state or system.state()
     compiled = compile_system(system)
