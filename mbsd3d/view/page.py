@@ -1,0 +1,1 @@
+"""One HTML file that needs nothing else: the scene of viser, a player, switches, and curves beside it."""
