@@ -17,6 +17,7 @@ from .motion import Arrows, Frames, Trace
 
 FEW = 12  # bodies whose names do not hide the picture
 FOV = 0.7  # vertical [rad]
+ROD = 0.006  # radius of springs and rods, in units of the mechanism's size
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 NAMED = {"body": "body names", "joint": "joint names"}
 LAYER = {"body": "bodies", "joint": "joints"}  # what a switch is called, where a piece's layer is singular
@@ -38,14 +39,16 @@ class Stage:
     links: Any = None
     arrows: list[Any] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)  # metres per unit of each kind of arrows
-    traces: list[Any] = field(default_factory=list)
+    traces: list[Any] = field(default_factory=list)  # the passed part of each
+    thickness: float = 0.0  # radius of links [m]
+    shown: tuple[str, ...] = SHOWN  # layers that are shown first
 
     def move(self, drawing: Drawing, r: np.ndarray, e: np.ndarray) -> None:
         """Bring bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""
         for body, position, orientation in zip(self.bodies, r, e, strict=True):
             body.position, body.wxyz = position * self.scale, orientation
         if self.links is not None:
-            lay(self.links, *stretched(drawing, r, e), self.scale, drawing.size)
+            lay(self.links, *stretched(drawing, r, e), self.scale, self.thickness)
 
     def point(self, kind: int, points: np.ndarray, vectors: np.ndarray) -> None:
         """Let the arrows of one kind show vectors (k, 3) at points (k, 3)."""
@@ -88,7 +91,8 @@ def build_stage(
     add_wires(scene, stage, drawing)
     add_tags(scene, stage, drawing)
     if drawing.links:
-        stage.links = add_sticks(scene, stage, "/links", stick(), len(drawing.links), "#909090")
+        stage.thickness = ROD * drawing.size
+        stage.links = add_sticks(scene, "/links", stick(), len(drawing.links), "#909090")
         stage.layers["springs and rods"].append(stage.links)
         stage.move(drawing, frames.r[0], frames.e[0])
     for i, kind in enumerate(arrows):
@@ -96,9 +100,10 @@ def build_stage(
     for i, trace in enumerate(traces):
         add_trace(scene, stage, i, trace)
     add_grid(scene, stage, drawing, low, high)
-    few = ("body names",) if len(stage.bodies) - 1 <= FEW else ()
-    for layer, nodes in stage.layers.items():
-        stage.show(layer, layer in (*SHOWN, *few)) if nodes else None
+    if len(stage.bodies) - 1 <= FEW:
+        stage.shown = (*SHOWN, "body names")
+    for layer in stage.layers:
+        stage.show(layer, layer in stage.shown)
     aim(camera, stage, low, high)
     scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
     return stage
@@ -162,13 +167,17 @@ def add_tags(scene: Any, stage: Stage, drawing: Drawing) -> None:
         stage.layers[NAMED[tag.layer]].append(node)
 
 
+def heads_of(kind: Arrows) -> int:
+    """Two for axial vectors (rotations, moments), one for forces."""
+    return 1 if kind.kind == "reaction force" else 2
+
+
 def add_arrows(scene: Any, stage: Stage, i: int, kind: Arrows, size: float) -> None:
     """Arrows of one kind; those of axial vectors have two heads, as on paper, and uncertain ones are pale."""
     longest = float(np.sqrt((kind.vectors**2).sum(axis=-1)).max())
     stage.factors.append(LONGEST * size / longest if longest > 0.0 else 0.0)
     colours = np.array([tint(kind.colour, pale=uncertain) for uncertain in kind.uncertain])
-    heads = 1 if kind.unit == "N" else 2
-    node = add_sticks(scene, stage, f"/arrows/{i}", arrow(heads), len(kind.names), colours)
+    node = add_sticks(scene, f"/arrows/{i}", arrow(heads_of(kind)), len(kind.names), colours)
     stage.arrows.append(node)
     stage.layers[kind.kind].append(node)
     stage.point(i, kind.points[0], kind.vectors[0])
@@ -200,7 +209,7 @@ def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: 
     stage.layers["ground grid"].append(node)
 
 
-def add_sticks(scene: Any, stage: Stage, name: str, mesh: tuple, count: int, colours: Any) -> Any:
+def add_sticks(scene: Any, name: str, mesh: tuple, count: int, colours: Any) -> Any:
     """``count`` copies of a mesh of length 1 along z, to be laid along vectors."""
     colours = tint(colours) if isinstance(colours, str) else colours
     still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
@@ -209,10 +218,10 @@ def add_sticks(scene: Any, stage: Stage, name: str, mesh: tuple, count: int, col
     )
 
 
-def lay(node: Any, points: np.ndarray, vectors: np.ndarray, scale: float, size: float | None = None) -> None:
-    """Lay the copies along vectors [m]: as a whole as large as they are long, or as thick rods for a given size."""
+def lay(node: Any, points: np.ndarray, vectors: np.ndarray, scale: float, radius: float | None = None) -> None:
+    """Lay the copies along vectors [m]: as a whole as large as they are long, or as rods of a radius [m]."""
     length = np.sqrt((vectors**2).sum(axis=1))
-    wide = length if size is None else np.full_like(length, 0.006 * size)
+    wide = length if radius is None else np.full_like(length, radius)
     node.batched_positions = (points * scale).astype(np.float32)
     node.batched_wxyzs = turned_from_z(vectors).astype(np.float32)
     node.batched_scales = (np.column_stack([wide, wide, length]) * scale + 1e-9).astype(np.float32)
