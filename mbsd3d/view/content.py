@@ -64,6 +64,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "moving": moving,
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
         "links": links_data(drawing, stage),
+        "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
         "traces": [node.name for node in stage.traces],
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
@@ -101,8 +102,15 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, An
 def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
     """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
     marks = {kind.kind: {"colour": kind.colour, "heads": heads_of(kind)} for kind in content.arrows}
+    inner = (*marks, "centre of mass", "reference point")
     return [
-        {"name": name, "nodes": [node.name for node in nodes], "shown": name in stage.shown, **marks.get(name, {})}
+        {
+            "name": name,
+            "inner": name in inner,
+            "nodes": [node.name for node in nodes],
+            "shown": name in stage.shown,
+            **marks.get(name, {}),
+        }
         for name, nodes in stage.layers.items()
         if nodes
     ]

@@ -26,10 +26,12 @@ function tickText(value, step) {
   return plain.replace("-", "\u2212");
 }
 
-function valueText(value) {
+// Four digits; what is rounding in the scale of its picture is zero.
+function valueText(value, scale = 0) {
   if (!Number.isFinite(value)) return "\u2013";
-  const size = Math.abs(value);
-  const text = size === 0 || (size >= 1e-3 && size < 1e6) ? Number(value.toPrecision(4)).toString() : value.toExponential(3);
+  const size = Math.abs(value) <= 1e-9 * scale ? 0 : Math.abs(value);
+  if (size === 0) return "0";
+  const text = size >= 1e-3 && size < 1e6 ? Number(value.toPrecision(4)).toString() : value.toExponential(3);
   return text.replace("-", "\u2212");
 }
 
@@ -120,7 +122,7 @@ function makeCurve(curve, lines, times, colours, seek) {
     g.beginPath(), g.moveTo(at, box.top), g.lineTo(at, canvas.clientHeight - box.bottom), g.stroke();
     lines.forEach((line, i) => {
       const v = rowAt(line, place)[0];
-      values[i].textContent = valueText(v);
+      values[i].textContent = valueText(v, Math.max(Math.abs(low), Math.abs(high)));
       if (!Number.isFinite(v)) return;
       (g.fillStyle = colours[i % colours.length]), (g.strokeStyle = ink("--paper")), (g.lineWidth = 1.5);
       g.beginPath(), g.arc(at, y(v), 4, 0, 7), g.fill(), g.stroke();
