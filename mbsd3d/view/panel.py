@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..style import colour
+from .content import Content
 from .motion import Arrows, Curve, Frames
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
@@ -16,16 +17,15 @@ CURSOR_PERIOD = 3  # pictures from one move of the cursors to the next
 class Panel:
     """Widgets that read and write ``player`` (playing, speed, time) and the layers of a stage."""
 
-    def __init__(
-        self, gui: Any, player: Any, stage: Any, frames: Frames, arrows: Sequence[Arrows], curves: Sequence[Curve]
-    ) -> None:
+    def __init__(self, gui: Any, player: Any, stage: Any, content: Content) -> None:
+        frames = content.frames
         self.gui, self.player, self.stage, self.pictures = gui, player, stage, 0
         gui.main_panel.dock_right()
         gui.main_panel.set_width(380)
         self.slider = self.add_player(frames) if frames.t.size > 1 else None
         with gui.add_folder("show and hide", expand_by_default=False):
-            self.switches = self.add_switches(arrows)
-        self.plots = [Plot(gui, frames.t, curve) for curve in curves]
+            self.switches = self.add_switches(content.arrows)
+        self.plots = [Plot(gui, frames.t, curve) for curve in content.curves]
 
     def add_player(self, frames: Frames) -> Any:
         """Button, slider and speeds; returns the slider."""
