@@ -189,9 +189,9 @@ def deliver(system: Any, content: Content, path: str | Path | None, dark: bool |
     """The page, written too if a path is given; or the live view."""
     frames = content.frames
     if live:
-        from .live import LiveView
+        from .live import serve
 
-        return LiveView(system, *content[1:5], title=content.title, speed=content.speed, dark=dark)
+        return serve(content, dark=dark)
     page = make_page(content, None if dark is None else bool(dark), user)
     view = View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))
     if path is not None:
