@@ -68,6 +68,7 @@ def build_stage(
     frames: Frames,
     arrows: Sequence[Arrows] = (),
     traces: Sequence[Trace] = (),
+    shown: Sequence[str] = (),
 ) -> Stage:
     """Draw everything at the first frame.
 
@@ -75,6 +76,7 @@ def build_stage(
     ----------
     scene, camera : viser's ``server.scene`` and ``server.initial_camera``, or those of a `Recording`
     drawing, frames, arrows, traces : what is drawn and how it moves; the camera frames all of it
+    shown : layers to show besides the usual ones
 
     Returns
     -------
@@ -103,6 +105,7 @@ def build_stage(
     add_grid(scene, stage, drawing, low, high)
     if len(stage.bodies) - 1 <= FEW:
         stage.shown = (*SHOWN, "body names")
+    stage.shown = (*stage.shown, *shown)
     for layer in stage.layers:
         stage.show(layer, layer in stage.shown)
     light(scene)
