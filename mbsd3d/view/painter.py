@@ -4,7 +4,6 @@ Everything is split into small triangles and strokes, which are painted from far
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from ..rotations import matrix
+from ..style import LIGHT, Theme
 from .drawing import Drawing
 from .lens import Lens, round_cell, window
 from .motion import Trace
@@ -27,24 +27,15 @@ MANY = 5000  # more triangles and strokes than this go into a vector file as an 
 LEGIBLE = 14  # names that a picture can hold
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """Colours of the paper and of what is written on it."""
-
-    paper: str
-    ink: str
-    muted: str
-    grid: str
-    shadow: str
-
-
-LIGHT_SHEET = Sheet("#ffffff", "#1a1a1a", "#707070", "#cfd3d8", "#e9ebee")
-DARK_SHEET = Sheet("#15181d", "#eceff3", "#9aa3ad", "#3b424b", "#0c0e12")
-
-
 def rgb(colour: str) -> np.ndarray:
     """(3,) of a colour's name."""
     return np.array(to_rgb(colour))
+
+
+def shadow_on(sheet: Theme) -> np.ndarray:
+    """The colour of shadows on a paper."""
+    paper = rgb(sheet.paper)
+    return paper * (0.93 if paper.mean() > 0.5 else 0.6)
 
 
 class Painter:
@@ -60,8 +51,8 @@ class Painter:
         All poses that must fit on the paper.
     inches : (float, float)
         Width and height of the paper.
-    sheet : Sheet
-        Its colours.
+    sheet : Theme
+        Colours of the paper and of what is drawn on it.
     layers : collection of str
         Which layers of the drawing are painted.
     names : bool or None
@@ -78,14 +69,15 @@ class Painter:
         e: np.ndarray,
         inches: tuple[float, float],
         *,
-        sheet: Sheet = LIGHT_SHEET,
+        sheet: Theme = LIGHT,
         layers: Collection[str] = ("body", "joint"),
         names: bool | None = None,
         also: np.ndarray | None = None,
     ) -> None:
         self.drawing, self.lens, self.sheet, self.inches = drawing, lens, sheet, inches
-        pieces = [piece for piece in drawing.pieces if piece.layer in layers]
-        self.wires = [wire for wire in drawing.wires if wire.layer in layers]
+        hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
+        pieces = [p._replace(colour=hues.get(p.colour, p.colour)) for p in drawing.pieces if p.layer in layers]
+        self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
         tags = [tag for tag in drawing.tags if tag.layer in layers]
         self.tags = tags if names or (names is None and len(tags) <= LEGIBLE) else []
         points = [also] if also is not None and len(also) else []
@@ -164,9 +156,9 @@ class Painter:
         self.paint_directions(axes)
         if self.tags:
             self.write_names(axes, poses[-1], spots, (width, height))
-        for k, arrow in enumerate(arrows):
-            style = {"ha": "right", "va": "top", "fontsize": 8, "color": arrow.colour}
-            axes.text(width - 8, height - 8 - 11 * k, arrow.legend, **style)
+        for k, (legend, colour) in enumerate(dict.fromkeys((arrow.legend, arrow.colour) for arrow in arrows)):
+            style = {"ha": "right", "va": "top", "fontsize": 8, "color": self.readable(colour)}
+            axes.text(width - 8, height - 8 - 11 * k, legend, **style)
 
     def paint_items(self, axes: Any, items: Items) -> np.ndarray:
         """From far to near; returns points of the paper that are painted."""
@@ -186,7 +178,7 @@ class Painter:
     def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
         """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
         floor, paper, grid = self.low[2], rgb(self.sheet.paper), rgb(self.sheet.grid)
-        shade = rgb(self.sheet.shadow)
+        shade = shadow_on(self.sheet)
         axes.add_collection(
             PolyCollection(self.on_paper(shadows), facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1),
             autolim=False,
@@ -226,6 +218,10 @@ class Painter:
         ]
         write(axes, names, place(names, spots, paper), self.sheet.paper)
 
+    def write_note(self, axes: Any, text: str) -> None:
+        """A line in the upper left corner."""
+        axes.text(8, POINT * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
+
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""
         return 0.6 * rgb(colour) + 0.4 * rgb(self.sheet.ink)
@@ -233,13 +229,10 @@ class Painter:
 
 def length_text(length: float) -> str:
     """A round length with the unit that makes it a short number."""
-    for unit, name in ((1.0, "m"), (1e-3, "mm")):
-        if length >= 0.01 * unit or name == "mm":
-            return f"{length / unit:g} {name}"
-    raise AssertionError
+    return f"{length:g} m" if length >= 0.01 else f"{1e3 * length:g} mm"
 
 
-def new_sheet(inches: tuple[float, float], sheet: Sheet) -> tuple[Figure, Any]:
+def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Any]:
     """An empty figure and axes that fill it."""
     figure = Figure(figsize=inches, facecolor=sheet.paper)
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))

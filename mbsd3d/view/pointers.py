@@ -11,8 +11,8 @@ from .motion import Arrows
 from .solids import Items, Solids
 
 SIDES = 14
-THICK, HEAD = 0.007, 0.055  # radius of the shaft and length of a head, of the size of the picture
-SHORTEST = 0.02  # of the size: shorter arrows are not drawn
+THICK, HEAD = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
+SHORTEST = 0.04  # of the longest arrow: shorter ones are not drawn
 
 
 class Pointers(NamedTuple):
@@ -45,10 +45,10 @@ def lathe(profile: list[tuple[float, float]], start: np.ndarray, along: np.ndarr
     return Mesh(np.concatenate(rings), faces, np.zeros(len(faces), int))
 
 
-def arrow(start: np.ndarray, vector: np.ndarray, size: float, heads: int) -> Mesh:
-    """An arrow in a picture of this size [m]."""
+def arrow(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
+    """An arrow that is a short one among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
     length = float(np.linalg.norm(vector))
-    head, thin = min(HEAD * size, 0.8 * length / heads), THICK * size * min(1.0, length / (2.0 * HEAD * size))
+    head, thin = min(HEAD * reach, 0.8 * length / heads), THICK * reach * min(1.0, length / (2.0 * HEAD * reach))
     wide, profile = 2.8 * thin, [(0.0, 0.0), (thin, 0.0)]
     for k in range(heads, 0, -1):
         tip = length - (k - 1) * head
@@ -56,19 +56,27 @@ def arrow(start: np.ndarray, vector: np.ndarray, size: float, heads: int) -> Mes
     return lathe(profile, start, vector / length)
 
 
-def pointers_of(arrows: Arrows, frame: int, size: float, longest: float, lens: Lens) -> Pointers:
+def longest_of(arrows: Arrows) -> float:
+    """Largest magnitude over the frames."""
+    return float(np.linalg.norm(arrows.vectors, axis=-1).max(initial=0.0))
+
+
+def tips_of(arrows: Arrows, reach: float) -> np.ndarray:
+    """(k, 3) where the arrows of all frames end if the longest has the length ``reach`` [m]."""
+    return (arrows.points + reach / longest_of(arrows) * arrows.vectors).reshape(-1, 3)
+
+
+def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointers:
     """Arrows of one kind at a frame.
 
     Parameters
     ----------
     arrows : Arrows
-        Over the frames.
+        Over the frames, not all zero.
     frame : int
         Which.
-    size : float
-        Of the picture [m].
-    longest : float
-        Magnitude that is drawn 0.4 times as long as the picture, in the unit of the arrows.
+    reach : float
+        Length of the longest arrow of all frames in the picture [m].
     lens : Lens
         Where the light and the eye are.
 
@@ -77,14 +85,12 @@ def pointers_of(arrows: Arrows, frame: int, size: float, longest: float, lens: L
     Pointers
         Uncertain ones paler; the legend says kind, longest and, if so, that shares are not unique.
     """
-    heads = 1 if "force" in arrows.kind else 2
-    pieces = []
+    heads, longest, pieces = 1 if "force" in arrows.kind else 2, longest_of(arrows), []
     for k, name in enumerate(arrows.names):
-        vector = 0.4 * size / longest * arrows.vectors[frame, k]
-        if np.linalg.norm(vector) > SHORTEST * size:
+        vector = reach / longest * arrows.vectors[frame, k]
+        if np.linalg.norm(vector) > SHORTEST * reach:
             tint = paler(arrows.colour) if arrows.uncertain[k] else arrows.colour
-            mesh = arrow(arrows.points[frame, k], vector, size, heads)
-            pieces.append(Piece(name, arrows.kind, 0, mesh, tint))
+            pieces.append(Piece(name, arrows.kind, 0, arrow(arrows.points[frame, k], vector, reach, heads), tint))
     unsure = ", pale: not unique" if any(arrows.uncertain) else ""
     return Pointers(pieces, f"{arrows.kind}, longest {longest:.3g} {arrows.unit}{unsure}", arrows.colour, lens)
 

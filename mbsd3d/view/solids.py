@@ -137,14 +137,25 @@ def prepare(piece: Piece, longest: float) -> Prepared:
     corners = corner_normals(faces, normals)
     bent = np.einsum("mci,mi->mc", corners, normals).min(axis=1) < 1.0 - 1e-4
     split, parent = split_triangles(np.concatenate([whole, corners], axis=2), np.where(bent, 0.4, 1.0) * longest)
-    tints = np.where(piece.mesh.shade[:, None] == 1, SECOND, 1.0) * (PALE + (1.0 - PALE) * np.array(to_rgb(piece.colour)))
+    tints = np.where(piece.mesh.shade[:, None] == 1, SECOND, 1.0) * (
+        PALE + (1.0 - PALE) * np.array(to_rgb(piece.colour))
+    )
     edges, sides = edges_of(faces, vertices, normals)
     short, of = split_strokes(edges, longest)
-    return Prepared(
-        whole, np.full(len(whole), piece.body),
-        split[..., :3], normals[parent], unit(split[..., 3:].mean(axis=1)), tints[parent], np.full(len(split), piece.body),
-        short, sides[of], np.full((len(short), 3), OUTLINE) * to_rgb(piece.colour), np.full(len(short), piece.body),
-    )  # fmt: skip
+    fields = {
+        "whole": whole,
+        "whole_body": np.full(len(whole), piece.body),
+        "triangles": split[..., :3],
+        "flat": normals[parent],
+        "round": unit(split[..., 3:].mean(axis=1)),
+        "tints": tints[parent],
+        "body": np.full(len(split), piece.body),
+        "edges": short,
+        "sides": sides[of],
+        "inks": np.full((len(short), 3), OUTLINE) * to_rgb(piece.colour),
+        "owner": np.full(len(short), piece.body),
+    }
+    return Prepared(**fields)
 
 
 class Solids:
