@@ -322,6 +322,12 @@ class Solution:
 
         return plot_quantity(self, quantity, *parts, **options)
 
+    def report(self, path: str | Path | None = None, **options: Any) -> Any:
+        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
+        from .report import make_report
+
+        return make_report(self, path, **options)
+
     def animate(
         self,
         path: str | Path | None = None,
