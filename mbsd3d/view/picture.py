@@ -11,7 +11,7 @@ from ..style import house, theme
 from .drawing import bounds, draw_system, frame_camera, poses_of
 from .lens import lens_of, turned
 from .motion import Arrows, Frames, Trace, arrows_of, frames_of, traces_of
-from .painter import Painter, new_sheet
+from .painter import FINE, Painter, new_sheet
 from .pointers import pointers_of, tips_of
 
 LAYERS = ("body", "joint", "centre of mass", "reference point")
@@ -47,6 +47,7 @@ def painter_of(
     layers: Collection[str] = ("body", "joint"),
     view: Sequence[float] | None = None,
     dark: bool = False,
+    fine: float = FINE,
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
     drawing = draw_system(system)
@@ -60,7 +61,7 @@ def painter_of(
     shown, reach = chosen("picture: layer", layers, LAYERS), REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
     return Painter(
-        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names,
+        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names, fine=fine,
         also=np.concatenate(also) if also else None,
     ), reach  # fmt: skip
 
@@ -160,11 +161,12 @@ def picture_of_solution(
     poses = [poses_of(solution.system, solution.at(float(time))) for time in times]
     shown = Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     paths = traces_of(solution, run_until(run, shown), traces)
-    vectors = [x for x in arrows_of(solution, shown) if x.kind in kinds] if kinds else []
+    both = Frames(*(np.concatenate(pair) for pair in zip(run, shown, strict=True)))  # one scale for every moment
+    vectors = [x for x in arrows_of(solution, both) if x.kind in kinds] if kinds else []
     painter, reach = painter_of(solution.system, shown.r, shown.e, inches, paths=paths, vectors=vectors, **options)
     with house(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
-        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(times.size)]
+        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
         painter.paint(axes, poses, traces=paths, arrows=pointers, ground=ground)
         moments = [f"{time:.4g}" for time in times]
         painter.write_note(
