@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..style import COLOURS
+from ..style import DARK, LIGHT
 from .drawing import Drawing, bounds, frame_camera
 from .motion import Arrows, Curve, Frames, Trace
 from .packing import pack
@@ -69,7 +69,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
         "grid": f"{stage.cell:g}",
-        "colours": {"light": list(COLOURS), "dark": list(COLOURS)},
+        "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
 
