@@ -275,9 +275,9 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
         If the folder cannot be written.
     """
     path, written = Path(path), []
-    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"metadata": {"Date": None}}}
+    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
     if pdf:
-        options[".pdf"] = {"metadata": {"CreationDate": None}}
+        options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
     with house():
         for suffix, settings in options.items():
             buffer = io.BytesIO()
