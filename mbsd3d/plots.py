@@ -18,6 +18,7 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from .animation import GREY, Scene, bounds, colour, draw, prepare
 from .files import write_atomically
+from .panels import OF_THE_SYSTEM as OF_THE_SYSTEM
 from .panels import PANELS as PANELS
 from .panels import Panel, panels_of
 from .state import State
