@@ -19,7 +19,7 @@ from .reel import Reel
 
 GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
 GIF_FASTEST = 50.0  # frames per second; viewers show more of them slower
-TONES, PROBES = 160, 9  # colours of a GIF, frames they are found from
+TONES, PROBES = 128, 9  # colours of a GIF, frames they are found from
 NO_FFMPEG = (
     "export_mp4 needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg; "
     "elsewhere: pip install imageio-ffmpeg), or use export_gif"

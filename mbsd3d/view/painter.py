@@ -58,6 +58,8 @@ class Painter:
         Which layers of the drawing are painted.
     names : bool or None
         Whether names are written; None = while there are few.
+    ground : bool
+        Whether the floor with its grid and the shadows are painted.
     also : (k, 3) ndarray
         More points that must fit, world [m]: paths, tips of arrows.
     fine : float
@@ -75,10 +77,11 @@ class Painter:
         sheet: Theme = LIGHT,
         layers: Collection[str] = ("body", "joint"),
         names: bool | None = None,
+        ground: bool = True,
         also: np.ndarray | None = None,
         fine: float = FINE,
     ) -> None:
-        self.drawing, self.lens, self.sheet, self.inches = drawing, lens, sheet, inches
+        self.drawing, self.lens, self.sheet, self.inches, self.ground = drawing, lens, sheet, inches, ground
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
         pieces = [p._replace(colour=hues.get(p.colour, p.colour)) for p in drawing.pieces if p.layer in layers]
         self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
@@ -94,10 +97,11 @@ class Painter:
         cloud = cloud[np.isfinite(cloud).all(axis=1)]
         self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
         self.size = float((self.high - self.low).max()) or drawing.size or 1.0
-        below = cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])  # the shadows belong to the picture
+        if ground:  # the shadows belong to the picture
+            cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])])
         self.longest = fine * self.size
         self.solids = Solids(pieces, self.longest)
-        self.corner, opposite = window(lens.project(np.concatenate([cloud, below]))[0], inches)
+        self.corner, opposite = window(lens.project(cloud)[0], inches)
         self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
         self.choices: list[int] = []  # where the names stood in the picture before
         self.cell = round_cell(0.22 * self.size)
@@ -113,7 +117,8 @@ class Painter:
         for wire in self.wires:
             points = wire.points @ R[wire.body].T + r[wire.body]
             strokes = np.stack([points[:-1], points[1:]], axis=1)
-            found.append(self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS))
+            strokes = self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS)
+            found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
         for link in self.drawing.links:
             ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
             found.append(self.strokes(ends[None], self.sheet.muted, LINK))
@@ -130,7 +135,6 @@ class Painter:
         *,
         traces: Sequence[Trace] = (),
         arrows: Sequence[Pointers] = (),
-        ground: bool = True,
     ) -> None:
         """Paint one pose or several on top of each other.
 
@@ -144,15 +148,13 @@ class Painter:
             Paths, drawn as far as their points go.
         arrows : sequence of Pointers
             With their legend.
-        ground : bool
-            Whether the floor with its grid and the shadows are painted.
         """
         width, height = POINT * self.inches[0], POINT * self.inches[1]
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
         found = [self.items(r, e) for r, e in poses]
         found += [arrow.items(self.longest) for arrow in arrows]
-        if ground:
+        if self.ground:
             shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))
         for trace in traces:

@@ -47,6 +47,7 @@ def painter_of(
     layers: Collection[str] = ("body", "joint"),
     view: Sequence[float] | None = None,
     dark: bool = False,
+    ground: bool = True,
     fine: float = FINE,
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
@@ -61,7 +62,7 @@ def painter_of(
     shown, reach = chosen("picture: layer", layers, LAYERS), REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
     return Painter(
-        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names, fine=fine,
+        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names, ground=ground, fine=fine,
         also=np.concatenate(also) if also else None,
     ), reach  # fmt: skip
 
@@ -72,9 +73,7 @@ def paper_size(size: Any) -> tuple[float, float]:
     return number(width, "picture: size", positive=True), number(height, "picture: size", positive=True)
 
 
-def picture_of_system(
-    system: Any, state: Any = None, *, size: Sequence[float] = (6.4, 4.8), ground: bool = True, **options: Any
-) -> Figure:
+def picture_of_system(system: Any, state: Any = None, *, size: Sequence[float] = (6.4, 4.8), **options: Any) -> Figure:
     """A system at rest.
 
     Parameters
@@ -85,9 +84,9 @@ def picture_of_system(
         Pose; None = the reference pose.
     size : (float, float)
         Width and height [inch].
-    ground : bool
-        Whether the floor is drawn, with a grid and the shadows of a high sun; it lies under the lowest point.
     **options
+        ground : bool
+            Whether the floor is drawn, with a grid and the shadows of a high sun; it lies under the lowest point.
         names : bool or None
             Whether the names of bodies and joints are written; None = if there are at most 14.
         layers : collection of str
@@ -111,7 +110,7 @@ def picture_of_system(
     painter, _ = painter_of(system, r[None], e[None], paper_size(size), **options)
     with house(painter.sheet):
         figure, axes = new_sheet(painter.inches, painter.sheet)
-        painter.paint(axes, [(r, e)], ground=ground)
+        painter.paint(axes, [(r, e)])
     return figure
 
 
@@ -122,7 +121,6 @@ def picture_of_solution(
     traces: Any = None,
     arrows: Collection[str] = (),
     size: Sequence[float] = (6.4, 4.8),
-    ground: bool = True,
     **options: Any,
 ) -> Figure:
     """A moment of a run, or several in one picture.
@@ -139,7 +137,7 @@ def picture_of_solution(
     arrows : collection of str
         Some of "angular velocity", "angular momentum", "reaction force", "reaction moment". Their lengths are to scale
         within a kind; the legend gives the longest. Shares that the constraints leave open are pale.
-    size, ground, **options
+    size, **options
         See `picture_of_system`.
 
     Returns
@@ -167,7 +165,7 @@ def picture_of_solution(
     with house(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
         pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
-        painter.paint(axes, poses, traces=paths, arrows=pointers, ground=ground)
+        painter.paint(axes, poses, traces=paths, arrows=pointers)
         moments = [f"{time:.4g}" for time in times]
         painter.write_note(
             axes, f"t = {', '.join(moments) if len(moments) < 6 else ' ... '.join(moments[:: len(moments) - 1])} s"

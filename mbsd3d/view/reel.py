@@ -70,7 +70,6 @@ class Reel:
         curves: Sequence[Any] | None = (),
         traces: Any = None,
         arrows: Collection[str] = (),
-        ground: bool = True,
         usual: tuple[float, float] = (LONG, SENSIBLE),
         **options: Any,
     ) -> None:
@@ -90,7 +89,7 @@ class Reel:
         self.dpi = max(100.0, self.width / WIDEST)
         self.sheet = theme(options.get("dark", False))
         kinds = chosen("film: arrow", arrows, KINDS)
-        self.frames, self.ground = frames_of(solution, count), ground
+        self.frames = frames_of(solution, count)
         self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
         self.traces = traces_of(solution, frames_of(solution, self.finer * (count - 1) + 1), traces)
         self.vectors = [x for x in arrows_of(solution, self.frames) if x.kind in kinds] if kinds else []
@@ -120,7 +119,6 @@ class Reel:
                 [(self.frames.r[k], self.frames.e[k])],
                 traces=[trace._replace(points=trace.points[: self.finer * k + 1]) for trace in self.traces],
                 arrows=[pointers_of(x, k, self.reach, self.painter.lens) for x in self.vectors],
-                ground=self.ground,
             )
             self.painter.write_note(axes, self.clock(k))
             scene = pixels(figure)

@@ -130,8 +130,9 @@ class Prepared(NamedTuple):
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split the triangles and edges of a piece."""
+    """Split the triangles and edges of a piece: the thinner it is, the finer, down to ``longest`` / 2.5."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
+    longest = min(longest, max(float(np.ptp(vertices, axis=0).min()), 0.4 * longest))
     whole = vertices[faces]
     normals = normals_of(whole)
     corners = corner_normals(faces, normals)
