@@ -144,7 +144,9 @@ def read_mesh(path: str, what: str) -> Mesh:
     try:  # from memory, so that a mesh cannot name further files
         found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
     except Exception as error:  # parsers of foreign data fail in their own ways
-        raise ValueError(f"{what}: is no {kind.upper()} ({" ".join(str(error).split())[:80]}); save the mesh again") from error
+        raise ValueError(
+            f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); save the mesh again"
+        ) from error
     return checked(found, what)
 
 
