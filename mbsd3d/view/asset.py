@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..shapes import Mesh
+from .normals import Surface, surface
+
 GLTF_FLOAT, GLTF_SHORT, GLTF_INT = 5126, 5123, 5125
 COMPONENTS = {"<f4": GLTF_FLOAT, "<u2": GLTF_SHORT, "<u4": GLTF_INT}
 TYPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4"}
@@ -42,6 +45,7 @@ class Asset:
         self.animation = library.Animation(name="motion")
         self.chunks: dict[str, bytearray] = {}
         self.known: dict[Any, int] = {}
+        self.surfaces: dict[Any, Surface] = {}
 
     def once(self, key: Any, kind: str, make: Any) -> int:
         """Place of a thing in the list ``kind``; made if there is none with this key."""
@@ -67,6 +71,13 @@ class Asset:
             )  # fmt: skip
 
         return self.once((view, bounds, values.dtype.str, values.shape, values.tobytes()), "accessors", make)
+
+    def surface(self, mesh: Mesh) -> Surface:
+        """A mesh with normals."""
+        key = (np.asarray(mesh.vertices, "<f4").tobytes(), mesh.faces.tobytes(), mesh.shade.tobytes())
+        if key not in self.surfaces:
+            self.surfaces[key] = surface(mesh)
+        return self.surfaces[key]
 
     def material(self, colour: str, brightness: float = 1.0, double_sided: bool = False) -> int:
         """A matt paint."""

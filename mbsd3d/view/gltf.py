@@ -16,13 +16,12 @@ from ..shapes import Mesh
 from ..style import GREY
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 from .drawing import Drawing, Piece, Wire, draw_system, poses_of
-from .links import directions, unit_coil, unit_rod
+from .links import SLENDER, directions, unit_coil, unit_rod
 from .motion import Frames, Trace, frames_of, traces_of
-from .normals import surface
 
 LAYERS = ("body", "joint")  # marks of centres and reference points belong to switches, which glTF does not have
 DARK = 0.55  # brightness of the darker sectors of a round body
-THICKNESS = 0.012  # radius of a spring, in sizes of the mechanism
+ROD = 0.004  # radius of a rod and least one of a spring, in sizes of the mechanism
 SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
 UPRIGHT = rotation("x", -90, degrees=True)
 
@@ -115,7 +114,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
 
 def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
     """One set of triangles for each shade; they share their corners."""
-    skin = surface(mesh)
+    skin = asset.surface(mesh)
     for shade, brightness in ((0, 1.0), (1, DARK)):
         faces = skin.faces[skin.shade == shade]
         if faces.size:
@@ -125,13 +124,13 @@ def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
 
 def add_links(asset: Asset, root: int, forces: set[str], drawing: Drawing, frames: Frames) -> None:
     """Springs as coils, the links of joints as rods, from one end to the other."""
-    clock = frames.t - frames.t[0]
+    clock, least = frames.t - frames.t[0], ROD * drawing.size
     for link in drawing.links:
         start, end = (moved(frames, body, point) for body, point in link.ends)
-        shape = unit_coil() if link.name in forces else unit_rod()
         lengths, e = directions(end - start, SHORTEST * drawing.size)
-        width = np.full(len(lengths), THICKNESS * drawing.size)
-        mesh = asset.mesh("coil" if link.name in forces else "rod", list(solid(asset, shape, GREY)))
+        spring = link.name in forces
+        width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if spring else least)
+        mesh = asset.mesh("coil" if spring else "rod", list(solid(asset, unit_coil() if spring else unit_rod(), GREY)))
         places = {"translation": start, "rotation": as_gltf(e), "scale": np.column_stack([width, width, lengths])}
         asset.moving(link.name, root, clock, mesh, **places)
 

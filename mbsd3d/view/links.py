@@ -1,6 +1,6 @@
 """Springs and rods between two moving points: one body of unit length, moved, turned and stretched.
 
-Unit coil and unit rod lie along z from 0 to 1; across, they measure about 1 and are scaled to the picture.
+Unit coil and unit rod lie along z from 0 to 1 and have the radius 1.
 """
 
 import numpy as np
@@ -8,9 +8,10 @@ import numpy as np
 from ..rotations import multiply
 from ..shapes import Mesh
 
-TURNS, POINTS, SIDES = 8, 12, 6  # of a coil, along each turn, around the wire
-WIRE = (0.16, 0.012)  # half the thickness of the wire of a coil across and along, in radii and lengths of the coil
-ROD = 0.35  # radius of a rod, in radii of a coil
+TURNS, POINTS, SIDES = 10, 12, 6  # of a coil, along each turn, around the wire
+SLENDER = 0.045  # radius of a coil in lengths: there its wire is round
+WIRE = 0.13  # radius of the wire of a coil, in radii of the coil
+Z = np.array([0.0, 0.0, 1.0])
 NEAR = 1e-9  # |a + b|^2 / 2 of two opposite unit vectors
 
 
@@ -31,13 +32,13 @@ def unit_coil() -> Mesh:
     radius = np.minimum(np.minimum(along, 1.0 - along) * TURNS, 1.0)
     turn, zero = 2.0 * np.pi * TURNS * along, np.zeros_like(along)
     out = np.hstack([np.cos(turn), np.sin(turn), zero])
-    return tube(radius * out + along * [0.0, 0.0, 1.0], WIRE[1] * np.array([[0, 0, 1]]) + zero, WIRE[0] * out)
+    return tube(radius * out + along * Z, WIRE * SLENDER * Z + zero, WIRE * out)
 
 
 def unit_rod() -> Mesh:
     """A thin straight rod."""
-    ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    return tube(ends, ROD * np.array([[1.0, 0, 0]] * 2), ROD * np.array([[0, 1.0, 0]] * 2))
+    same = np.ones((2, 1))
+    return tube(np.array([0.0 * Z, Z]), same * [1.0, 0.0, 0.0], same * [0.0, 1.0, 0.0])
 
 
 def directions(spans: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +47,7 @@ def directions(spans: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]
     The turn from frame to frame is the smallest one, so that nothing spins about its own axis.
     """
     lengths = np.linalg.norm(spans, axis=-1)
-    e, last, turned = np.empty((len(spans), 4)), np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0, 0.0])
+    e, last, turned = np.empty((len(spans), 4)), Z, np.array([1.0, 0.0, 0.0, 0.0])
     for k, (span, length) in enumerate(zip(spans, lengths, strict=True)):
         if length > least:  # a spring pressed to a point keeps its direction
             turned = multiply(smallest_turn(last, span / length), turned)
