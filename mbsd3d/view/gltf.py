@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from ..files import package_version, with_suffix, write_atomically
-from ..rotations import matrix, rotation
+from ..rotations import rotation
 from ..shapes import Mesh
 from ..style import GREY
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 from .drawing import Drawing, Piece, Wire, draw_system, poses_of
 from .links import SLENDER, directions, unit_coil, unit_rod
-from .motion import Frames, Trace, frames_of, traces_of
+from .motion import Frames, Trace, frames_of, moved, traces_of
 
 LAYERS = ("body", "joint")  # marks of centres and reference points belong to switches, which glTF does not have
 DARK = 0.55  # brightness of the darker sectors of a round body
@@ -29,8 +29,6 @@ UPRIGHT = rotation("x", -90, degrees=True)
 def export_run(solution: Any, path: str | Path, frames: int | None = None, traces: Any = None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
     library = gltf_library()
-    if not solution.t.size:
-        raise ValueError("export_glb: the solution has no samples; run it to a later time")
     shown = frames_of(solution, frames)
     content = glb(library, solution.system, shown, traces_of(solution, shown, traces))
     return write_atomically(with_suffix(path, ".glb"), content)
@@ -93,7 +91,7 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
         places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
         node = asset.moving(name, root, clock, **places)
         for (layer, part), items in shown[i].items():
-            label = f"{part} shape" if layer == "body" else part
+            label = f"{part} shape" if layer == "body" else f"{part} on {name}"
             primitives = [primitive for item in items for primitive in primitives_of(asset, item)]
             if primitives:
                 asset.node(label, node, asset.mesh(label, primitives))
@@ -133,8 +131,3 @@ def add_links(asset: Asset, root: int, forces: set[str], drawing: Drawing, frame
         mesh = asset.mesh("coil" if spring else "rod", list(solid(asset, unit_coil() if spring else unit_rod(), GREY)))
         places = {"translation": start, "rotation": as_gltf(e), "scale": np.column_stack([width, width, lengths])}
         asset.moving(link.name, root, clock, mesh, **places)
-
-
-def moved(frames: Frames, body: int, point: np.ndarray) -> np.ndarray:
-    """(frames, 3) world position of a body's point [m]."""
-    return frames.r[:, body] + matrix(frames.e[:, body]) @ point
