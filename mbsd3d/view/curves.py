@@ -1,5 +1,6 @@
 """Curves beside the scene: the panels of `Solution.plot` over the time of the frames."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -45,6 +46,8 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
     """
     if "v" not in solution.arrays:
         return []
+    if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
+        raise ValueError(f"animate: curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
     if wanted is not None:
         panels = [panel for entry in wanted for panel in panels_of(solution, entry)]
     else:
@@ -59,8 +62,8 @@ def panels_of(solution: Any, entry: Any) -> list[Any]:
     """The panels of "quantity" or ("quantity", part, ...)."""
     from ..plots import OF_THE_SYSTEM, PANELS
 
-    quantity, *parts = (entry,) if isinstance(entry, str) else entry
-    if quantity not in PANELS:
+    quantity, *parts = entry if isinstance(entry, tuple | list) and entry else (entry,)
+    if not isinstance(quantity, str) or quantity not in PANELS:
         raise ValueError(f"animate: curve {quantity!r} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in OF_THE_SYSTEM:
         raise ValueError(f"animate: {quantity} is that of the whole system; give no parts")

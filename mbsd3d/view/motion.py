@@ -1,6 +1,7 @@
 """How a mechanism moves: frames in equal steps of time, arrows, traces and curves; no plotting library."""
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -196,6 +197,8 @@ def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
     """
     system = solution.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
+    if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
+        raise ValueError(f"animate: traces = {points!r}; give a list of (body, (x, y, z))")
     if points is not None:
         found = [trace_point(system, entry) for entry in points]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
@@ -209,9 +212,8 @@ def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
 
 def trace_point(system: Any, entry: Any) -> tuple[Any, np.ndarray]:
     """Body and point in its axes, of an entry (body or name, world point at the reference pose)."""
-    try:
-        part, point = entry
-    except (TypeError, ValueError):
-        raise ValueError(f"animate: trace {entry!r} is no pair; give (body, (x, y, z))") from None
+    if not isinstance(entry, tuple | list) or len(entry) != 2:
+        raise ValueError(f"animate: trace {entry!r} is no pair; give (body, (x, y, z))")
+    part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"animate: trace of body '{body.name}'"))
