@@ -9,11 +9,11 @@ import pytest
 import trimesh
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, accelerations, rotation, simulate
+from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, accelerations, rotation, shapes, simulate
 from mbsd3d.shapes import Mesh
 from mbsd3d.view.asset import linear
 from mbsd3d.view.links import directions, unit_coil, unit_rod
-from mbsd3d.view.normals import surface
+from mbsd3d.view.skin import skin
 
 COMPONENT = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
@@ -265,27 +265,27 @@ def test_colours_become_linear():
     assert linear("#80ff0a") == pytest.approx([0.215861, 1.0, 0.003035, 1.0], abs=1e-6)
 
 
-def test_round_parts_are_smooth_and_edges_sharp():
-    ball, box = trimesh.creation.icosphere(subdivisions=2), trimesh.creation.box((0.3, 0.4, 0.7))
-    round_one, sharp = (surface(Mesh(x.vertices, x.faces, np.zeros(len(x.faces), int))) for x in (ball, box))
-    assert len(round_one.vertices) == len(ball.vertices) and round_one.closed
-    assert np.allclose(round_one.normals, round_one.vertices, atol=0.02)  # faces of an icosphere are not all alike
-    assert len(sharp.vertices) == 24 and np.array_equal(np.sort(np.abs(sharp.normals), axis=1)[:, 1], np.zeros(24))
-    can = trimesh.creation.cylinder(radius=0.2, height=0.5, sections=24)
-    can = surface(Mesh(can.vertices, can.faces, np.zeros(len(can.faces), int)))
+def test_normals_are_those_of_the_solids():
+    body = Body("body", 2.0, (0.1, 0.2, 0.25), com=(0.1, -0.2, 0.3))
+    ball, can = (skin(shape.mesh(body)) for shape in (shapes.Sphere(0.4), shapes.Cylinder(0.2, 0.5)))
+    # the triangles at the poles weigh more than those below: half a band of 18 degrees is 0.16 rad
+    assert ball.closed and np.allclose(ball.normals, (ball.vertices - body.com) / 0.4, atol=0.16)
     side = np.abs(can.normals[:, 2]) < 0.5
-    assert np.allclose(can.normals[side, :2], can.vertices[side, :2] / 0.2, atol=1e-12) and side.sum() == 48
-    assert np.array_equal(np.abs(can.normals[~side, 2]), np.ones((~side).sum()))
+    # two triangles on one side of a corner and one on the other: a sixth of 2 pi / 48
+    assert can.closed and np.allclose(can.normals[side, :2], (can.vertices - body.com)[side, :2] / 0.2, atol=0.022)
+    assert np.allclose(np.abs(can.normals[~side, 2]), 1.0) and 0 < side.sum() < len(side)
+    assert skin(shapes.Box((0.3, 0.4, 0.7), orientation=rotation((1, 2, 3), 0.4)).mesh(body)).closed
 
 
 def test_odd_meshes_get_normals():
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [5, 5, 5]])
     sheet = np.array([[0, 1, 2], [0, 2, 1], [0, 1, 1], [1, 2, 3]])  # two sides of one triangle, none, a third
-    skin = surface(Mesh(corners, sheet, np.array([0, 1, 1, 0])))
-    assert len(skin.faces) == 3 and skin.shade.tolist() == [0, 1, 0] and not skin.closed
-    assert np.allclose(np.linalg.norm(skin.normals, axis=1), 1.0)
-    open_box = surface(Mesh(corners, sheet[:1], np.zeros(1, int)))
-    assert not open_box.closed and np.array_equal(open_box.normals, [[0, 0, 1]] * 3)
+    found = skin(Mesh(corners, sheet, np.array([0, 1, 1, 0])))
+    assert len(found.faces) == 3 and found.shade.tolist() == [0, 1, 0] and not found.closed
+    assert found.vertices.max() == 1.0  # the corner without a face is left out
+    assert np.allclose(np.linalg.norm(found.normals, axis=1), 1.0)
+    assert np.array_equal(found.normals[found.faces[:2, 0]], [[0, 0, 1], [0, 0, -1]])
+    assert not skin(Mesh(corners, sheet[:1], np.zeros(1, int))).closed
 
 
 def test_links_turn_without_spinning():

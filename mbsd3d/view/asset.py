@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..shapes import Mesh
-from .normals import Surface, surface
+from .skin import Skin, skin
 
 GLTF_FLOAT, GLTF_SHORT, GLTF_INT = 5126, 5123, 5125
 COMPONENTS = {"<f4": GLTF_FLOAT, "<u2": GLTF_SHORT, "<u4": GLTF_INT}
@@ -24,9 +24,9 @@ ROUGHNESS, METALLIC = 0.6, 0.1
 RESTART = 0xFFFF  # the one short index that glTF keeps for itself
 
 
-def linear(colour: str) -> list[float]:
-    """Linear red, green, blue and opacity of "#rrggbb", which is sRGB."""
-    c = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
+def linear(colour: str, brightness: float = 1.0) -> list[float]:
+    """Linear red, green, blue and opacity of "#rrggbb", which is sRGB as its brightness is."""
+    c = brightness * np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
     values = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     return [*values.round(6).tolist(), 1.0]
 
@@ -45,7 +45,7 @@ class Asset:
         self.animation = library.Animation(name="motion")
         self.chunks: dict[str, bytearray] = {}
         self.known: dict[Any, int] = {}
-        self.surfaces: dict[Any, Surface] = {}
+        self.skins: dict[Any, Skin] = {}
 
     def once(self, key: Any, kind: str, make: Any) -> int:
         """Place of a thing in the list ``kind``; made if there is none with this key."""
@@ -72,17 +72,16 @@ class Asset:
 
         return self.once((view, bounds, values.dtype.str, values.shape, values.tobytes()), "accessors", make)
 
-    def surface(self, mesh: Mesh) -> Surface:
+    def skin(self, mesh: Mesh) -> Skin:
         """A mesh with normals."""
         key = (np.asarray(mesh.vertices, "<f4").tobytes(), mesh.faces.tobytes(), mesh.shade.tobytes())
-        if key not in self.surfaces:
-            self.surfaces[key] = surface(mesh)
-        return self.surfaces[key]
+        if key not in self.skins:
+            self.skins[key] = skin(mesh)
+        return self.skins[key]
 
     def material(self, colour: str, brightness: float = 1.0, double_sided: bool = False) -> int:
         """A matt paint."""
-        red, green, blue, opacity = linear(colour)
-        factor = [*(round(brightness * c, 6) for c in (red, green, blue)), opacity]
+        factor = linear(colour, brightness)
 
         def make() -> Any:
             paint = self.library.PbrMetallicRoughness(

@@ -20,7 +20,7 @@ from .links import SLENDER, directions, unit_coil, unit_rod
 from .motion import Frames, Trace, frames_of, moved, traces_of
 
 LAYERS = ("body", "joint")  # marks of centres and reference points belong to switches, which glTF does not have
-DARK = 0.55  # brightness of the darker sectors of a round body
+DARK = 0.72  # brightness of the darker sectors of a round body
 ROD = 0.004  # radius of a rod and least one of a spring, in sizes of the mechanism
 SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
 UPRIGHT = rotation("x", -90, degrees=True)
@@ -112,7 +112,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
 
 def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
     """One set of triangles for each shade; they share their corners."""
-    skin = asset.surface(mesh)
+    skin = asset.skin(mesh)
     for shade, brightness in ((0, 1.0), (1, DARK)):
         faces = skin.faces[skin.shade == shade]
         if faces.size:
