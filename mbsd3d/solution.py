@@ -322,12 +322,19 @@ class Solution:
 
         return plot_quantity(self, quantity, *parts, **options)
 
+    def report(self, path: str | Path | None = None, **options: Any) -> Any:
+        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
+        from .report import make_report
+
+        return make_report(self, path, **options)
+
     def animate(
         self,
         path: str | Path | None = None,
         *,
         curves: Any = None,
         traces: Any = None,
+        shown: Any = (),
         frames: int | None = None,
         speed: float | None = None,
         title: str | None = None,
@@ -344,6 +351,8 @@ class Solution:
             None = a few that tell most; () = none.
         traces : list of (body, world point at the reference pose [m]), optional
             Points whose paths are drawn; None = centres of mass; () = none.
+        shown : list of layers, optional
+            Shown from the start besides the usual ones, e.g. ["angular momentum"]; all have switches.
         frames : int, optional
             >= 2; None = as many as the motion needs and the page bears.
         speed : float, optional
@@ -366,7 +375,7 @@ class Solution:
         """
         from .view.page import animate
 
-        return animate(self, path, curves, traces, frames, speed, title, dark, live)
+        return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
         """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..style import COLOURS
+from ..style import DARK, LIGHT
 from .drawing import Drawing, bounds, frame_camera
 from .motion import Arrows, Curve, Frames, Trace
 from .packing import pack
@@ -28,6 +28,7 @@ class Content(NamedTuple):
     curves: list[Curve]
     speed: float  # model time per real time
     title: str
+    shown: tuple[str, ...] = ()  # layers, besides those that always are
 
 
 def sensible_speed(seconds: float) -> float:
@@ -44,7 +45,13 @@ def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
     stage = build_stage(
-        recording.scene, recording.camera, content.drawing, content.frames, content.arrows, content.traces
+        recording.scene,
+        recording.camera,
+        content.drawing,
+        content.frames,
+        content.arrows,
+        content.traces,
+        content.shown,
     )
     return recording.data(), player_data(content, stage)
 
@@ -69,7 +76,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
         "grid": f"{stage.cell:g}",
-        "colours": {"light": list(COLOURS), "dark": list(COLOURS)},
+        "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
 

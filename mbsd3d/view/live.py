@@ -8,13 +8,11 @@ import sys
 import threading
 import time
 import webbrowser
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from .drawing import draw_system
-from .motion import Arrows, Curve, Frames, Trace
+from .content import Content
 from .panel import Panel
 from .recorder import import_viser
 from .stage import build_stage
@@ -43,29 +41,20 @@ class LiveView:
         Shown [s].
     """
 
-    def __init__(
-        self,
-        system: Any,
-        frames: Frames,
-        arrows: Sequence[Arrows] = (),
-        traces: Sequence[Trace] = (),
-        curves: Sequence[Curve] = (),
-        *,
-        title: str | None = None,
-        speed: float = 1.0,
-        dark: bool | None = None,
-    ) -> None:
-        self._drawing, self._frames, self._arrows, self._traces = draw_system(system), frames, arrows, traces
-        self.playing, self.speed, self.time = frames.t.size > 1, speed, float(frames.t[0])
+    def __init__(self, content: Content, dark: bool | None = None) -> None:
+        frames, self._content = content.frames, content
+        self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
         self._ended = threading.Event()
         self._server = quiet_server()
         try:
-            scene, camera = self._server.scene, self._server.initial_camera
-            self._stage = build_stage(scene, camera, self._drawing, frames, arrows, traces)
+            scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
+            self._stage = build_stage(
+                scene, camera, content.drawing, frames, content.arrows, content.traces, content.shown
+            )
             self._paths = [(node, node.points) for node in self._stage.traces]
-            self._panel = Panel(self._server.gui, self, self._stage, frames, arrows, curves)
-            self._server.gui.set_panel_label(title)
-            self._server.gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
+            gui.set_panel_label(content.title)
+            gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
+            self._panel = Panel(gui, self, self._stage, content, bool(dark))
         except BaseException:
             self._server.stop()
             raise
@@ -86,9 +75,13 @@ class LiveView:
         """Where a browser finds it."""
         return f"http://{HOST}:{self._server.get_port()}"
 
+    def can_open(self) -> bool:
+        """Whether this machine has a browser with windows."""
+        return has_browser()
+
     def open(self) -> None:
         """Show it in the default browser; raises ValueError where there is none."""
-        if not has_browser() or not webbrowser.open(self.url):
+        if not self.can_open() or not webbrowser.open(self.url):
             raise ValueError(f"no browser was found on this machine; open {self.url} in one")
 
     def wait(self) -> None:
@@ -124,20 +117,25 @@ class LiveView:
 
     def _later(self, t: float) -> float:
         """The time, from the start again after the end."""
-        first, last = float(self._frames.t[0]), float(self._frames.t[-1])
+        first, last = float(self._content.frames.t[0]), float(self._content.frames.t[-1])
         return first if t > last and self.time >= last else min(t, last)
 
     def _show(self, t: float) -> None:
         """Move everything to a time; traces grow in whole frames."""
-        k, share = place(self._frames.t, t)
-        r, e = (mixed(values, k, share) for values in (self._frames.r, self._frames.e))
-        self._stage.move(self._drawing, r, e / np.linalg.norm(e, axis=1, keepdims=True))
-        for i, arrows in enumerate(self._arrows):
+        k, share = place(self._content.frames.t, t)
+        r, e = (mixed(values, k, share) for values in (self._content.frames.r, self._content.frames.e))
+        self._stage.move(self._content.drawing, r, e / np.linalg.norm(e, axis=1, keepdims=True))
+        for i, arrows in enumerate(self._content.arrows):
             if self._panel.shown(arrows.kind):
                 self._stage.point(i, mixed(arrows.points, k, share), mixed(arrows.vectors, k, share))
         for node, points in self._paths:
             node.points = points[: k + 1]
         self._panel.show(t)
+
+
+def serve(content: Content, *, dark: bool | None = None) -> LiveView:
+    """Start a live view of what a page would show; raises ValueError if viser is missing."""
+    return LiveView(content, dark)
 
 
 def place(t: np.ndarray, now: float) -> tuple[int, float]:

@@ -3,6 +3,7 @@
 import html
 import json
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files as resources
@@ -18,6 +19,7 @@ from .content import Content, scene_and_data, sensible_speed
 from .drawing import draw_system, poses_of
 from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
 from .recorder import client_head
+from .stage import ALL
 
 LARGEST = 9e6  # characters of a page whose number of frames was not asked for
 SCRIPTS = ("unpack.js", "scene.js", "curves.js", "player.js")
@@ -126,7 +128,7 @@ def show_system(
     t = np.array([0.0 if state is None else state.t])
     drawing = draw_system(system)
     content = Content(drawing, Frames(t, r[None], e[None]), [], [], [], 1.0, title or "reference pose")
-    return deliver(content, path, dark, live, "system.show")
+    return deliver(system, content, path, dark, live, "system.show")
 
 
 def animate(
@@ -134,6 +136,7 @@ def animate(
     path: str | Path | None,
     curves: Any,
     traces: Any,
+    shown: Any,
     frames: int | None,
     speed: float | None,
     title: str | None,
@@ -144,6 +147,7 @@ def animate(
     check_options(title, dark)
     if frames is not None and (isinstance(frames, bool) or not isinstance(frames, int | np.integer) or frames < 2):
         raise ValueError(f"animate: frames = {frames!r}; give a whole number >= 2, or None")
+    shown = layers_of(shown)
     if speed is not None:
         speed = number(speed, "animate: speed", positive=True)
     if not solution.t.size:
@@ -152,8 +156,8 @@ def animate(
         drawing, count = draw_system(solution.system), frames
         while True:
             moving = frames_of(solution, count)
-            content = gather(solution, drawing, moving, curves, traces, speed, title, progress)
-            view = deliver(content, None, dark, live, "solution.animate")
+            content = gather(solution, drawing, moving, curves, traces, speed, title, progress)._replace(shown=shown)
+            view = deliver(solution.system, content, None, dark, live, "solution.animate")
             if live or frames is not None or len(view.html) <= LARGEST or moving.t.size <= 2:
                 break
             count = max(2, int(0.9 * moving.t.size * LARGEST / len(view.html)))
@@ -177,6 +181,16 @@ def gather(
     return Content(drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or "motion")
 
 
+def layers_of(shown: Any) -> tuple[str, ...]:
+    """Names of layers, checked."""
+    if isinstance(shown, str) or not isinstance(shown, Iterable):
+        raise ValueError(f"animate: shown = {shown!r}; give a list of layers, e.g. ['angular velocity']")
+    for layer in (shown := tuple(shown)):
+        if layer not in ALL:
+            raise ValueError(f"animate: shown: layer {layer!r} is unknown; give some of {', '.join(ALL)}")
+    return shown
+
+
 def check_options(title: Any, dark: Any) -> None:
     """ValueError for options of another type."""
     if not (title is None or isinstance(title, str)):
@@ -185,13 +199,13 @@ def check_options(title: Any, dark: Any) -> None:
         raise ValueError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
 
 
-def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
+def deliver(system: Any, content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
     """The page, written too if a path is given; or the live view."""
+    frames = content.frames
     if live:
         from .live import serve
 
         return serve(content, dark=dark)
-    frames = content.frames
     page = make_page(content, None if dark is None else bool(dark), user)
     view = View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))
     if path is not None:

@@ -67,6 +67,7 @@ def build_stage(
     frames: Frames,
     arrows: Sequence[Arrows] = (),
     traces: Sequence[Trace] = (),
+    shown: Sequence[str] = (),
 ) -> Stage:
     """Draw everything at the first frame.
 
@@ -74,6 +75,7 @@ def build_stage(
     ----------
     scene, camera : viser's ``server.scene`` and ``server.initial_camera``, or those of a `Recording`
     drawing, frames, arrows, traces : what is drawn and how it moves; the camera frames all of it
+    shown : layers to show besides the usual ones
 
     Returns
     -------
@@ -102,6 +104,7 @@ def build_stage(
     add_grid(scene, stage, drawing, low, high)
     if len(stage.bodies) - 1 <= FEW:
         stage.shown = (*SHOWN, "body names")
+    stage.shown = (*stage.shown, *shown)
     for layer in stage.layers:
         stage.show(layer, layer in stage.shown)
     aim(camera, stage, low, high)
@@ -203,7 +206,7 @@ def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: 
     middle = np.round(0.5 * (low + high)[:2] / cell) * cell
     node = scene.add_grid(
         "/grid", count * cell * stage.scale, count * cell * stage.scale, cell_size=cell * stage.scale,
-        section_size=5.0 * cell * stage.scale, position=np.array([*middle, drawing.floor]) * stage.scale,
+        section_size=5.0 * cell * stage.scale, position=np.array([*middle, min(drawing.floor, low[2])]) * stage.scale,
         cell_color=(190, 190, 190), section_color=(150, 150, 150), shadow_opacity=0.25,
     )  # fmt: skip
     stage.layers["ground grid"].append(node)
