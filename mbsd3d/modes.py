@@ -181,7 +181,8 @@ class Motion:
     system = Solution.system
     _body = Solution._body
     position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
-    com, point, animate = Solution.com, Solution.point, Solution.animate
+    com, point = Solution.com, Solution.point
+    animate, export_glb = Solution.animate, Solution.export_glb
 
 
 @on_one_thread

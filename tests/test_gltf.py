@@ -9,7 +9,19 @@ import pytest
 import trimesh
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, accelerations, rotation, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Distance,
+    Spherical,
+    System,
+    Universal,
+    accelerations,
+    linearize,
+    rotation,
+    shapes,
+    simulate,
+)
 from mbsd3d.shapes import Mesh
 from mbsd3d.view.asset import linear
 from mbsd3d.view.links import directions, unit_coil, unit_rod
@@ -185,6 +197,18 @@ def test_paths_are_those_of_the_points(solution, tmp_path):
 def test_the_same_solution_gives_the_same_bytes(solution, tmp_path):
     first, second = (solution.export_glb(tmp_path / name).read_bytes() for name in ("a.glb", "b"))
     assert first == second and (tmp_path / "b.glb").exists()
+
+
+def test_time_starts_at_zero_and_modes_move(solution, tmp_path):
+    later = simulate(solution.system, 1.2, state=solution.final, output=5)
+    file = File(later.export_glb(tmp_path / "later")).check()
+    assert file.document["asset"]["extras"]["start"] == 1.0
+    assert file.channels(WHEEL, "rotation")[0][-1] == pytest.approx(0.2, rel=SINGLE)
+    bob = Body("bob", 1.0, (0.1, 0.2, 0.15), position=(0.1, 0.2, -1), com=(0.02, 0.03, 0.01))
+    hung = System([bob], [Spherical(GROUND, bob, at=(0.12, 0.23, 0.4))])
+    mode = linearize(hung, hung.state()).modes[-1].motion()
+    moving = File(mode.export_glb(tmp_path / "mode", frames=mode.t.size)).check()
+    assert np.abs(moving.world("bob", bob.com, 3) - y_up(mode.com(bob)[3])).max() < 4 * SINGLE
 
 
 def test_one_sample_and_a_pose_stand_still(tmp_path):
