@@ -103,6 +103,7 @@ class File:
             for part in mesh["primitives"]:
                 self.check_primitive(part)
         for animation in self.document.get("animations", ()):
+            assert len({sampler["input"] for sampler in animation["samplers"]}) == 1  # one clock
             for channel in animation["channels"]:
                 sampler = animation["samplers"][channel["sampler"]]
                 times, values = self.array(sampler["input"])[:, 0], self.array(sampler["output"])
@@ -245,6 +246,20 @@ def test_bodies_without_mass_and_rods_of_joints(tmp_path):
     drawn = File(system.export_glb(tmp_path / "rod")).check()
     assert "point" in drawn.names
     assert np.allclose(drawn.world("rod", (0, 0, 1)), y_up((0.5, 0.5, 0.1)), atol=4 * SINGLE)
+
+
+def test_open_meshes_are_seen_from_behind(tmp_path):
+    funnel = trimesh.Trimesh([(0, 0, 0), (1, 0, 0.1), (0, 1, 0), (0.2, 0.1, 1)], [(0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    funnel.export(tmp_path / "funnel.stl")
+    bodies = [
+        Body("funnel", 1.0, (1, 2, 2), shape=shapes.MeshFile(tmp_path / "funnel.stl")),
+        Body("ball", 1.0, (1, 2, 2), position=(2, 0, 0), shape=shapes.Sphere(0.3)),
+    ]
+    drawn = File(System(bodies).export_glb(tmp_path / "two")).check()  # 9 short indices: what follows is aligned
+    materials, sides = drawn.document["materials"], {}
+    for mesh in drawn.document["meshes"]:
+        sides[mesh["name"]] = {materials[part["material"]]["doubleSided"] for part in mesh["primitives"]}
+    assert sides == {"funnel shape": {True}, "ball shape": {False}}
 
 
 def chain(n):
