@@ -62,7 +62,7 @@ class Artist:
                     strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), LIFT])
             if hasattr(part, "at_a") and len(points) == 2:
                 first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
-                self.drawing.links.append(Link(self.system.name(part), (first, second)))
+                self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
         for i, points in strokes.items():
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "body", i, np.array(points[:-1]), colour(i)))
 
