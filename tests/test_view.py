@@ -14,7 +14,7 @@ from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simu
 from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
 from mbsd3d.view import live, page
-from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, sensible_speed
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text, sensible_speed
 from mbsd3d.view.drawing import draw_system
 from mbsd3d.view.meshes import arrow, creased, linear
 from mbsd3d.view.motion import arrows_of, curves_of, frames_of
@@ -261,4 +261,5 @@ def test_sharp_edges_are_split_and_smooth_ones_kept():
 def test_round_numbers():
     assert [sensible_speed(t) for t in (0.0, 0.628, 1.9, 2.0, 30.0, 31.0, 4e4)] == [1, 0.05, 0.2, 1, 1, 2, 5000]
     assert [round_length(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.2, 0.5, 10.0, 2e-5]
+    assert [length_text(x) for x in (0.0005, 0.01, 500.0, 2000.0)] == ["0.5 mm", "0.01 m", "500 m", "2 km"]
     assert linear(np.array([0, 255, 188])).tolist() == [0, 255, 128]  # the middle of light is 188 of 255

@@ -16,7 +16,7 @@ from ..surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
-DARK, LIGHT = "#4d4d4d", "#e0e0e0"
+DARK, LIGHT = "#6b6b6b", "#e0e0e0"  # seen on white and on dark paper; seen inside bodies
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 

@@ -42,6 +42,12 @@ def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENS
     return float(f"{nearest * decade:.1g}")
 
 
+def length_text(length: float) -> str:
+    """A length with a unit in which it is a usual number."""
+    unit, factor = ("mm", 1e3) if length < 0.01 else ("km", 1e-3) if length >= 1000.0 else ("m", 1.0)
+    return f"{length * factor:g} {unit}"
+
+
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
@@ -77,7 +83,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
-        "grid": f"{stage.cell:g}",
+        "grid": length_text(stage.cell),
         "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from ..rotations import matrix, multiply
+from ..style import GREY
 from .drawing import Link
 from .links import SLENDER, unit_coil, unit_rod
 from .meshes import linear, tint
 from .motion import Frames
 
 ROD = 0.005  # radius of a rod and least one of a spring, in units of the mechanism's size
-GREY = "#8c8c8c"
 NOTHING = 1e-9  # what stands for a length of zero: scales of zero have no inverse
 Z = np.array([0.0, 0.0, 1.0])
 
