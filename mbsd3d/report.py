@@ -226,6 +226,7 @@ def figure_of(solution: Any, number: int, entry: Any, caption: str) -> dict[str,
     from .plots import plot_quantity
 
     figure = plot_quantity(solution, [entry])
+    figure.set_size_inches(7.5, 0.85 + 1.75 * len(figure.axes))  # three of one panel go on an A4 page
     labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
     return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
 

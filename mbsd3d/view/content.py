@@ -31,11 +31,11 @@ class Content(NamedTuple):
     shown: tuple[str, ...] = ()  # layers, besides those that always are
 
 
-def sensible_speed(seconds: float) -> float:
-    """Real time for a run of 2 ... 30 s, else a round factor with which it takes about 10 s."""
-    if seconds <= 0.0 or SHORT <= seconds <= LONG:
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
         return 1.0
-    exact = seconds / SENSIBLE
+    exact = seconds / sensible
     decade = 10.0 ** np.floor(np.log10(exact))
     nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
     return float(f"{nearest * decade:.1g}")
@@ -71,6 +71,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "moving": moving,
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
         "links": links_data(drawing, stage),
+        "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
         "traces": [node.name for node in stage.traces],
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
@@ -108,8 +109,15 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, An
 def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
     """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
     marks = {kind.kind: {"colour": kind.colour, "heads": heads_of(kind)} for kind in content.arrows}
+    inner = (*marks, "centre of mass", "reference point")
     return [
-        {"name": name, "nodes": [node.name for node in nodes], "shown": name in stage.shown, **marks.get(name, {})}
+        {
+            "name": name,
+            "inner": name in inner,
+            "nodes": [node.name for node in nodes],
+            "shown": name in stage.shown,
+            **marks.get(name, {}),
+        }
         for name, nodes in stage.layers.items()
         if nodes
     ]
