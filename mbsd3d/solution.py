@@ -322,11 +322,60 @@ class Solution:
 
         return plot_quantity(self, quantity, *parts, **options)
 
-    def animate(self, **options: Any) -> Any:
-        """Matplotlib animation of the motion; see `mbsd3d.animation`."""
-        from .animation import animate
+    def report(self, path: str | Path | None = None, **options: Any) -> Any:
+        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
+        from .report import make_report
 
-        return animate(self, **options)
+        return make_report(self, path, **options)
+
+    def animate(
+        self,
+        path: str | Path | None = None,
+        *,
+        curves: Any = None,
+        traces: Any = None,
+        shown: Any = (),
+        frames: int | None = None,
+        speed: float | None = None,
+        title: str | None = None,
+        dark: bool | None = None,
+        live: bool = False,
+    ) -> Any:
+        """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Where the page is written too; ".html" is appended if it is missing.
+        curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
+            None = a few that tell most; () = none.
+        traces : list of (body, world point at the reference pose [m]), optional
+            Points whose paths are drawn; None = centres of mass; () = none.
+        shown : list of layers, optional
+            Shown from the start besides the usual ones, e.g. ["angular momentum"]; all have switches.
+        frames : int, optional
+            >= 2; None = as many as the motion needs and the page bears.
+        speed : float, optional
+            Model time per real time; None = real time for runs of 2 ... 30 s, else a round factor for about 10 s.
+        title : str, optional
+        dark : bool, optional
+            None = what the reader's system prefers.
+        live : bool
+            Whether a server on this machine shows the motion instead (``path`` is not written then).
+
+        Returns
+        -------
+        View
+            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
+
+        Raises
+        ------
+        ValueError
+            Naming the option, part or package and the remedy.
+        """
+        from .view.page import animate
+
+        return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
 
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""
