@@ -1,6 +1,6 @@
 """What a report says in numbers: facts, tables and sentences about a run as plain text; no layout."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,8 @@ def digits(value: float, size: float = 0.0, count: int = 4) -> str:
     text = f"{value:.{count}g}"
     if "e" in text:
         mantissa, exponent = text.split("e")
-        text = f"{mantissa} · 10{str(int(exponent)).translate(RAISED)}"
+        power = f"10{str(int(exponent)).translate(RAISED)}"
+        text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
     return text.replace("-", "−")
 
 
@@ -62,19 +63,28 @@ def run_facts(solution: Any) -> list[tuple[str, str]]:
     """What was run and how; without the time it took, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
     adaptive = not getattr(record.method, "dt", None) and not record.kinematic
+    first, last = digits(t[0], count=6), digits(t[-1], count=6)
+    span = first if t.size == 1 else f"{first} … {last}"
     facts = [
         ("model", ", ".join([counted(len(system.bodies), "body"), counted(len(system.joints), "joint"),
                              counted(len(system.forces), "force")])),
         ("gravity", f"{triple(system.gravity)} m/s²"),
-        ("time", f"{digits(t[0], count=6)} … {digits(solution.final.t, count=6)} s, {counted(t.size, 'sample')}"),
-        ("method", str(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
-        ("work", f"{counted(record.steps, 'step')} accepted, {record.rejected} rejected; {record.evaluations} "
-                 f"evaluations; {record.svd_calls} choices of independent rows"),
+        ("time", f"{span} s, {counted(t.size, 'sample')}"),
+        ("method", method_text(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
+        ("steps", f"{record.steps} accepted, {record.rejected} rejected, with "
+                  f"{counted(record.evaluations, 'evaluation')} of the equations"),
+        ("rows", f"chosen {counted(record.svd_calls, 'time')}, {counted(len(record.rank_events), 'rank event')}"),
     ]  # fmt: skip
     if record.tolerance:
         misfit = record.tolerance * solution.compiled.model.length
         facts.append(("tolerance", f"redundant rows may be violated by {digits(misfit)} m as built"))
     return [*facts, ("stabilisation", record.switches.stabilisation)]
+
+
+def method_text(method: Any) -> str:
+    """A method with what was set."""
+    chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
+    return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
 
 
 def warnings(solution: Any) -> list[str]:
@@ -83,7 +93,7 @@ def warnings(solution: Any) -> list[str]:
     terms = {
         "gyroscopic": "the gyroscopic term w × I w",
         "centripetal": "the centripetal term m w × (w × s)",
-        "gamma": "the term −J̇ v of the acceleration rows",
+        "gamma": "the term −J_dot v of the acceleration rows",
     }
     for switch, term in terms.items():
         if not getattr(record.switches, switch):
@@ -105,18 +115,19 @@ def warnings(solution: Any) -> list[str]:
 def body_table(solution: Any) -> Table:
     """Mass properties of the bodies and how fast they became."""
     bodies, note = shortened(solution.system.bodies, "bodies")
-    rows = []
-    size = solution.compiled.model.length
+    length, v = (
+        solution.compiled.model.length,
+        np.linalg.norm(solution.arrays["v"].reshape(*solution.arrays["v"].shape[:2], 2, 3), axis=3),
+    )
+    fastest, rows = v.max(axis=(0, 1)), []
     for body in bodies:
-        speed = float(np.linalg.norm(solution.velocity(body), axis=1).max())
-        spin = float(np.linalg.norm(solution.omega(body), axis=1).max())
-        moments = np.linalg.eigvalsh(body.inertia)
-        rows.append(
-            (body.name, digits(body.mass), triple(body.com, size), triple(moments), digits(speed), digits(spin))
-        )
+        reached = v[:, solution.system.bodies.index(body)].max(axis=0)
+        speed, spin = (digits(x, size) for x, size in zip(reached, fastest, strict=True))
+        moments = triple(np.linalg.eigvalsh(body.inertia))
+        rows.append((body.name, digits(body.mass), triple(body.com, length), moments, speed, spin))
     head = ("body", "mass [kg]", "centre of mass [m]", "principal moments [kg m²]", "speed [m/s]", "turning [rad/s]")
-    text = "Centre of mass from the reference point, body axes; moments about it. Speed of the reference point and "
-    return Table("Bodies", head, rows, note=" ".join(filter(None, [text + "turning: the largest of the run.", note])))
+    text = "Centre of mass from the reference point, body axes; moments about it. Largest speed of that "
+    return Table("Bodies", head, rows, note=" ".join(filter(None, [text + "point and rate of turning.", note])))
 
 
 def loaded_joints(solution: Any) -> tuple[list, str]:
@@ -165,7 +176,17 @@ def joint_table(solution: Any, diagnosis: Any) -> Table:
         known = "determined" if reaction.unique else "indeterminate"
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
-    head = ("joint", "type", "between", "reaction", "redundant rows", "force [N]", "at [s]", "moment [N m]", "at [s]")
+    head = (
+        "joint",
+        "type",
+        "between",
+        "reaction",
+        "redundant rows",
+        "force [N]",
+        "at [s]",
+        "moment [N\u00a0m]",
+        "at [s]",
+    )
     text = "Largest reactions on the second body, at the joint's point."
     if any(row[3] == "indeterminate" for row in rows):
         text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
@@ -210,7 +231,7 @@ def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
         ("verdict", d.verdict),
         ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
         ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
-        ("mobility", f"{d.mobility} (free velocities), {d.configuration_freedom} free configurations"),
+        ("mobility", f"{counted(d.mobility, 'free velocity')}, {d.configuration_freedom} free positions"),
         ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
     ]
     facts += [("cure", cure.text) for cure in d.cures[:3]]

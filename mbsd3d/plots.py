@@ -18,6 +18,7 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from .animation import GREY, Scene, bounds, colour, draw, prepare
 from .files import write_atomically
+from .panels import OF_THE_SYSTEM as OF_THE_SYSTEM
 from .panels import PANELS as PANELS
 from .panels import Panel, panels_of
 from .state import State
@@ -98,6 +99,8 @@ def plot_quantity(
             set_range(target, panel, max(float(np.nanmax(np.abs(x), initial=0.0)) for x in alike))
             before = legend
         label_across(targets, across, every=axes is not None)
+        if axes is None:
+            targets[0].figure.align_ylabels()
     return targets[0].figure
 
 
@@ -274,9 +277,9 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
         If the folder cannot be written.
     """
     path, written = Path(path), []
-    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"metadata": {"Date": None}}}
+    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
     if pdf:
-        options[".pdf"] = {"metadata": {"CreationDate": None}}
+        options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
     with house():
         for suffix, settings in options.items():
             buffer = io.BytesIO()
