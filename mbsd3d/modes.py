@@ -162,7 +162,7 @@ class Mode:
         return moving_poses(self, t, wave)
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
-        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s unless ``speed`` is given."""
+        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
         seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
         return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
