@@ -130,7 +130,7 @@ class LiveView:
         """Move everything to a time; traces grow in whole frames."""
         k, share = place(self._content.frames.t, t)
         r, e = (mixed(values, k, share) for values in (self._content.frames.r, self._content.frames.e))
-        self._stage.move(self._content.drawing, r, e / np.linalg.norm(e, axis=1, keepdims=True))
+        self._stage.move(r, e / np.linalg.norm(e, axis=1, keepdims=True))
         for i, arrows in enumerate(self._content.arrows):
             if self._panel.shown(arrows.kind):
                 self._stage.point(i, mixed(arrows.points, k, share), mixed(arrows.vectors, k, share))
