@@ -4,6 +4,7 @@ Its figures are vector graphics whose colours follow the reader's light or dark 
 numbers stands in `mbsd3d.facts`. The time the run took is left out, so the same run gives the same bytes.
 """
 
+import base64
 import html
 import io
 import re
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from .drivers import Driver
 from .facts import (
     body_table,
     digits,
@@ -31,15 +33,17 @@ from .files import package_version, with_suffix, write_atomically
 from .style import DARK, LIGHT, house
 
 LINES = 6  # of a figure that is chosen here
+DRAWN = 200  # bodies of a picture
+PICTURE = (7.2, 3.8)  # [inch]
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
 MEANING = {
     "joint gaps": "the joints stay closed",
     "joint velocities": "the joints are not torn apart",
-    "energy balance": "energy changes by the work done, and by nothing else",
-    "momentum balance": "momentum changes by the impulse of the forces, and by nothing else",
-    "angular momentum": "so does angular momentum",
-    "Newton-Euler": "force = mass × acceleration for each body",
-    "acceleration rows": "the accelerations keep the joints closed",
+    "energy balance": "energy changes by the work done",
+    "momentum balance": "momentum changes by the impulse",
+    "angular momentum": "it changes by the angular impulse",
+    "Newton-Euler": "every body obeys its equations",
+    "acceleration rows": "accelerations keep them closed",
 }
 
 
@@ -122,6 +126,7 @@ def make_report(
     tables = [body_table(solution), joint_table(solution, diagnosis), driver_table(solution), force_table(solution)]
     page = template().render(
         title=title,
+        solution=solution,
         version=package_version(),
         certificate=certificate,
         checks=[check_row(check) for check in certificate.checks],
@@ -198,11 +203,11 @@ def wanted_curves(solution: Any, curves: Any) -> list[tuple[Any, str]]:
             cut = f" that change most, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
             found.append(((kind, *chosen), f"{name} of the joints{cut}."))
     few, _ = thinned(solution, len(system.joints))
-    joints = loaded_joints(solution)[0]
+    joints, count = loaded_joints(solution)[0], sum(not isinstance(joint, Driver) for joint in system.joints)
     loads = {id(joint): float(np.linalg.norm(few.reaction(joint).force, axis=1).max()) for joint in joints}
     chosen = most(joints, loads)
     if chosen:
-        cut = f" with the largest forces, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
+        cut = f" with the largest forces, {len(chosen)} of {count}" if count > len(chosen) else ""
         found.append((("reaction", *chosen), f"Reactions of the joints{cut}."))
     if solution.compiled.drives:
         found.append(("effort", "Efforts of the drivers."))
@@ -226,7 +231,7 @@ def figure_of(solution: Any, number: int, entry: Any, caption: str) -> dict[str,
     from .plots import plot_quantity
 
     figure = plot_quantity(solution, [entry])
-    figure.set_size_inches(7.5, 0.85 + 1.75 * len(figure.axes))  # three of one panel go on an A4 page
+    figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
     labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
     return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
 
@@ -249,6 +254,21 @@ def inline_svg(figure: Any, prefix: str) -> str:
     return re.sub(r"\n\s*", "\n", text)
 
 
-def picture_of(solution: Any, dark: bool | None) -> Any:
-    """The mechanism as an image, or None as long as there is no painter."""
-    return None
+def picture_of(solution: Any, dark: bool | None) -> list[dict[str, str]]:
+    """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
+    from .view.picture import picture_of_solution, picture_of_system
+
+    if len(solution.system.bodies) > DRAWN:
+        return []
+    images = []
+    for sheet in (False, True) if dark is None else (bool(dark),):
+        if solution.t.size > 1:
+            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
+        else:
+            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
+        buffer = io.BytesIO()
+        with house():
+            figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})
+        source = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+        images.append({"paper": "dark" if sheet else "light", "source": source})
+    return images

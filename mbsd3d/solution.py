@@ -335,6 +335,7 @@ class Solution:
         *,
         curves: Any = None,
         traces: Any = None,
+        shown: Any = (),
         frames: int | None = None,
         speed: float | None = None,
         title: str | None = None,
@@ -351,6 +352,8 @@ class Solution:
             None = a few that tell most; () = none.
         traces : list of (body, world point at the reference pose [m]), optional
             Points whose paths are drawn; None = centres of mass; () = none.
+        shown : list of layers, optional
+            Shown from the start besides the usual ones, e.g. ["angular momentum"]; all have switches.
         frames : int, optional
             >= 2; None = as many as the motion needs and the page bears.
         speed : float, optional
@@ -373,7 +376,7 @@ class Solution:
         """
         from .view.page import animate
 
-        return animate(self, path, curves, traces, frames, speed, title, dark, live)
+        return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
 
     def picture(self, t: Any = None, **options: Any) -> Any:
         """Shaded matplotlib figure of a moment, or of several; see `mbsd3d.view.picture.picture_of_solution`."""

@@ -28,6 +28,7 @@ class Content(NamedTuple):
     curves: list[Curve]
     speed: float  # model time per real time
     title: str
+    shown: tuple[str, ...] = ()  # layers, besides those that always are
 
 
 def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
@@ -44,7 +45,13 @@ def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
     stage = build_stage(
-        recording.scene, recording.camera, content.drawing, content.frames, content.arrows, content.traces
+        recording.scene,
+        recording.camera,
+        content.drawing,
+        content.frames,
+        content.arrows,
+        content.traces,
+        content.shown,
     )
     return recording.data(), player_data(content, stage)
 
@@ -64,6 +71,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "moving": moving,
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
         "links": links_data(drawing, stage),
+        "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
         "traces": [node.name for node in stage.traces],
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
@@ -101,8 +109,15 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, An
 def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
     """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
     marks = {kind.kind: {"colour": kind.colour, "heads": heads_of(kind)} for kind in content.arrows}
+    inner = (*marks, "centre of mass", "reference point")
     return [
-        {"name": name, "nodes": [node.name for node in nodes], "shown": name in stage.shown, **marks.get(name, {})}
+        {
+            "name": name,
+            "inner": name in inner,
+            "nodes": [node.name for node in nodes],
+            "shown": name in stage.shown,
+            **marks.get(name, {}),
+        }
         for name, nodes in stage.layers.items()
         if nodes
     ]

@@ -48,11 +48,13 @@ class LiveView:
         self._server = quiet_server()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
-            self._stage = build_stage(scene, camera, content.drawing, frames, content.arrows, content.traces)
+            self._stage = build_stage(
+                scene, camera, content.drawing, frames, content.arrows, content.traces, content.shown
+            )
             self._paths = [(node, node.points) for node in self._stage.traces]
             gui.set_panel_label(content.title)
             gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
-            self._panel = Panel(gui, self, self._stage, content)
+            self._panel = Panel(gui, self, self._stage, content, bool(dark))
         except BaseException:
             self._server.stop()
             raise

@@ -54,6 +54,12 @@ def revolved(profile: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray
 def tint(colour: str, shade: int = 0, *, pale: bool = False) -> tuple[int, int, int]:
     """RGB of "#rrggbb"; darker for shade 1, half way to grey if pale."""
     rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], float)
-    rgb = rgb * 0.6 if shade else rgb
+    rgb = rgb * 0.72 if shade else rgb
     rgb = 0.45 * rgb + 0.55 * 190.0 if pale else rgb
     return tuple(int(x) for x in np.rint(rgb))
+
+
+def linear(colours: np.ndarray) -> np.ndarray:
+    """RGB 0 ... 255 without the display's curve: viser takes colours of copies as they are."""
+    x = np.asarray(colours) / 255.0
+    return np.rint(255.0 * np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)).astype(np.uint8)

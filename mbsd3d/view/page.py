@@ -3,6 +3,7 @@
 import html
 import json
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files as resources
@@ -18,6 +19,7 @@ from .content import Content, scene_and_data, sensible_speed
 from .drawing import draw_system, poses_of
 from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
 from .recorder import client_head
+from .stage import ALL
 
 LARGEST = 9e6  # characters of a page whose number of frames was not asked for
 SCRIPTS = ("unpack.js", "scene.js", "curves.js", "player.js")
@@ -70,8 +72,10 @@ class View:
         import tempfile
         import webbrowser
 
+        from .live import has_browser
+
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
-        if not webbrowser.open(path.as_uri()):
+        if not has_browser() or not webbrowser.open(path.as_uri()):
             raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
         return path
 
@@ -134,6 +138,7 @@ def animate(
     path: str | Path | None,
     curves: Any,
     traces: Any,
+    shown: Any,
     frames: int | None,
     speed: float | None,
     title: str | None,
@@ -144,6 +149,7 @@ def animate(
     check_options(title, dark)
     if frames is not None and (isinstance(frames, bool) or not isinstance(frames, int | np.integer) or frames < 2):
         raise ValueError(f"animate: frames = {frames!r}; give a whole number >= 2, or None")
+    shown = layers_of(shown)
     if speed is not None:
         speed = number(speed, "animate: speed", positive=True)
     if not solution.t.size:
@@ -152,7 +158,7 @@ def animate(
         drawing, count = draw_system(solution.system), frames
         while True:
             moving = frames_of(solution, count)
-            content = gather(solution, drawing, moving, curves, traces, speed, title, progress)
+            content = gather(solution, drawing, moving, curves, traces, speed, title, progress)._replace(shown=shown)
             view = deliver(solution.system, content, None, dark, live, "solution.animate")
             if live or frames is not None or len(view.html) <= LARGEST or moving.t.size <= 2:
                 break
@@ -175,6 +181,16 @@ def gather(
     progress.update(4.0)
     seconds = float(frames.t[-1] - frames.t[0])
     return Content(drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or "motion")
+
+
+def layers_of(shown: Any) -> tuple[str, ...]:
+    """Names of layers, checked."""
+    if isinstance(shown, str) or not isinstance(shown, Iterable):
+        raise ValueError(f"animate: shown = {shown!r}; give a list of layers, e.g. ['angular velocity']")
+    for layer in (shown := tuple(shown)):
+        if layer not in ALL:
+            raise ValueError(f"animate: shown: layer {layer!r} is unknown; give some of {', '.join(ALL)}")
+    return shown
 
 
 def check_options(title: Any, dark: Any) -> None:

@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from ..style import colour
+from ..style import Theme, theme
 from .content import Content
 from .motion import Arrows, Curve, Frames
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS = 300  # of a line: the whole curve is sent again whenever its cursor moves
-CURSOR_PERIOD = 3  # pictures from one move of the cursors to the next
+CURSOR = 3  # pictures from one move of the cursors to the next
 
 
 class Panel:
     """Widgets that read and write ``player`` (playing, speed, time) and the layers of a stage."""
 
-    def __init__(self, gui: Any, player: Any, stage: Any, content: Content) -> None:
+    def __init__(self, gui: Any, player: Any, stage: Any, content: Content, dark: bool) -> None:
         frames = content.frames
         self.gui, self.player, self.stage, self.pictures = gui, player, stage, 0
         gui.main_panel.dock_right()
@@ -25,7 +25,7 @@ class Panel:
         self.slider = self.add_player(frames) if frames.t.size > 1 else None
         with gui.add_folder("show and hide", expand_by_default=False):
             self.switches = self.add_switches(content.arrows)
-        self.plots = [Plot(gui, frames.t, curve) for curve in content.curves]
+        self.plots = [Plot(gui, frames.t, curve, theme(dark)) for curve in content.curves]
 
     def add_player(self, frames: Frames) -> Any:
         """Button, slider and speeds; returns the slider."""
@@ -75,7 +75,7 @@ class Panel:
         """Bring slider and cursors to a time [s]."""
         if self.slider is not None:
             self.slider.value = t
-        if self.pictures % CURSOR_PERIOD == 0 or not self.player.playing:
+        if self.pictures % CURSOR == 0 or not self.player.playing:
             for plot in self.plots:
                 plot.move(t)
         self.pictures += 1
@@ -84,17 +84,18 @@ class Panel:
 class Plot:
     """A curve with a cursor: a line of two points at the time, the last series."""
 
-    def __init__(self, gui: Any, t: np.ndarray, curve: Curve) -> None:
+    def __init__(self, gui: Any, t: np.ndarray, curve: Curve, look: Theme) -> None:
         self.t = np.linspace(t[0], t[-1], min(POINTS, t.size))
         self.lines = [np.interp(self.t, t, values) for _, values in curve.lines]
         low, high = min(map(np.min, self.lines)), max(map(np.max, self.lines))
         margin = 0.05 * float(high - low) or 0.05 * abs(float(high)) or 1.0
         self.range = (float(low) - margin, float(high) + margin)
-        series = [{"label": "t"}]
-        series += [{"label": name, "stroke": colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)]
-        series += [{"label": "now", "stroke": "#909090", "width": 1.5, "points": {"show": False}}]
+        series: list[dict[str, Any]] = [{"label": "time [s]"}]
+        series += [{"label": name, "stroke": look.colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)]
+        series += [{"label": "now", "stroke": look.muted, "width": 1.5, "points": {"show": False}}]
         self.handle = gui.add_uplot(
             self.data(float(t[0])), tuple(series), title=f"{curve.label} [{curve.unit}]", height=190,
+            legend={"show": len(curve.lines) > 1, "live": False},
             scales={"x": {"time": False, "auto": True}, "y": {"auto": False, "range": self.range}},
         )  # fmt: skip
 

@@ -12,11 +12,12 @@ import numpy as np
 
 from ..rotations import matrix
 from .drawing import Drawing, bounds, frame_camera
-from .meshes import arrow, creased, stick, tint
+from .meshes import arrow, creased, linear, stick, tint
 from .motion import Arrows, Frames, Trace
 
 FEW = 12  # bodies whose names do not hide the picture
 FOV = 0.7  # vertical [rad]
+SUN = (-0.5, -1.5, 3.0)  # direction it stands in
 ROD = 0.006  # radius of springs and rods, in units of the mechanism's size
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 NAMED = {"body": "body names", "joint": "joint names"}
@@ -67,6 +68,7 @@ def build_stage(
     frames: Frames,
     arrows: Sequence[Arrows] = (),
     traces: Sequence[Trace] = (),
+    shown: Sequence[str] = (),
 ) -> Stage:
     """Draw everything at the first frame.
 
@@ -74,6 +76,7 @@ def build_stage(
     ----------
     scene, camera : viser's ``server.scene`` and ``server.initial_camera``, or those of a `Recording`
     drawing, frames, arrows, traces : what is drawn and how it moves; the camera frames all of it
+    shown : layers to show besides the usual ones
 
     Returns
     -------
@@ -102,8 +105,10 @@ def build_stage(
     add_grid(scene, stage, drawing, low, high)
     if len(stage.bodies) - 1 <= FEW:
         stage.shown = (*SHOWN, "body names")
+    stage.shown = (*stage.shown, *shown)
     for layer in stage.layers:
         stage.show(layer, layer in stage.shown)
+    light(scene)
     aim(camera, stage, low, high)
     scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
     return stage
@@ -115,6 +120,14 @@ def aim(camera: Any, stage: Stage, low: np.ndarray, high: np.ndarray) -> None:
     camera.position, camera.look_at = seen.position * stage.scale, seen.look_at * stage.scale
     camera.fov, camera.near = FOV, float(seen.distance * stage.scale) * 1e-3
     camera.far = float(seen.distance * stage.scale) * 1e3
+
+
+def light(scene: Any) -> None:
+    """Even light with one sun: viser's own, of a photographed place, makes orange yellow."""
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(False)
+    scene.add_light_hemisphere("/sky", sky_color=(255, 255, 255), ground_color=(205, 205, 205), intensity=3.0)
+    scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
 
 
 def add_pieces(scene: Any, stage: Stage, drawing: Drawing) -> None:
@@ -214,7 +227,7 @@ def add_sticks(scene: Any, name: str, mesh: tuple, count: int, colours: Any) -> 
     colours = tint(colours) if isinstance(colours, str) else colours
     still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
     return scene.add_batched_meshes_simple(
-        name, *mesh, *still, batched_scales=np.full((count, 3), 1e-9), batched_colors=colours, lod="off"
+        name, *mesh, *still, batched_scales=np.full((count, 3), 1e-9), batched_colors=linear(colours), lod="off"
     )
 
 

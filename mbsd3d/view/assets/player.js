@@ -95,29 +95,40 @@ function onKey(event) {
   event.preventDefault(), does();
 }
 
+function makeSwitch(name, on, mark, act) {
+  const tick = element("input", {type: "checkbox", checked: on});
+  tick.addEventListener("change", () => act(tick.checked));
+  $("switches").querySelector("fieldset").append(element("label", {}, tick, ...(mark ? [mark] : []), name));
+  return tick;
+}
+
+function arrowMark(kind) {
+  const mark = element("i", {className: "mark arrow", textContent: kind.heads === 2 ? "\u21a0" : "\u2192"});
+  mark.style.color = kind.colour;
+  mark.setAttribute("aria-hidden", "true");
+  return mark;
+}
+
+// What lies inside bodies makes them transparent when it is first shown; a switch of its own undoes that.
 function makeSwitches() {
-  const box = $("switches").querySelector("fieldset");
+  const through = makeSwitch("see through bodies", false, null, (on) => scene?.seeThrough(on));
+  let asked = false;
   for (const layer of data.layers) {
     shown[layer.name] = layer.shown;
-    const tick = element("input", {type: "checkbox", checked: layer.shown});
-    const mark = element("i", {className: layer.heads ? "mark arrow" : "mark", textContent: ["", "\u2192", "\u21a0"][layer.heads ?? 0]});
-    if (layer.colour) mark.style.color = layer.colour;
-    tick.addEventListener("change", () => {
-      (shown[layer.name] = tick.checked), (dirty = true);
-      scene?.show(layer.nodes, tick.checked);
+    makeSwitch(layer.name, layer.shown, layer.heads ? arrowMark(layer) : null, (on) => {
+      (shown[layer.name] = on), (dirty = true);
+      scene?.show(layer.nodes, on);
+      if (on && layer.inner && !asked) asked = through.checked || (through.click(), true);
       makeLegend();
     });
-    box.append(element("label", {}, tick, mark, layer.name));
   }
-  $("switches").open = $("scene").clientWidth > 640 && $("scene").clientHeight > 420;
+  $("switches").open = window.innerWidth > 1000;
 }
 
 function makeLegend() {
   const rows = data.arrows.filter((kind) => shown[kind.kind]).map((kind) => {
-    const mark = element("i", {className: "mark arrow", textContent: kind.heads === 2 ? "\u21a0" : "\u2192"});
-    mark.style.color = kind.colour;
     const pale = kind.uncertain ? "; pale: not determined by the joints" : "";
-    return element("p", {}, mark, `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
+    return element("p", {}, arrowMark(kind), `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
   });
   if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid} m`}));
   $("legend").replaceChildren(...rows);
@@ -126,7 +137,12 @@ function makeLegend() {
 function setUpCurves(lines) {
   if (!data.curves.length) return;
   const colours = data.colours[dark ? "dark" : "light"];
-  curves = data.curves.map((curve, i) => makeCurve(curve, lines[i], times, colours, (t) => (play(false), seek(t))));
+  const scales = {};
+  data.curves.forEach(({unit}, i) => {
+    for (const {values} of lines[i]) for (const v of values) if (Math.abs(v) > (scales[unit] ?? 0)) scales[unit] = Math.abs(v);
+  });
+  const pick = (t) => (play(false), seek(t));
+  curves = data.curves.map((curve, i) => makeCurve(curve, lines[i], times, colours, scales[curve.unit] ?? 0, pick));
   $("curves").append(...curves.map((curve) => curve.figure));
   const again = () => (curves.forEach((curve) => curve.resize()), (dirty = true));
   new ResizeObserver(again).observe($("curves"));
@@ -153,9 +169,12 @@ async function start() {
   window.addEventListener("keydown", onKey, true);
   $("camera").addEventListener("click", () => scene?.resetCamera());
   requestAnimationFrame(tick);
-  const made = makeScene(data, arrays);
-  if (!(await made.ready(30))) return say("The 3D scene did not start: this browser shows no WebGL. The curves work.");
+  const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");
+  if (!graphics) return say("This browser shows no WebGL, which the 3D scene needs; switch it on or take another one.");
+  graphics.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!(await made.ready(30))) return say("The 3D scene did not start: reload the page, or take another browser.");
   scene = made;
+  if (dark) scene.darken();
   scene.resetCamera();
   (dirty = true), say("");
   document.documentElement.dataset.ready = "yes";

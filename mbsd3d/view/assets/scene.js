@@ -77,6 +77,18 @@ function makeScene(data, arrays) {
     viewer.requestRender();
   }
 
+  // Arrows and marks inside bodies are seen through them.
+  function seeThrough(on) {
+    if (viewer === null) return;
+    for (const name of data.solids) tell("SceneNodeUpdateMessage", name, {updates: {opacity: on ? 0.4 : null}});
+    viewer.requestRender();
+  }
+
+  // On dark paper the grid stands back too.
+  function darken() {
+    tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color: [52, 52, 52], section_color: [84, 84, 84]}});
+  }
+
   // The first view; further away on a window that is higher than wide.
   function resetCamera() {
     if (viewer === null) return;
@@ -87,5 +99,5 @@ function makeScene(data, arrays) {
     viewer.requestRender();
   }
 
-  return {ready, move, idle, show, resetCamera};
+  return {ready, move, idle, show, seeThrough, darken, resetCamera};
 }
