@@ -396,6 +396,37 @@ class Solution:
 
         return export_mp4(self, path, **options)
 
+    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
+        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
+
+        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
+        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
+
+        Parameters
+        ----------
+        path : str or Path
+            ".glb" is appended if it is missing; an older file is replaced in one go.
+        frames : int, optional
+            Number of frames in equal steps of time; None = enough for a smooth film.
+        traces : sequence of (body, (3,) array_like), optional
+            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
+            move, () = none.
+
+        Returns
+        -------
+        Path
+            The file; the same solution gives the same bytes.
+
+        Raises
+        ------
+        ValueError
+            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
+            the system, or the folder cannot be written.
+        """
+        from .view.gltf import export_run
+
+        return export_run(self, path, frames, traces)
+
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""
         from .files import save

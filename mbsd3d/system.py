@@ -271,6 +271,12 @@ class System:
 
         return picture_of_system(self, state, **options)
 
+    def export_glb(self, path: str | Path) -> Path:
+        """Write the reference pose as a glTF 2.0 file; see `Solution.export_glb`."""
+        from .view.gltf import export_pose
+
+        return export_pose(self, path)
+
     def total_mass(self) -> float:
         """[kg]"""
         return float(np.sum([body.mass for body in self.bodies]))
