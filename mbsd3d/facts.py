@@ -47,7 +47,7 @@ def run_facts(solution: Any) -> list[tuple[str, str]]:
         ("method", method_text(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
         ("steps", f"{record.steps} accepted, {record.rejected} rejected, with "
                   f"{counted(record.evaluations, 'evaluation')} of the equations"),
-        ("rows", f"chosen {counted(record.svd_calls, 'time')}, {counted(len(record.rank_events), 'rank event')}"),
+        ("independent rows", f"chosen {counted(record.svd_calls, 'time')}, {counted(len(record.rank_events), 'rank event')}"),
     ]  # fmt: skip
     if record.tolerance:
         misfit = record.tolerance * solution.compiled.model.length
@@ -205,7 +205,7 @@ def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
         ("verdict", d.verdict),
         ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
         ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
-        ("mobility", f"{counted(d.mobility, 'free velocity')}, {d.configuration_freedom} free positions"),
+        ("mobility", f"{counted(d.mobility, 'freedom')} of velocity, {d.configuration_freedom} of position"),
         ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
     ]
     facts += [("cure", cure.text) for cure in d.cures[:3]]

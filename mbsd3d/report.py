@@ -107,6 +107,7 @@ def make_report(
     diagnosis = solution.system.check(**as_built)
     title = title if title is not None else title_of(solution.system)
     tables = [body_table(solution), joint_table(solution, diagnosis), driver_table(solution), force_table(solution)]
+    figures = [figure_of(solution, k, *wanted) for k, wanted in enumerate(wanted_curves(solution, curves))]
     page = template().render(
         title=title,
         solution=solution,
@@ -118,7 +119,7 @@ def make_report(
         run=run_facts(solution),
         drift=drift_facts(solution),
         freedoms=freedom_facts(diagnosis),
-        figures=[figure_of(solution, k, *wanted) for k, wanted in enumerate(wanted_curves(solution, curves))],
+        figures=figures,
         tables=[table for table in tables if table.rows],
         digits=digits,
         light=LIGHT,

@@ -154,7 +154,7 @@ def test_tables_hold_the_numbers_of_the_solution(solution, page):
 
 
 def test_redundant_joints_are_named_as_indeterminate():
-    page = Page(door().report().html)
+    page = Page(door().report(curves=[], dark=False).html)
     assert page.row("low")[3:5] == ["indeterminate", "5 of 5"]
     assert any("10, of rank 5: 5 redundant" in text for text in page.text)
     assert any("shares of least norm" in text for text in page.text) and "cure" in page.text
@@ -163,7 +163,7 @@ def test_redundant_joints_are_named_as_indeterminate():
 def test_a_failed_certificate_is_loud():
     top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.1, 5.0, 0.3), velocity=(0, 0, 0))
     run = simulate(System([top], gravity=(0, 0, 0)), 1.0, gyroscopic=False)
-    report = run.report()
+    report = run.report(dark=True)
     page = Page(report.html)
     assert not report.passed and "✗ FAILED." in page.text and repr(report).startswith("<report 'top': FAILED")
     assert all(sentence in page.text for sentence in run.certificate.failures)
@@ -176,22 +176,25 @@ def test_a_failed_certificate_is_loud():
     [("centripetal", "the centripetal term"), ("gamma", "of the acceleration rows")],
 )
 def test_switches_that_are_off_are_said(switch, text):
-    assert text in door(output=3, **{switch: False}).report().html
+    assert text in door(output=3, **{switch: False}).report(curves=[], dark=False).html
 
 
 def test_what_was_not_an_ordinary_run_is_said():
     system = pendulum()
     stopped = simulate(system, 0.3, stop_when=measures.angle(system.joints[2]) > 0.1)
-    assert f"The run was stopped by {stopped.record.stopped_by}.".replace(">", "&gt;") in stopped.report().html
-    once = accelerations(system).report()
+    assert (
+        f"The run was stopped by {stopped.record.stopped_by}.".replace(">", "&gt;")
+        in stopped.report(curves=[], dark=False).html
+    )
+    once = accelerations(system).report(dark=False)
     assert "There is a single sample" in once.html and "<svg" not in once.html and Page(once.html).row("elbow")
     arm = Body("arm", 1.0, (0.1, 0.2, 0.3), position=(0.5, 0.1, 0))
     hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 1), name="hinge")
     driven = System([arm], [hinge, AngleDriver(hinge, Ramp(2.0), name="motor")])
-    text = simulate(driven, 1.0, method=Kinematic(), output=11).report().html
+    text = simulate(driven, 1.0, method=Kinematic(), output=11).report(dark=False).html
     assert "The drivers determine the motion" in text and "the drivers determine the motion" in text
-    assert "stabilisation “none”" in door(stabilisation="none").report().html
-    fixed = simulate(system, 0.01, method=RK4(0.001)).report().html
+    assert "stabilisation “none”" in door(stabilisation="none").report(curves=[], dark=False).html
+    fixed = simulate(system, 0.01, method=RK4(0.001)).report(curves=[], dark=False).html
     assert "RK4 dt = 0.001" in fixed and "rtol" not in fixed
     assert "<dt>method</dt><dd>Kinematic</dd>" in text
 
@@ -236,7 +239,7 @@ def test_same_run_same_bytes(tmp_path):
 
 
 def test_paper(solution):
-    auto, light, dark = (solution.report(dark=dark).html for dark in (None, False, True))
+    auto, light, dark = (solution.report(dark=dark, curves=["energy"]).html for dark in (None, False, True))
     assert "@media screen and (prefers-color-scheme: dark) { :root" in auto
     assert "{ :root" not in light and "@media screen { :root" in dark
     assert [text.count("<img") for text in (auto, light, dark)] == [2, 1, 1]
@@ -246,7 +249,7 @@ def test_paper(solution):
 def test_chosen_curves(solution):
     text = solution.report(curves=[("position", UPPER_ARM), "drift"]).html
     assert text.count("<svg") == 2 and 'aria-label="position of upper arm [m] over time"' in text
-    assert solution.report(curves=[]).html.count("<svg") == 0
+    assert solution.report(curves=[], dark=False).html.count("<svg") == 0
     with pytest.raises(ValueError, match="curves 'energy' is a single text; give a list"):
         solution.report(curves="energy")
     with pytest.raises(ValueError, match="quantity 'speed' is unknown"):
@@ -254,7 +257,7 @@ def test_chosen_curves(solution):
     with pytest.raises(ValueError, match="report: title 3 is no text"):
         solution.report(title=3)
     with pytest.raises(ValueError, match="cannot be written"):
-        solution.report("/nowhere/at/all.html")
+        solution.report("/nowhere/at/all.html", curves=[], dark=True)
 
 
 def chain(count: int) -> System:
@@ -272,7 +275,7 @@ def chain(count: int) -> System:
 def test_sizes():
     report = simulate(chain(10), 0.5, output=1000).report()
     assert len(report.html.encode()) < 300_000
-    page = Page(simulate(chain(300), 0.002, method=RK4(0.001), output=3).report().html)
+    page = Page(simulate(chain(300), 0.002, method=RK4(0.001), output=3).report(dark=False).html)
     rows = [row for row in page.rows if row[0].startswith("link ")]
     assert len(rows) == MOST and len([row for row in page.rows if re.match(r"h\d", row[0])]) == MOST
     assert any(f"The first {MOST} of 300 bodies, and {300 - MOST} more." in text for text in page.text)
