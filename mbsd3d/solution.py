@@ -301,7 +301,8 @@ class Solution:
             raise ValueError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
         start = self.state(k)
-        return start if start.t == t else self.again(t, state=start, output=[t]).final
+        same = t - start.t <= 4.0 * np.spacing(max(abs(t), abs(self.final.t)))  # too short for any step
+        return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
@@ -373,6 +374,24 @@ class Solution:
         from .view.page import animate
 
         return animate(self, path, curves, traces, frames, speed, title, dark, live)
+
+    def picture(self, t: Any = None, **options: Any) -> Any:
+        """Shaded matplotlib figure of a moment, or of several; see `mbsd3d.view.picture.picture_of_solution`."""
+        from .view.picture import picture_of_solution
+
+        return picture_of_solution(self, t, **options)
+
+    def export_gif(self, path: str | Path, **options: Any) -> Path:
+        """Write the motion as an animated GIF; see `mbsd3d.view.film.export_gif`."""
+        from .view.film import export_gif
+
+        return export_gif(self, path, **options)
+
+    def export_mp4(self, path: str | Path, **options: Any) -> Path:
+        """Write the motion as an MP4 film, which needs ffmpeg; see `mbsd3d.view.film.export_mp4`."""
+        from .view.film import export_mp4
+
+        return export_mp4(self, path, **options)
 
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""

@@ -265,6 +265,12 @@ class System:
 
         return show_system(self, path, state, title, dark, live)
 
+    def picture(self, state: State | None = None, **options: Any) -> Any:
+        """Shaded matplotlib figure at a state or the reference pose; see `mbsd3d.view.picture.picture_of_system`."""
+        from .view.picture import picture_of_system
+
+        return picture_of_system(self, state, **options)
+
     def total_mass(self) -> float:
         """[kg]"""
         return float(np.sum([body.mass for body in self.bodies]))

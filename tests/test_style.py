@@ -80,12 +80,14 @@ def test_names():
     assert colour(7) == COLOURS[1] and DARK.colour(6) == DARK.lines[0]
 
 
-def test_colours_stand_in_one_place():
-    """Lines, papers and texts take their colours from the theme."""
+def test_colours_of_figures_stand_in_one_place():
+    """Lines, papers and texts take their colours from the theme; the paint of bodies is the user's and the demos'."""
     folder = Path(mbsd3d.__file__).parent
-    files = [folder / f"{name}.py" for name in ("plots", "panels", "modes", "report", "exhibits", "facts")]
-    for path in [*files, *folder.glob("demos/*.py")]:
-        assert not re.findall(r"[\"']#[0-9a-fA-F]{3,8}[\"']", path.read_text()), path.name
+    literal = re.compile(r"color\w*[\"']?\s*[=:]\s*[\"'](?!none|auto)")
+    files = [path for path in folder.rglob("*.py") if path.name not in ("animation.py", "scene.py")]
+    assert len(files) > 100 and not [path.name for path in files if literal.search(path.read_text())]
+    for name in ("plots", "panels", "modes", "report", "exhibits", "facts", "demos/drawing", "demos/wall"):
+        assert not re.search(r"[\"']#[0-9a-fA-F]{3,8}[\"']", (folder / f"{name}.py").read_text()), name
 
 
 def test_settings_of_the_user_change_nothing_and_are_kept(tmp_path):

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..style import COLOURS
+from ..style import DARK, LIGHT
 from .drawing import Drawing, bounds, frame_camera
 from .motion import Arrows, Curve, Frames, Trace
 from .packing import pack
@@ -30,11 +30,11 @@ class Content(NamedTuple):
     title: str
 
 
-def sensible_speed(seconds: float) -> float:
-    """Real time for a run of 2 ... 30 s, else a round factor with which it takes about 10 s."""
-    if seconds <= 0.0 or SHORT <= seconds <= LONG:
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
         return 1.0
-    exact = seconds / SENSIBLE
+    exact = seconds / sensible
     decade = 10.0 ** np.floor(np.log10(exact))
     nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
     return float(f"{nearest * decade:.1g}")
@@ -69,7 +69,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
         "grid": f"{stage.cell:g}",
-        "colours": {"light": list(COLOURS), "dark": list(COLOURS)},
+        "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
 

@@ -60,7 +60,7 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
 
 def panels_of(solution: Any, entry: Any) -> list[Any]:
     """The panels of "quantity" or ("quantity", part, ...)."""
-    from ..plots import OF_THE_SYSTEM, PANELS
+    from ..panels import OF_THE_SYSTEM, PANELS
 
     quantity, *parts = entry if isinstance(entry, tuple | list) and entry else (entry,)
     if not isinstance(quantity, str) or quantity not in PANELS:

@@ -73,9 +73,13 @@ class LiveView:
         """Where a browser finds it."""
         return f"http://{HOST}:{self._server.get_port()}"
 
+    def can_open(self) -> bool:
+        """Whether this machine has a browser with windows."""
+        return has_browser()
+
     def open(self) -> None:
         """Show it in the default browser; raises ValueError where there is none."""
-        if not has_browser() or not webbrowser.open(self.url):
+        if not self.can_open() or not webbrowser.open(self.url):
             raise ValueError(f"no browser was found on this machine; open {self.url} in one")
 
     def wait(self) -> None:

@@ -126,7 +126,7 @@ def show_system(
     t = np.array([0.0 if state is None else state.t])
     drawing = draw_system(system)
     content = Content(drawing, Frames(t, r[None], e[None]), [], [], [], 1.0, title or "reference pose")
-    return deliver(content, path, dark, live, "system.show")
+    return deliver(system, content, path, dark, live, "system.show")
 
 
 def animate(
@@ -153,7 +153,7 @@ def animate(
         while True:
             moving = frames_of(solution, count)
             content = gather(solution, drawing, moving, curves, traces, speed, title, progress)
-            view = deliver(content, None, dark, live, "solution.animate")
+            view = deliver(solution.system, content, None, dark, live, "solution.animate")
             if live or frames is not None or len(view.html) <= LARGEST or moving.t.size <= 2:
                 break
             count = max(2, int(0.9 * moving.t.size * LARGEST / len(view.html)))
@@ -185,13 +185,13 @@ def check_options(title: Any, dark: Any) -> None:
         raise ValueError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
 
 
-def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
+def deliver(system: Any, content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
     """The page, written too if a path is given; or the live view."""
+    frames = content.frames
     if live:
         from .live import serve
 
         return serve(content, dark=dark)
-    frames = content.frames
     page = make_page(content, None if dark is None else bool(dark), user)
     view = View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))
     if path is not None:

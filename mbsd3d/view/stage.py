@@ -203,7 +203,7 @@ def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: 
     middle = np.round(0.5 * (low + high)[:2] / cell) * cell
     node = scene.add_grid(
         "/grid", count * cell * stage.scale, count * cell * stage.scale, cell_size=cell * stage.scale,
-        section_size=5.0 * cell * stage.scale, position=np.array([*middle, drawing.floor]) * stage.scale,
+        section_size=5.0 * cell * stage.scale, position=np.array([*middle, min(drawing.floor, low[2])]) * stage.scale,
         cell_color=(190, 190, 190), section_color=(150, 150, 150), shadow_opacity=0.25,
     )  # fmt: skip
     stage.layers["ground grid"].append(node)
