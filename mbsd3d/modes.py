@@ -182,6 +182,7 @@ class Motion:
     _body = Solution._body
     position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
     com, point, animate = Solution.com, Solution.point, Solution.animate
+    export_gif, export_mp4, export_glb = Solution.export_gif, Solution.export_mp4, Solution.export_glb
 
 
 @on_one_thread

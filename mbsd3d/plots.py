@@ -1,4 +1,4 @@
-"""Figures of a solution over time and of a system in space. Nothing shows by itself: every function returns a Figure.
+"""Figures of a solution over time. Nothing shows by itself: every function returns a Figure.
 
 Lines differ in colour, and in their dashes too once the colours are used up; see `mbsd3d.style`.
 """
@@ -12,16 +12,12 @@ import numpy as np
 from cycler import cycler
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullFormatter
-from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from .animation import GREY, Scene, bounds, colour, draw, prepare
 from .files import write_atomically
 from .panels import OF_THE_SYSTEM as OF_THE_SYSTEM
 from .panels import PANELS as PANELS
 from .panels import Panel, panels_of
-from .state import State
 from .style import LINE, Theme, dress, house, theme
 
 DASHES = ("-", "--", ":", "-.")
@@ -194,64 +190,6 @@ def set_range(axes: Any, panel: Panel, size: float) -> None:
         axes.yaxis.set_minor_formatter(NullFormatter())
     elif high - low < 1e-9 * size:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
-
-
-def show_system(system: Any, state: State | None = None) -> Figure:
-    """The mechanism in space: bodies, centres of mass (o), reference points (+), joints and their axes, names.
-
-    Bodies are drawn as the solids that have their mass and inertia, all directions and sizes true to scale.
-
-    Parameters
-    ----------
-    system : System
-        What to draw.
-    state : State or None
-        Pose; None = the reference pose.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not shown; see `plot_quantity`.
-
-    Raises
-    ------
-    ValueError
-        If the state is one of another system, or a shape is unknown.
-    """
-    scene = Scene(system)
-    pose = scene.pose(state)
-    low, high = bounds([scene.lines(pose, 0.0)])
-    size = float((high - low).max())
-    lines = scene.lines(pose, 0.15 * size)
-    figure = Figure(figsize=(8, 6.4))
-    axes = figure.add_axes((0.02, 0.02, 0.92, 0.96), projection="3d")
-    prepare(axes, low, high)
-    draw(axes, scene, lines)
-    labels = [(body.name, lines[4 * i + 2][0], colour(i)) for i, body in enumerate(system.bodies)]
-    labels += [(system.name(mark.joint), point, "black") for mark, point in zip(scene.joints, lines[-2], strict=True)]
-    write_labels(axes, labels)
-    style = {"color": GREY, "linestyle": "none", "markerfacecolor": "none"}
-    marks = (("o", "centre of mass"), ("+", "reference point"), ("D", "joint"))
-    handles = [Line2D([], [], marker=marker, label=text, **style) for marker, text in marks]
-    figure.legend(handles=handles, loc="lower left", frameon=False, fontsize=9, ncols=3)
-    return figure
-
-
-def write_labels(axes: Any, labels: list[tuple[str, np.ndarray, str]]) -> None:
-    """Names right of their points, moved by whole lines up or down where they would overlap."""
-    width, height, taken = 6.2, 13.0, []  # [pixel] of a letter and a line at 9 points and 100 dpi
-    axes.apply_aspect()
-    view = axes.get_proj()
-    for name, point, tint in labels:
-        x, y = axes.transData.transform(proj_transform(*point, view)[:2])
-        for shift in sorted(range(-6, 7), key=lambda k: (abs(k), k)):
-            place = (x, x + width * (len(name) + 2), y - height * shift)
-            if not any(place[0] < b and a < place[1] and abs(place[2] - c) < height for a, b, c in taken):
-                break
-        taken.append(place)
-        text = "\n" * (2 * max(shift, 0)) + f"   {name}" + "\n" * (2 * max(-shift, 0))
-        halo = [withStroke(linewidth=2.5, foreground="white")]
-        axes.text(*point, text, color=tint, fontsize=9, va="center", linespacing=1.0, path_effects=halo)
 
 
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:

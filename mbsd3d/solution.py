@@ -301,7 +301,8 @@ class Solution:
             raise ValueError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
         start = self.state(k)
-        return start if start.t == t else self.again(t, state=start, output=[t]).final
+        same = t - start.t <= 4.0 * np.spacing(max(abs(t), abs(self.final.t)))  # too short for any step
+        return start if same else self.again(t, state=start, output=[t]).final
 
     def again(self, t_end: float | None = None, **changes: Any) -> "Solution":
         """Run the same system again with the same settings, except for the given ones (see `simulate`)."""
@@ -376,6 +377,55 @@ class Solution:
         from .view.page import animate
 
         return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
+
+    def picture(self, t: Any = None, **options: Any) -> Any:
+        """Shaded matplotlib figure of a moment, or of several; see `mbsd3d.view.picture.picture_of_solution`."""
+        from .view.picture import picture_of_solution
+
+        return picture_of_solution(self, t, **options)
+
+    def export_gif(self, path: str | Path, **options: Any) -> Path:
+        """Write the motion as an animated GIF; see `mbsd3d.view.film.export_gif`."""
+        from .view.film import export_gif
+
+        return export_gif(self, path, **options)
+
+    def export_mp4(self, path: str | Path, **options: Any) -> Path:
+        """Write the motion as an MP4 film, which needs ffmpeg; see `mbsd3d.view.film.export_mp4`."""
+        from .view.film import export_mp4
+
+        return export_mp4(self, path, **options)
+
+    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
+        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
+
+        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
+        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
+
+        Parameters
+        ----------
+        path : str or Path
+            ".glb" is appended if it is missing; an older file is replaced in one go.
+        frames : int, optional
+            Number of frames in equal steps of time; None = enough for a smooth film.
+        traces : sequence of (body, (3,) array_like), optional
+            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
+            move, () = none.
+
+        Returns
+        -------
+        Path
+            The file; the same solution gives the same bytes.
+
+        Raises
+        ------
+        ValueError
+            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
+            the system, or the folder cannot be written.
+        """
+        from .view.gltf import export_run
+
+        return export_run(self, path, frames, traces)
 
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""

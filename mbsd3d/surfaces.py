@@ -5,6 +5,7 @@ Vertices are shared across smooth edges only, so that `normals` shade a round si
 
 import stat
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,13 +28,17 @@ class Mesh(NamedTuple):
 
 
 def normals(mesh: Mesh) -> np.ndarray:
-    """(k, 3) unit normals of the vertices: those of their faces, weighted with the areas."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    doubled, found = np.cross(b - a, c - a), np.zeros_like(mesh.vertices)
-    for k in range(3):
-        np.add.at(found, mesh.faces[:, k], doubled)
-    lengths = np.linalg.norm(found, axis=1, keepdims=True)
-    return np.divide(found, lengths, out=np.zeros_like(found), where=lengths > 0.0)
+    """(k, 3) unit normals of the vertices: those of their faces, weighted with the angles there."""
+    corners = mesh.vertices[mesh.faces]  # (m, 3, 3)
+    following, previous = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
+    across = np.cross(following, previous)
+    area = np.linalg.norm(across, axis=2, keepdims=True)
+    angle = np.arctan2(area[..., 0], np.sum(following * previous, axis=2))
+    unit = np.divide(across, area, out=np.zeros_like(across), where=area > 0.0)
+    found = np.zeros_like(mesh.vertices)
+    np.add.at(found, mesh.faces, angle[..., None] * unit)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    return np.divide(found, length, out=np.zeros_like(found), where=length > 0.0)
 
 
 def moved(mesh: Mesh, R: np.ndarray, r: np.ndarray) -> Mesh:
@@ -127,21 +132,21 @@ def read_mesh(path: str, what: str) -> Mesh:
     """
     import trimesh
 
-    file = Path(path)
-    kind = file.suffix.lower()
+    file, kind = Path(path), Path(path).suffix.lower()[1:]
     try:
         state = file.stat()
-        if not stat.S_ISREG(state.st_mode) or state.st_size > BYTES:
-            raise ValueError(f"{what}: is no file, or has {state.st_size} > {BYTES} bytes; give a smaller mesh")
-        with file.open("rb") as handle:  # an open file: a mesh cannot name further files
-            options = {"skip_materials": True} if kind in (".obj", ".glb") else {}
-            found = trimesh.load_mesh(handle, file_type=kind[1:], **options)
+        content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > BYTES else file.read_bytes()
     except OSError as error:
         raise ValueError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
-    except ValueError:
-        raise
-    except Exception as error:  # parsers of foreign text fail in their own ways
-        raise ValueError(f"{what}: cannot be read as {kind[1:].upper()} ({error}); save the mesh again") from error
+    if not content:
+        raise ValueError(f"{what}: is no file, is empty or has more than {BYTES} bytes; give a mesh")
+    options = {"skip_materials": True} if kind in ("obj", "glb") else {}
+    try:  # from memory, so that a mesh cannot name further files
+        found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
+    except Exception as error:  # parsers of foreign data fail in their own ways
+        raise ValueError(
+            f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); save the mesh again"
+        ) from error
     return checked(found, what)
 
 
@@ -154,8 +159,9 @@ def checked(found: Any, what: str) -> Mesh:
         raise ValueError(f"{what}: has no triangles; give a mesh of a surface")
     if count > TRIANGLES:
         raise ValueError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
-    if not np.isfinite(found.vertices).all():
-        raise ValueError(f"{what}: has vertices that are not finite; repair it")
+    if not np.isfinite(found.vertices).all() or found.faces.min() < 0 or found.faces.max() >= len(found.vertices):
+        raise ValueError(f"{what}: has corners that are not finite or not there; repair it")
+    found.merge_vertices(merge_tex=True, merge_norm=True)
     smooth = trimesh.graph.smooth_shade(found, angle=SHARP)
     faces = np.array(smooth.faces, int)
     return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))

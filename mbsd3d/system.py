@@ -265,6 +265,18 @@ class System:
 
         return show_system(self, path, state, title, dark, live)
 
+    def picture(self, state: State | None = None, **options: Any) -> Any:
+        """Shaded matplotlib figure at a state or the reference pose; see `mbsd3d.view.picture.picture_of_system`."""
+        from .view.picture import picture_of_system
+
+        return picture_of_system(self, state, **options)
+
+    def export_glb(self, path: str | Path) -> Path:
+        """Write the reference pose as a glTF 2.0 file; see `Solution.export_glb`."""
+        from .view.gltf import export_pose
+
+        return export_pose(self, path)
+
     def total_mass(self) -> float:
         """[kg]"""
         return float(np.sum([body.mass for body in self.bodies]))

@@ -14,7 +14,7 @@ from ..solids import Shape
 from ..style import GREY, colour
 from ..surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
-from .glyphs import RIM, anchor, joints_of, scaled, solids, spokes
+from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
 DARK, LIGHT = "#4d4d4d", "#e0e0e0"
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
@@ -66,6 +66,12 @@ class Artist:
         for i, points in strokes.items():
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "body", i, np.array(points[:-1]), colour(i)))
 
+    def circles(self) -> None:
+        """Rolling and pitch circles."""
+        for joint in self.system.joints:
+            for body, mesh in circles(joint):
+                self.drawing.pieces.append(Piece(self.system.name(joint), "joint", self.place[id(body)], mesh, DARK))
+
     def names(self) -> None:
         """Of bodies at their centres of mass, of joints at their points."""
         add = self.drawing.tags.append
@@ -107,6 +113,7 @@ class Artist:
         """All of it: what has a size of its own first, since that gives the size of the marks."""
         self.bodies()
         self.arms()
+        self.circles()
         self.names()
         low, high = bounds(self.drawing, *(pose[None] for pose in poses_of(self.system)))
         size = float((high - low).max()) or 1.0

@@ -31,11 +31,11 @@ class Content(NamedTuple):
     shown: tuple[str, ...] = ()  # layers, besides those that always are
 
 
-def sensible_speed(seconds: float) -> float:
-    """Real time for a run of 2 ... 30 s, else a round factor with which it takes about 10 s."""
-    if seconds <= 0.0 or SHORT <= seconds <= LONG:
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
         return 1.0
-    exact = seconds / SENSIBLE
+    exact = seconds / sensible
     decade = 10.0 ** np.floor(np.log10(exact))
     nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
     return float(f"{nearest * decade:.1g}")

@@ -17,8 +17,9 @@ from ..parts import number
 from ..progress import Progress
 from .reel import Reel
 
-GIF_SECONDS, GIF_FASTEST = 4.0, 50.0  # of a film whose speed is not given; more frames per second are shown slower
-TONES, PROBES = 160, 9  # colours of a GIF, frames they are found from
+GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
+GIF_FASTEST = 50.0  # frames per second; viewers show more of them slower
+TONES, PROBES = 128, 9  # colours of a GIF, frames they are found from
 NO_FFMPEG = (
     "export_mp4 needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg; "
     "elsewhere: pip install imageio-ffmpeg), or use export_gif"
@@ -38,7 +39,7 @@ def export_gif(solution: Any, path: str | Path, *, fps: float = 25, **options: A
         Frames per second of the film > 0, at most 50 (viewers slow down what is faster).
     **options
         speed : float or None
-            Seconds of the run per second of the film; None = real time for a run of 2 to 8 s, else a round factor
+            Seconds of the run per second of the film; None = real time for a run of 2 to 6 s, else a round factor
             that makes a film of about 4 s.
         width, height : int
             [pixel]; 480, and None = 3/4 of the width; curves come below.
@@ -60,16 +61,17 @@ def export_gif(solution: Any, path: str | Path, *, fps: float = 25, **options: A
     if number(fps, "export_gif: fps", positive=True) > GIF_FASTEST:
         raise ValueError(f"export_gif: fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
     path = with_suffix(path, ".gif")
-    span = float(solution.t[-1] - solution.t[0]) if solution.t.size else 0.0
-    reel = Reel(solution, fps=fps, **{"seconds": span if 2.0 <= span <= 8.0 else GIF_SECONDS, **options})
+    reel = Reel(solution, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(reel) - 1, PROBES).astype(int))
     sample = Image.fromarray(np.concatenate([reel.frame(k) for k in probes]))
-    palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT, kmeans=1)
+    palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
+    tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), reel.sheet.paper)
     ends = np.rint(np.arange(len(reel) + 1) * 100.0 / reel.fps).astype(int)  # GIF counts in 1/100 s
     with Progress(f"making {path.name}", 0, len(reel)) as bar:
         images = []
         for k, frame in enumerate(reel):
-            images.append(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
+            images.append(Image.fromarray(nearest_tones(frame, tones)))
+            images[-1].putpalette(tones.ravel().tolist())
             bar.update(k + 1)
     buffer = io.BytesIO()
     durations = (10 * np.diff(ends)).tolist()
@@ -144,6 +146,22 @@ def ffmpeg() -> str:
     if found is None:
         raise ValueError(NO_FFMPEG)
     return found
+
+
+def with_paper(tones: np.ndarray, paper: str) -> np.ndarray:
+    """The (k, 3) tones, the one nearest to the paper made equal to it: else the ground of the film is tinted."""
+    exact = np.array([int(paper[k : k + 2], 16) for k in (1, 3, 5)], np.uint8)
+    return np.where((nearest_tones(exact[None, None], tones)[0, 0] == np.arange(len(tones)))[:, None], exact, tones)
+
+
+def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
+    """(h, w) uint8 places of the tones (k, 3) nearest to the pixels (h, w, 3); exact, which Pillow's own are not."""
+    packed = (image.astype(np.int32) * (65536, 256, 1)).sum(axis=2)
+    values, same = np.unique(packed, return_inverse=True)
+    colours = np.stack([values >> 16, (values >> 8) & 255, values & 255], axis=1)
+    wide = tones.astype(np.int32)
+    distance = (wide**2).sum(axis=1) - 2 * colours @ wide.T
+    return distance.argmin(axis=1).astype(np.uint8)[same].reshape(image.shape[:2])
 
 
 def with_suffix(path: str | Path, suffix: str) -> Path:

@@ -43,17 +43,23 @@ def anchor(joint: Joint) -> tuple[Any, np.ndarray]:
     return (joint.support() if isinstance(joint, GearMesh) else joint.b), joint.point()
 
 
-def solids(joint: Joint, size: float) -> list[Glyph]:
-    """The solids of a joint; ``size`` [m] is the length of a barrel."""
-    body, point = anchor(joint)
+def circles(joint: Joint) -> list[Glyph]:
+    """What of a joint has a true size: rolling and pitch circles."""
     if isinstance(joint, RollingDisc):
-        return [circle(joint.b, point, joint.axis, joint.radius)]
+        return [circle(joint.b, joint.centre, joint.axis, joint.radius)]
     if isinstance(joint, GearMesh):
         hinges = [(joint.gear(hinge), joint.axle(hinge)) for hinge in (joint.hinge_a, joint.hinge_b)]
         return [pitch_circle(gear, axle, joint.at) for gear, axle in hinges]
+    return []
+
+
+def solids(joint: Joint, size: float) -> list[Glyph]:
+    """The other solids of a joint; ``size`` [m] is the length of a barrel."""
+    if isinstance(joint, RollingDisc | GearMesh):
+        return []
     if joint.partners():
         return [ring(partner, size) for partner in joint.partners() if isinstance(partner, Joint)]
-    return [*guides(joint, size), *ends(joint, body, point, size)]
+    return [*guides(joint, size), *ends(joint, *anchor(joint), size)]
 
 
 def guides(joint: Joint, size: float) -> list[Glyph]:
@@ -84,7 +90,7 @@ def ends(joint: Joint, body: Any, point: np.ndarray, size: float) -> list[Glyph]
 
 def circle(body: Any, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
     """A thin ring that turns with a body, with the outer radius in its true size."""
-    return placed(torus((1.0 - RIM) * radius, RIM * radius, 60), body, centre, axis)
+    return placed(torus((1.0 - RIM) * radius, RIM * radius, 60, 4), body, centre, axis)
 
 
 def pitch_circle(gear: Any, axle: Any, at: np.ndarray) -> Glyph:
@@ -111,8 +117,8 @@ def spokes(joint: Joint, length: float) -> list[tuple[Any, np.ndarray]]:
     found = []
     for name, axis in axes.items():
         body = own[name]
-        at = joint.at if body is joint.a and hasattr(joint, "at") else at
-        middle, half = body.local_point(at), 0.5 * length * body.local_axis(axis)
+        point = joint.at if body is joint.a and hasattr(joint, "at") else at
+        middle, half = body.local_point(point), 0.5 * length * body.local_axis(axis)
         found.append((body, np.array([middle - half, middle + half])))
     return found
 

@@ -1,5 +1,7 @@
 """Names in a picture: beside their points, never on each other, rather on paper than on what is drawn."""
 
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -7,10 +9,13 @@ from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
 SIZE = 9.0  # of the letters, points
-REACH = (0.9, 1.6, 2.6, 4.0, 6.0)  # distances that are tried, in letter sizes
-AROUND = np.radians([0, 180, 35, -35, 145, -145, 90, -90])  # directions, best first
+AROUND = np.radians([0, 180, 35, -35, 145, -145, 90, -90])  # directions that are tried, best first
+REACHES = np.repeat([0.9, 1.6, 2.6, 4.0, 6.0], len(AROUND))  # distances that are tried, in letter sizes
+TOWARDS = np.tile(np.column_stack([np.cos(AROUND), np.sin(AROUND)]), (5, 1))
+EFFORT = 0.25 * (np.arange(40) // 8) + 0.03 * (np.arange(40) % 8)  # what the choices cost
+STEADY = 0.8  # what the choice of the frame before costs less
 CELL = 5.0  # of the map of what is painted, points
-COVER = 2.0  # what a name that covers only painted paper costs; the next distance costs 0.25
+COVER = 2.0  # what a name that covers only painted paper costs; see EFFORT
 
 
 class Name(NamedTuple):
@@ -21,12 +26,19 @@ class Name(NamedTuple):
     colour: Any
 
 
+@lru_cache(maxsize=4096)
 def extent(text: str, size: float) -> float:
     """Width of a text [points]."""
     return float(TextPath((0, 0), text, size=size, usetex=False).get_extents().width) if text.strip() else 0.0
 
 
-def place(names: list[Name], painted: np.ndarray, paper: tuple[float, float], size: float = SIZE) -> list[np.ndarray]:
+def place(
+    names: list[Name],
+    painted: np.ndarray,
+    paper: tuple[float, float],
+    kept: Sequence[int] = (),
+    size: float = SIZE,
+) -> tuple[list[np.ndarray], list[int]]:
     """Centres of the names on the paper.
 
     Parameters
@@ -37,34 +49,31 @@ def place(names: list[Name], painted: np.ndarray, paper: tuple[float, float], si
         Points of the paper that are better left free.
     paper : (float, float)
         Width and height [points].
+    kept : sequence of int
+        Choices of the frame before, which are preferred: in a film names must not jump.
     size : float
         Of the letters [points].
 
     Returns
     -------
-    list of (2,) ndarray
-        In the order of ``names``. Where there is no room left, a name is as free as can be.
+    list of (2,) ndarray, list of int
+        Centres in the order of ``names``, and the choices. Where there is no room, a name is as free as can be.
     """
-    found: dict[int, np.ndarray] = {}
     shape = np.ceil(np.array(paper) / CELL).astype(int)
     spots = (painted[((painted > 0) & (painted < paper)).all(axis=1)] / CELL).astype(int)
     ink = np.zeros(shape)
     ink[spots[:, 0], spots[:, 1]] = 1.0
-    taken = np.zeros((0, 4))
+    centres, choices, taken = [np.zeros(2)] * len(names), [0] * len(names), np.zeros((0, 4))
     for i in sorted(range(len(names)), key=lambda i: (-names[i].point[1], i)):
         half = np.array([0.5 * extent(names[i].text, size) + 1.5, 0.62 * size])
-        best, least = names[i].point, np.inf
-        for k, reach in enumerate(REACH):
-            for j, turn in enumerate(AROUND):
-                towards = np.array([np.cos(turn), np.sin(turn)])
-                centre = names[i].point + towards * (reach * size + half * np.abs(towards))
-                box = np.r_[centre - half, centre + half]
-                cost = 0.25 * k + 0.03 * j + trouble(box, taken, ink, paper)
-                if cost < least:
-                    best, least = centre, cost
-        found[i] = best
-        taken = np.vstack([taken, np.r_[best - half, best + half]])
-    return [found[i] for i in range(len(names))]
+        places = names[i].point + TOWARDS * (REACHES[:, None] * size + half * np.abs(TOWARDS))
+        costs = [trouble(np.r_[x - half, x + half], taken, ink, paper) for x in places] + EFFORT
+        if kept:
+            costs[kept[i]] -= STEADY
+        choices[i] = int(costs.argmin())
+        centres[i] = places[choices[i]]
+        taken = np.vstack([taken, np.r_[centres[i] - half, centres[i] + half]])
+    return centres, choices
 
 
 def trouble(box: np.ndarray, taken: np.ndarray, ink: np.ndarray, paper: tuple[float, float]) -> float:

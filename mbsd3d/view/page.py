@@ -72,8 +72,10 @@ class View:
         import tempfile
         import webbrowser
 
+        from .live import has_browser
+
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
-        if not webbrowser.open(path.as_uri()):
+        if not has_browser() or not webbrowser.open(path.as_uri()):
             raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
         return path
 

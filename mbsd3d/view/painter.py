@@ -18,11 +18,12 @@ from .lens import Lens, round_cell, window
 from .motion import Trace
 from .names import Name, place, write
 from .pointers import Pointers
-from .solids import Items, Solids, join, split_strokes, strokes_as_items
+from .solids import Items, Solids, join, split_strokes, strokes_as_items, unit
 
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
+SEAM = 0.35  # width of the line around each polygon: without it gaps would show
 MANY = 5000  # more triangles and strokes than this go into a vector file as an image
 LEGIBLE = 14  # names that a picture can hold
 
@@ -57,8 +58,12 @@ class Painter:
         Which layers of the drawing are painted.
     names : bool or None
         Whether names are written; None = while there are few.
+    ground : bool
+        Whether the floor with its grid and the shadows are painted.
     also : (k, 3) ndarray
         More points that must fit, world [m]: paths, tips of arrows.
+    fine : float
+        Longest triangle or stroke, of the size of all that is seen.
     """
 
     def __init__(
@@ -72,9 +77,11 @@ class Painter:
         sheet: Theme = LIGHT,
         layers: Collection[str] = ("body", "joint"),
         names: bool | None = None,
+        ground: bool = True,
         also: np.ndarray | None = None,
+        fine: float = FINE,
     ) -> None:
-        self.drawing, self.lens, self.sheet, self.inches = drawing, lens, sheet, inches
+        self.drawing, self.lens, self.sheet, self.inches, self.ground = drawing, lens, sheet, inches, ground
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
         pieces = [p._replace(colour=hues.get(p.colour, p.colour)) for p in drawing.pieces if p.layer in layers]
         self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
@@ -90,10 +97,13 @@ class Painter:
         cloud = cloud[np.isfinite(cloud).all(axis=1)]
         self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
         self.size = float((self.high - self.low).max()) or drawing.size or 1.0
-        below = cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])  # the shadows belong to the picture
-        self.solids = Solids(pieces, FINE * self.size)
-        self.corner, opposite = window(lens.project(np.concatenate([cloud, below]))[0], inches)
+        if ground:  # the shadows belong to the picture
+            cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])])
+        self.longest = fine * self.size
+        self.solids = Solids(pieces, self.longest)
+        self.corner, opposite = window(lens.project(cloud)[0], inches)
         self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
+        self.choices: list[int] = []  # where the names stood in the picture before
         self.cell = round_cell(0.22 * self.size)
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
@@ -102,20 +112,21 @@ class Painter:
 
     def items(self, r: np.ndarray, e: np.ndarray) -> Items:
         """Solids, wires and links at a pose (n + 1, 3), (n + 1, 4)."""
-        R, longest = matrix(e), FINE * self.size
+        R = matrix(e)
         found = [self.solids.placed(r, R, self.lens, PEN)]
         for wire in self.wires:
             points = wire.points @ R[wire.body].T + r[wire.body]
             strokes = np.stack([points[:-1], points[1:]], axis=1)
-            found.append(self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS))
+            strokes = self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS)
+            found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
         for link in self.drawing.links:
             ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
             found.append(self.strokes(ends[None], self.sheet.muted, LINK))
-        return join([items._replace(lift=np.minimum(items.lift, longest)) for items in found])
+        return join(found)
 
     def strokes(self, strokes: np.ndarray, colour: str, pen: float) -> Items:
         """Straight lines (k, 2, 3) as items."""
-        return strokes_as_items(split_strokes(strokes, FINE * self.size)[0], rgb(colour), pen, 0.0)
+        return strokes_as_items(split_strokes(strokes, self.longest)[0], rgb(colour), pen, 0.0)
 
     def paint(
         self,
@@ -124,7 +135,6 @@ class Painter:
         *,
         traces: Sequence[Trace] = (),
         arrows: Sequence[Pointers] = (),
-        ground: bool = True,
     ) -> None:
         """Paint one pose or several on top of each other.
 
@@ -138,15 +148,13 @@ class Painter:
             Paths, drawn as far as their points go.
         arrows : sequence of Pointers
             With their legend.
-        ground : bool
-            Whether the floor with its grid and the shadows are painted.
         """
         width, height = POINT * self.inches[0], POINT * self.inches[1]
         axes.set(xlim=(0, width), ylim=(0, height))
         axes.set_axis_off()
         found = [self.items(r, e) for r, e in poses]
-        found += [arrow.items(FINE * self.size) for arrow in arrows]
-        if ground:
+        found += [arrow.items(self.longest) for arrow in arrows]
+        if self.ground:
             shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))
         for trace in traces:
@@ -164,15 +172,11 @@ class Painter:
         """From far to near; returns points of the paper that are painted."""
         depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
         order = np.argsort(-depth, kind="stable")
-        polygons = self.on_paper(items.corners[order])
+        polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
         fill = items.fill[order]
-        axes.add_collection(
-            PolyCollection(
-                polygons, facecolors=fill, edgecolors=fill, linewidths=items.width[order], zorder=3,
-                joinstyle="round", capstyle="round", rasterized=len(order) > MANY,
-            ),
-            autolim=False,
-        )  # fmt: skip
+        drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
+        drawn.set_rasterized(len(order) > MANY)
+        axes.add_collection(drawn, autolim=False)
         return np.concatenate([polygons, 0.5 * (polygons + np.roll(polygons, 1, axis=1))]).reshape(-1, 2)
 
     def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
@@ -216,7 +220,8 @@ class Painter:
             Name(tag.text, self.on_paper(R[tag.body] @ tag.point + r[tag.body]), self.readable(tag.colour))
             for tag in self.tags
         ]
-        write(axes, names, place(names, spots, paper), self.sheet.paper)
+        centres, self.choices = place(names, spots, paper, self.choices)
+        write(axes, names, centres, self.sheet.paper)
 
     def write_note(self, axes: Any, text: str) -> None:
         """A line in the upper left corner."""
@@ -225,6 +230,18 @@ class Painter:
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""
         return 0.6 * rgb(colour) + 0.4 * rgb(self.sheet.ink)
+
+
+def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
+    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; what has a width is a stroke: a bar."""
+    polygons = corners[:, [0, 1, 2, 2]]
+    pen = widths > 0.0
+    start, end = corners[pen, 0], corners[pen, 1]
+    along = unit(end - start) * 0.5 * (widths[pen, None] - SEAM)
+    aside = along[:, ::-1] * (-1.0, 1.0)
+    start, end = start - 0.5 * along, end + 0.5 * along  # where two of them meet at an angle, no notch is left
+    polygons[pen] = np.stack([start + aside, end + aside, end - aside, start - aside], axis=1)
+    return polygons
 
 
 def length_text(length: float) -> str:

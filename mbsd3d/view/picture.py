@@ -11,7 +11,7 @@ from ..style import house, theme
 from .drawing import bounds, draw_system, frame_camera, poses_of
 from .lens import lens_of, turned
 from .motion import Arrows, Frames, Trace, arrows_of, frames_of, traces_of
-from .painter import Painter, new_sheet
+from .painter import FINE, Painter, new_sheet
 from .pointers import pointers_of, tips_of
 
 LAYERS = ("body", "joint", "centre of mass", "reference point")
@@ -47,6 +47,8 @@ def painter_of(
     layers: Collection[str] = ("body", "joint"),
     view: Sequence[float] | None = None,
     dark: bool = False,
+    ground: bool = True,
+    fine: float = FINE,
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
     drawing = draw_system(system)
@@ -60,7 +62,7 @@ def painter_of(
     shown, reach = chosen("picture: layer", layers, LAYERS), REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
     return Painter(
-        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names,
+        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names, ground=ground, fine=fine,
         also=np.concatenate(also) if also else None,
     ), reach  # fmt: skip
 
@@ -71,9 +73,7 @@ def paper_size(size: Any) -> tuple[float, float]:
     return number(width, "picture: size", positive=True), number(height, "picture: size", positive=True)
 
 
-def picture_of_system(
-    system: Any, state: Any = None, *, size: Sequence[float] = (6.4, 4.8), ground: bool = True, **options: Any
-) -> Figure:
+def picture_of_system(system: Any, state: Any = None, *, size: Sequence[float] = (6.4, 4.8), **options: Any) -> Figure:
     """A system at rest.
 
     Parameters
@@ -84,9 +84,9 @@ def picture_of_system(
         Pose; None = the reference pose.
     size : (float, float)
         Width and height [inch].
-    ground : bool
-        Whether the floor is drawn, with a grid and the shadows of a high sun; it lies under the lowest point.
     **options
+        ground : bool
+            Whether the floor is drawn, with a grid and the shadows of a high sun; it lies under the lowest point.
         names : bool or None
             Whether the names of bodies and joints are written; None = if there are at most 14.
         layers : collection of str
@@ -110,7 +110,7 @@ def picture_of_system(
     painter, _ = painter_of(system, r[None], e[None], paper_size(size), **options)
     with house(painter.sheet):
         figure, axes = new_sheet(painter.inches, painter.sheet)
-        painter.paint(axes, [(r, e)], ground=ground)
+        painter.paint(axes, [(r, e)])
     return figure
 
 
@@ -121,7 +121,6 @@ def picture_of_solution(
     traces: Any = None,
     arrows: Collection[str] = (),
     size: Sequence[float] = (6.4, 4.8),
-    ground: bool = True,
     **options: Any,
 ) -> Figure:
     """A moment of a run, or several in one picture.
@@ -138,7 +137,7 @@ def picture_of_solution(
     arrows : collection of str
         Some of "angular velocity", "angular momentum", "reaction force", "reaction moment". Their lengths are to scale
         within a kind; the legend gives the longest. Shares that the constraints leave open are pale.
-    size, ground, **options
+    size, **options
         See `picture_of_system`.
 
     Returns
@@ -160,12 +159,13 @@ def picture_of_solution(
     poses = [poses_of(solution.system, solution.at(float(time))) for time in times]
     shown = Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     paths = traces_of(solution, run_until(run, shown), traces)
-    vectors = [x for x in arrows_of(solution, shown) if x.kind in kinds] if kinds else []
+    both = Frames(*(np.concatenate(pair) for pair in zip(run, shown, strict=True)))  # one scale for every moment
+    vectors = [x for x in arrows_of(solution, both) if x.kind in kinds] if kinds else []
     painter, reach = painter_of(solution.system, shown.r, shown.e, inches, paths=paths, vectors=vectors, **options)
     with house(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
-        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(times.size)]
-        painter.paint(axes, poses, traces=paths, arrows=pointers, ground=ground)
+        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
+        painter.paint(axes, poses, traces=paths, arrows=pointers)
         moments = [f"{time:.4g}" for time in times]
         painter.write_note(
             axes, f"t = {', '.join(moments) if len(moments) < 6 else ' ... '.join(moments[:: len(moments) - 1])} s"

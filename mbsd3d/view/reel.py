@@ -1,5 +1,6 @@
 """The frames of a film: a painted scene, the time, and curves below it with a moving cursor; images, no file format."""
 
+import textwrap
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
@@ -10,7 +11,8 @@ from matplotlib.figure import Figure
 
 from ..parts import number
 from ..style import Theme, dress, house, theme
-from .motion import Curve, arrows_of, curves_of, film_seconds, frames_of, traces_of
+from .content import LONG, SENSIBLE, sensible_speed
+from .motion import Curve, arrows_of, curves_of, frames_of, traces_of
 from .painter import new_sheet
 from .picture import KINDS, chosen, painter_of
 from .pointers import pointers_of
@@ -18,16 +20,9 @@ from .pointers import pointers_of
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
 STRIP = 0.27  # height of a pair of axes below the scene, of the width
 MOST, LARGEST = 5000, 4096  # frames of a film, pixels of a side
+COARSE = 0.065  # longest triangle or stroke, of the size of what is seen
+PATH = 400  # points of a path at least
 FEW = 60  # poses that say how far the motion reaches
-
-
-def film_speed(span: float, seconds: float | None = None) -> float:
-    """1, or a round factor (1, 2, 5 times a power of ten) that shows a run of ``span`` [s] in about ``seconds``."""
-    seconds = film_seconds(span) if seconds is None else seconds
-    if span <= 0.0 or span == seconds:
-        return 1.0
-    rounds = np.outer(10.0 ** np.arange(-9, 10), [1.0, 2.0, 5.0]).ravel()
-    return float(rounds[np.argmin(np.abs(np.log(rounds * seconds / span)))])
 
 
 def whole(value: Any, what: str, least: int, most: int) -> int:
@@ -47,7 +42,8 @@ class Reel:
     fps : float
         Frames per second of the film.
     speed : float or None
-        Seconds of the run per second of the film; None = a round factor, see `film_speed`.
+        Seconds of the run per second of the film; None = real time, or a round factor for a run that is too short or
+        too long for that.
     width : int
         [pixel]
     height : int or None
@@ -57,8 +53,8 @@ class Reel:
         most, () = none.
     traces, arrows
         See `picture_of_solution`.
-    seconds : float or None
-        How long the film shall be if the speed is not given; None = see `film_seconds`.
+    usual : (float, float)
+        If the speed is not given: the longest run shown in real time, and the length of the film of any other [s].
     **options
         See `picture_of_system`.
     """
@@ -74,15 +70,14 @@ class Reel:
         curves: Sequence[Any] | None = (),
         traces: Any = None,
         arrows: Collection[str] = (),
-        ground: bool = True,
-        seconds: float | None = None,
+        usual: tuple[float, float] = (LONG, SENSIBLE),
         **options: Any,
     ) -> None:
         self.fps = number(fps, "film: fps", positive=True)
         if solution.t.size < 2 or solution.t[-1] <= solution.t[0]:
             raise ValueError("film: the solution has one moment only; run it longer, or use solution.picture")
         span = float(solution.t[-1] - solution.t[0])
-        self.speed = film_speed(span, seconds) if speed is None else number(speed, "film: speed", positive=True)
+        self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "film: speed", positive=True)
         count = round(span * self.fps / self.speed) + 1
         if not 2 <= count <= MOST:
             raise ValueError(
@@ -94,14 +89,15 @@ class Reel:
         self.dpi = max(100.0, self.width / WIDEST)
         self.sheet = theme(options.get("dark", False))
         kinds = chosen("film: arrow", arrows, KINDS)
-        self.frames, self.ground = frames_of(solution, count), ground
-        self.traces = traces_of(solution, self.frames, traces)
+        self.frames = frames_of(solution, count)
+        self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
+        self.traces = traces_of(solution, frames_of(solution, self.finer * (count - 1) + 1), traces)
         self.vectors = [x for x in arrows_of(solution, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, **options
+            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, fine=COARSE, **options
         )
         found = curves_of(solution, self.frames, curves)
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
@@ -121,9 +117,8 @@ class Reel:
             self.painter.paint(
                 axes,
                 [(self.frames.r[k], self.frames.e[k])],
-                traces=[trace._replace(points=trace.points[: k + 1]) for trace in self.traces],
+                traces=[trace._replace(points=trace.points[: self.finer * k + 1]) for trace in self.traces],
                 arrows=[pointers_of(x, k, self.reach, self.painter.lens) for x in self.vectors],
-                ground=self.ground,
             )
             self.painter.write_note(axes, self.clock(k))
             scene = pixels(figure)
@@ -151,7 +146,7 @@ class Strip:
                 dress(axes, sheet)
                 for i, (name, values) in enumerate(curve.lines):
                     axes.plot(t, values, color=sheet.colour(i), linewidth=1.2, label=name)
-                axes.set_ylabel(f"{curve.label}\n[{curve.unit}]", fontsize=7)
+                axes.set_ylabel("\n".join([*textwrap.wrap(curve.label, 18), f"[{curve.unit}]"]), fontsize=7)
                 axes.tick_params(labelsize=7)
                 axes.locator_params(axis="y", nbins=4)
                 axes.margins(x=0.01)

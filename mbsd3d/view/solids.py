@@ -21,11 +21,11 @@ LIGHT = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and 
 
 
 class Items(NamedTuple):
-    """What is painted far to near, as polygons; a stroke is a polygon of two different corners."""
+    """What is painted far to near: triangles, and strokes from the first corner to the second."""
 
     corners: np.ndarray  # (k, 3, 3) world [m]
     fill: np.ndarray  # (k, 3) colours
-    width: np.ndarray  # (k,) of the pen, points
+    width: np.ndarray  # (k,) of the pen, points; 0 for triangles
     lift: np.ndarray  # (k,) [m] towards the eye, for the order only
 
 
@@ -130,8 +130,9 @@ class Prepared(NamedTuple):
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split the triangles and edges of a piece."""
+    """Split the triangles and edges of a piece: the thinner it is, the finer, down to ``longest`` / 2.5."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
+    longest = min(longest, max(float(np.ptp(vertices, axis=0).min()), 0.4 * longest))
     whole = vertices[faces]
     normals = normals_of(whole)
     corners = corner_normals(faces, normals)
@@ -176,7 +177,7 @@ class Solids:
         front = np.einsum("ki,ki->k", normals, lens.eye - corners[:, 0]) > 0.0
         corners, body = corners[front], body[front]
         fill = shaded(tints[front], np.einsum("kij,kj->ki", R[body], smooth[front]), lens)
-        faces = Items(corners, fill, np.full(len(corners), 0.35), np.zeros(len(corners)))
+        faces = Items(corners, fill, np.zeros(len(corners)), np.zeros(len(corners)))
         edges = edges @ R[owner].transpose(0, 2, 1) + r[owner, None]
         creased = np.einsum("ki,ki->k", sides[:, 0], sides[:, 1]) < CREASE
         sides = sides @ R[owner].transpose(0, 2, 1)
@@ -201,7 +202,7 @@ def unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def strokes_as_items(strokes: np.ndarray, ink: Any, pen: float, lift: float) -> Items:
-    """Strokes (k, 2, 3) as flat polygons."""
+    """Strokes (k, 2, 3) as items."""
     k = len(strokes)
     corners = strokes[:, [0, 1, 1]]
     return Items(corners, np.broadcast_to(ink, (k, 3)), np.full(k, pen), np.full(k, lift))

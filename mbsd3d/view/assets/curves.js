@@ -35,7 +35,8 @@ function valueText(value, scale = 0) {
   return text.replace("-", "\u2212");
 }
 
-function makeCurve(curve, lines, times, colours, seek) {
+// `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
+function makeCurve(curve, lines, times, colours, scale, seek) {
   const canvas = element("canvas", {className: "plot"});
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `${curve.label} in ${curve.unit} over time; drag to scrub`);
@@ -51,8 +52,7 @@ function makeCurve(curve, lines, times, colours, seek) {
   let low = Infinity, high = -Infinity;
   for (const line of lines) for (const v of line.values) if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
   if (low > high) (low = -1), (high = 1);
-  const least = Math.max(1e-9 * Math.max(Math.abs(low), Math.abs(high)), 1e-300);
-  if (high - low < least) (low -= 0.05 * Math.abs(low) + (low ? 0 : 1)), (high += 0.05 * Math.abs(high) + (high ? 0 : 1));
+  if (high - low <= 1e-9 * scale || high === low) (low -= 0.05 * scale || 1), (high += 0.05 * scale || 1);
   const air = 0.06 * (high - low);
   (low -= air), (high += air);
   const first = times.first, last = times.first + times.step * (times.count - 1);
@@ -71,7 +71,7 @@ function makeCurve(curve, lines, times, colours, seek) {
   function axes(g, width, height) {
     g.font = "11px system-ui, sans-serif";
     (g.fillStyle = ink("--muted")), (g.strokeStyle = ink("--line")), (g.lineWidth = 1);
-    const up = ticks(low, high, Math.max(2, Math.floor(height / 40))), along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
+    const up = ticks(low, high, Math.max(3, Math.floor((height - box.top - box.bottom) / 30))), along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
     (g.textAlign = "right"), (g.textBaseline = "middle");
     for (const v of up.found) {
       const at = Math.round(y(v)) + 0.5;
@@ -122,7 +122,7 @@ function makeCurve(curve, lines, times, colours, seek) {
     g.beginPath(), g.moveTo(at, box.top), g.lineTo(at, canvas.clientHeight - box.bottom), g.stroke();
     lines.forEach((line, i) => {
       const v = rowAt(line, place)[0];
-      values[i].textContent = valueText(v, Math.max(Math.abs(low), Math.abs(high)));
+      values[i].textContent = valueText(v, scale);
       if (!Number.isFinite(v)) return;
       (g.fillStyle = colours[i % colours.length]), (g.strokeStyle = ink("--paper")), (g.lineWidth = 1.5);
       g.beginPath(), g.arc(at, y(v), 4, 0, 7), g.fill(), g.stroke();

@@ -137,7 +137,12 @@ function makeLegend() {
 function setUpCurves(lines) {
   if (!data.curves.length) return;
   const colours = data.colours[dark ? "dark" : "light"];
-  curves = data.curves.map((curve, i) => makeCurve(curve, lines[i], times, colours, (t) => (play(false), seek(t))));
+  const scales = {};
+  data.curves.forEach(({unit}, i) => {
+    for (const {values} of lines[i]) for (const v of values) if (Math.abs(v) > (scales[unit] ?? 0)) scales[unit] = Math.abs(v);
+  });
+  const pick = (t) => (play(false), seek(t));
+  curves = data.curves.map((curve, i) => makeCurve(curve, lines[i], times, colours, scales[curve.unit] ?? 0, pick));
   $("curves").append(...curves.map((curve) => curve.figure));
   const again = () => (curves.forEach((curve) => curve.resize()), (dirty = true));
   new ResizeObserver(again).observe($("curves"));
@@ -164,8 +169,10 @@ async function start() {
   window.addEventListener("keydown", onKey, true);
   $("camera").addEventListener("click", () => scene?.resetCamera());
   requestAnimationFrame(tick);
-  const made = makeScene(data, arrays);
-  if (!(await made.ready(30))) return say("The 3D scene did not start: this browser shows no WebGL. The curves work.");
+  const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");
+  if (!graphics) return say("This browser shows no WebGL, which the 3D scene needs; switch it on or take another one.");
+  graphics.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!(await made.ready(30))) return say("The 3D scene did not start: reload the page, or take another browser.");
   scene = made;
   if (dark) scene.darken();
   scene.resetCamera();
