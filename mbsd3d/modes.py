@@ -162,12 +162,10 @@ class Mode:
         return moving_poses(self, t, wave)
 
     def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
-        """Matplotlib animation of `motion`; options as in `mbsd3d.animation.animate`; a period takes 2 s of film."""
-        from .animation import animate
-
+        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
-        seconds = 2.0 * cycles
-        return animate(moved, **{"speed": float(moved.t[-1]) / seconds, **options})
+        seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
+        return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
 
 
 @dataclass(frozen=True, eq=False)

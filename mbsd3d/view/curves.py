@@ -32,7 +32,8 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
     frames : Frames
         Of the same run, see `frames_of`.
     wanted : sequence of quantity or (quantity, part, ...), or None
-        As `Solution.plot` takes them; () = none. None = what tells most: angles or slides of at most 6 joints that
+        As `Solution.plot` takes them; () = none; of force and moment, momentum and angular momentum the one that is
+        zero throughout is left out. None = what tells most: angles or slides of at most 6 joints that
         move (else the angular velocity of the first body), the energies, and the reactions of at most 6 joints.
 
     Returns
@@ -48,13 +49,17 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
         raise ValueError(f"animate: curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
-    if wanted is not None:
-        panels = [panel for entry in wanted for panel in panels_of(solution, entry)]
-    else:
-        panels = [panel for entry in telling(solution) for panel in panels_of(solution, entry)]
-        scale = scales_of(solution)
-        least = {"[N]": STILL * scale.force, "[N m]": STILL * scale.moment}
-        panels = [panel for panel in panels if largest(panel) > least.get(panel.unit, -1.0)]
+    scale = scales_of(solution)
+    least = {
+        "[N]": scale.force,
+        "[N m]": scale.moment,
+        "[kg m/s]": scale.momentum,
+        "[kg m²/s]": scale.angular_momentum,
+    }
+    panels = []
+    for entry in telling(solution) if wanted is None else wanted:
+        found = panels_of(solution, entry)
+        panels += [panel for panel in found if largest(panel) > STILL * least.get(panel.unit, 0.0)] or found[:1]
     return [curve(solution.t, frames.t, panel) for panel in panels]
 
 
