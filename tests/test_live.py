@@ -10,7 +10,7 @@ import pytest
 from browser import visit
 from test_files import LOWER_ARM, pendulum
 
-from mbsd3d import simulate
+from mbsd3d import Body, System, simulate
 from mbsd3d.view import live
 from mbsd3d.view.live import LiveView, mixed, place
 
@@ -115,6 +115,22 @@ def test_a_missing_package_is_named(solution, monkeypatch):
 def test_the_reference_pose_has_no_player(solution):
     with solution.system.show(live=True) as view:
         assert not view.playing and view._panel.slider is None and listens(view.url)
+
+
+def test_any_name_can_be_shown():
+    strange = Body("</script> \ud800 \"'\u00fc/x", 1.0, (1, 2, 2), omega=(1, 2, 3))
+    with simulate(System([strange]), 2.0, output=5).animate(live=True, title="\ud800<b>") as view:
+        assert until(lambda: view.time > 0.1) and listens(view.url)
+
+
+def test_hidden_arrows_are_moved_when_they_are_shown(view):
+    view.playing = False
+    view.time = 1.5
+    assert until(lambda: view._shown == 1.5)
+    spin = view._stage.arrows[0]
+    before = spin.batched_positions.copy()
+    view._panel.switches["angular velocity"].value = True
+    assert until(lambda: not np.array_equal(spin.batched_positions, before))
 
 
 def test_a_browser_sees_it_move_and_pauses_it(chromium, view, solution):

@@ -18,6 +18,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
+from mbsd3d.reactions import every_reaction
 from mbsd3d.rotations import matrix
 from mbsd3d.view.between import FAR
 from mbsd3d.view.motion import arrows_of, curves_of, frames_of, traces_of
@@ -146,6 +147,16 @@ def test_arrows_are_the_solutions_vectors_at_its_points(solution, frames):
         assert arrows.uncertain == (False,) * 3
     middle = 0.5 * (solution.reaction("elbow").force[7] + solution.reaction("elbow").force[8])
     assert np.allclose(0.5 * (force.vectors[37, 1] + force.vectors[38, 1]), middle, rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("make", [door_run, lambda: simulate(pendulum(), 0.3, output=7)])
+def test_one_pass_over_the_samples_gives_the_same_reactions(make):
+    run, some = make(), np.array([0, 2, 5])
+    for joint, found in zip(run.system.joints, every_reaction(run, some), strict=True):
+        true = run.reaction(joint)
+        assert found.unique == true.unique and np.array_equal(found.point, true.point[some])
+        assert np.allclose(found.force, true.force[some], rtol=0, atol=ROUNDING * 1e3)  # of some 100 N
+        assert np.allclose(found.moment, true.moment[some], rtol=0, atol=ROUNDING * 1e3)
 
 
 def test_points_between_samples_stay_on_their_bodies(solution, frames):

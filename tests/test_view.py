@@ -14,13 +14,14 @@ from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simu
 from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
 from mbsd3d.view import live, page
-from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, sensible_speed
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text, sensible_speed
 from mbsd3d.view.drawing import draw_system
 from mbsd3d.view.meshes import arrow, creased, linear
 from mbsd3d.view.motion import arrows_of, curves_of, frames_of
 from mbsd3d.view.packing import pack, unpack
 from mbsd3d.view.recorder import Recording, import_viser
-from mbsd3d.view.stage import LONGEST, build_stage, round_length, turned_from_z
+from mbsd3d.view.stage import LONGEST, build_stage, round_length
+from mbsd3d.view.sticks import laid
 
 EVIL = "</script><script>alert(1)</script> <img src=x onerror=alert(2)> \"'\\ /a//b {{ 7 }} \u2028 ü 😀 \ud800"
 
@@ -39,7 +40,7 @@ def chain(count: int = 2, size: float = 1.0, first: str = EVIL) -> System:
                 inertia,
                 com=com,
                 position=0.5 * (at + tip),
-                orientation=turned_from_z(rng.normal(size=(1, 3)))[0],
+                orientation=laid(rng.normal(size=(1, 3)))[0],
             )
         )
         kind = {"at": at, "name": f"joint {i}"}
@@ -98,7 +99,7 @@ def test_arrows_are_those_of_the_run(run, view):
 
 
 def test_links_are_where_the_parts_are(run, view):
-    (ends,), spring = data_of(view)["links"]["ends"], run.system.forces[0]
+    (ends,), spring = data_of(view)["links"][0]["ends"], run.system.forces[0]
     assert ends[0] == [2, list(spring.at_a)]
     body = run.system.bodies[ends[1][0]]
     assert np.allclose(body.position + body.axes @ ends[1][1], spring.at_b, atol=1e-12)
@@ -234,10 +235,13 @@ def test_scenes_are_some_units_large(size):
 
 
 def test_rods_and_arrows_lie_along_vectors():
-    vectors = np.vstack([np.random.default_rng(2).normal(size=(20, 3)), [0, 0, 2], [0, 0, -3], [1e-7, 0, -1]])
+    vectors = np.vstack([np.random.default_rng(2).normal(size=(20, 3)), [0, 0, 2], [0, 0, -3], [1e-6, 0, -1]])
     directions = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    assert np.abs(matrix(turned_from_z(vectors))[:, :, 2] - directions).max() < 1e-7  # near -z half the digits are lost
-    assert np.allclose(turned_from_z(np.zeros((1, 3))), [[1, 0, 0, 0]])
+    for rest in ([0, 0, 1], np.roll(directions, 1, axis=0), -directions):
+        e = laid(vectors, rest)
+        assert np.allclose(np.linalg.norm(e, axis=1), 1.0)
+        assert np.abs(matrix(e)[:, :, 2] - directions).max() < 1e-9  # opposite to rest a third of the digits is lost
+    assert np.allclose(laid(np.zeros((1, 3))), [[1, 0, 0, 0]])
 
 
 def test_sharp_edges_are_split_and_smooth_ones_kept():
@@ -257,4 +261,5 @@ def test_sharp_edges_are_split_and_smooth_ones_kept():
 def test_round_numbers():
     assert [sensible_speed(t) for t in (0.0, 0.628, 1.9, 2.0, 30.0, 31.0, 4e4)] == [1, 0.05, 0.2, 1, 1, 2, 5000]
     assert [round_length(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.2, 0.5, 10.0, 2e-5]
+    assert [length_text(x) for x in (0.0005, 0.01, 500.0, 2000.0)] == ["0.5 mm", "0.01 m", "500 m", "2 km"]
     assert linear(np.array([0, 255, 188])).tolist() == [0, 255, 128]  # the middle of light is 188 of 255

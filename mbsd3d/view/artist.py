@@ -16,7 +16,7 @@ from ..surfaces import ball, block, joined, moved
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
-DARK, LIGHT = "#4d4d4d", "#e0e0e0"
+DARK, LIGHT = "#6b6b6b", "#e0e0e0"  # seen on white and on dark paper; seen inside bodies
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
@@ -62,7 +62,7 @@ class Artist:
                     strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), LIFT])
             if hasattr(part, "at_a") and len(points) == 2:
                 first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
-                self.drawing.links.append(Link(self.system.name(part), (first, second)))
+                self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
         for i, points in strokes.items():
             self.drawing.wires.append(Wire(self.system.bodies[i].name, "body", i, np.array(points[:-1]), colour(i)))
 

@@ -29,6 +29,12 @@ class Between(NamedTuple):
         share = self.share.reshape(-1, *[1] * (values.ndim - 1))
         return (1.0 - share) * values[self.left] + share * values[self.right]
 
+    def compact(self) -> tuple[np.ndarray, "Between"]:
+        """The samples that are used, in order, and the same places among these alone."""
+        used, places = np.unique(np.concatenate([self.left, self.right]), return_inverse=True)
+        left, right = np.split(places, 2)
+        return used, self._replace(left=left, right=right)
+
 
 def between(solution: Any, t: np.ndarray) -> Between:
     """Places of the times [s] among the samples of a solution or a motion."""

@@ -10,6 +10,7 @@ from .motion import Arrows, Curve, Frames, Trace
 from .packing import pack
 from .recorder import Recording
 from .stage import FOV, Stage, build_stage, heads_of
+from .sticks import Links
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
@@ -41,6 +42,12 @@ def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENS
     return float(f"{nearest * decade:.1g}")
 
 
+def length_text(length: float) -> str:
+    """A length with a unit in which it is a usual number."""
+    unit, factor = ("mm", 1e3) if length < 0.01 else ("km", 1e-3) if length >= 1000.0 else ("m", 1.0)
+    return f"{length * factor:g} {unit}"
+
+
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
@@ -70,23 +77,21 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "distance": frame_camera(*bounds(drawing, frames.r, frames.e), FOV).distance,
         "moving": moving,
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
-        "links": links_data(drawing, stage),
+        "links": [links_data(links) for links in stage.links],
         "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
         "traces": [node.name for node in stage.traces],
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
-        "grid": f"{stage.cell:g}",
+        "grid": length_text(stage.cell),
         "colours": {"light": LIGHT.lines, "dark": DARK.lines},
     }
 
 
-def links_data(drawing: Drawing, stage: Stage) -> dict[str, Any] | None:
-    """Ends of springs and rods in body axes."""
-    if stage.links is None:
-        return None
-    ends = [[[int(body), [float(x) for x in point]] for body, point in link.ends] for link in drawing.links]
-    return {"node": stage.links.name, "thickness": stage.thickness, "ends": ends}
+def links_data(links: Links) -> dict[str, Any]:
+    """Springs or rods: ends in body axes, radii, and the directions from which they turn."""
+    ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
+    return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
 
 
 def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, Any]:

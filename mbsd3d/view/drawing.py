@@ -42,6 +42,7 @@ class Link(NamedTuple):
 
     name: str
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]  # (body, point in body axes from O)
+    spring: bool = False  # a force, drawn as a coil; else a joint, drawn as a rod
 
 
 class Tag(NamedTuple):

@@ -65,7 +65,7 @@ def glb(library: Any, system: Any, frames: Frames, traces: list[Trace]) -> bytes
     asset = Asset(library, about, f"mbsd3d {package_version()}")
     root = asset.node("world, z up", rotation=as_gltf(UPRIGHT))
     add_bodies(asset, root, [*names, "ground"], drawing, frames)
-    add_links(asset, root, {system.name(force) for force in system.forces}, drawing, frames)
+    add_links(asset, root, drawing, frames)
     for trace in traces:
         if len(trace.points) > 1:
             line = asset.primitive(LINE_STRIP, asset.material(trace.colour), trace.points)
@@ -120,14 +120,15 @@ def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
             yield asset.primitive(TRIANGLES, paint, skin.vertices, skin.normals, faces)
 
 
-def add_links(asset: Asset, root: int, forces: set[str], drawing: Drawing, frames: Frames) -> None:
+def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None:
     """Springs as coils, the links of joints as rods, from one end to the other."""
     clock, least = frames.t - frames.t[0], ROD * drawing.size
     for link in drawing.links:
         start, end = (moved(frames, body, point) for body, point in link.ends)
         lengths, e = directions(end - start, SHORTEST * drawing.size)
-        spring = link.name in forces
-        width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if spring else least)
-        mesh = asset.mesh("coil" if spring else "rod", list(solid(asset, unit_coil() if spring else unit_rod(), GREY)))
+        width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if link.spring else least)
+        mesh = asset.mesh(
+            "coil" if link.spring else "rod", list(solid(asset, unit_coil() if link.spring else unit_rod(), GREY))
+        )
         places = {"translation": start, "rotation": as_gltf(e), "scale": np.column_stack([width, width, lengths])}
         asset.moving(link.name, root, clock, mesh, **places)

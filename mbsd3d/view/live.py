@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from .content import Content
+from .page import printable
 from .panel import Panel
 from .recorder import import_viser
 from .stage import build_stage
@@ -44,6 +45,7 @@ class LiveView:
     def __init__(self, content: Content, dark: bool | None = None) -> None:
         frames, self._content = content.frames, content
         self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
+        self._shown: float | None = None  # time of the picture; None = make it anew
         self._ended = threading.Event()
         self._server = quiet_server()
         try:
@@ -52,7 +54,7 @@ class LiveView:
                 scene, camera, content.drawing, frames, content.arrows, content.traces, content.shown
             )
             self._paths = [(node, node.points) for node in self._stage.traces]
-            gui.set_panel_label(content.title)
+            gui.set_panel_label(printable(content.title))
             gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
             self._panel = Panel(gui, self, self._stage, content, bool(dark))
         except BaseException:
@@ -102,18 +104,22 @@ class LiveView:
         self._thread.join()
         self._server.stop()
 
+    def refresh(self) -> None:
+        """Make the picture anew: other things are to be seen."""
+        self._shown = None
+
     def _run(self) -> None:
         """Let the time pass and show it, until stopped."""
-        before, shown = time.perf_counter(), None
+        before = time.perf_counter()
         while not self._ended.wait(PERIOD):
             now = time.perf_counter()
             if self.playing:
                 self.time = self._later(self.time + self.speed * (now - before))
             before = now
-            if self.time != shown:
-                shown = self.time
+            if self.time != self._shown:
+                self._shown = self.time
                 with self._server.atomic():
-                    self._show(shown)
+                    self._show(self._shown)
 
     def _later(self, t: float) -> float:
         """The time, from the start again after the end."""
@@ -124,7 +130,7 @@ class LiveView:
         """Move everything to a time; traces grow in whole frames."""
         k, share = place(self._content.frames.t, t)
         r, e = (mixed(values, k, share) for values in (self._content.frames.r, self._content.frames.e))
-        self._stage.move(self._content.drawing, r, e / np.linalg.norm(e, axis=1, keepdims=True))
+        self._stage.move(r, e / np.linalg.norm(e, axis=1, keepdims=True))
         for i, arrows in enumerate(self._content.arrows):
             if self._panel.shown(arrows.kind):
                 self._stage.point(i, mixed(arrows.points, k, share), mixed(arrows.vectors, k, share))

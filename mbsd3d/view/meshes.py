@@ -1,4 +1,4 @@
-"""Triangles as a scene wants them: corners split at sharp edges, arrows and rods of length 1, tinted colours."""
+"""Triangles as a scene wants them: corners split at sharp edges, arrows of length 1, tinted colours."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -36,11 +36,6 @@ def arrow(heads: int) -> tuple[np.ndarray, np.ndarray]:
     for k in range(heads, 0, -1):
         profile += [(head, 1.0 - k * long), (shaft if k > 1 else 0.0, 1.0 - (k - 1) * long)]
     return revolved(profile)
-
-
-def stick() -> tuple[np.ndarray, np.ndarray]:
-    """A cylinder of radius 1 from the origin to (0, 0, 1)."""
-    return revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
 
 def revolved(profile: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:

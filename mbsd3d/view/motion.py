@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..certificate import scales_of
 from ..parts import GROUND, vector
+from ..reactions import every_reaction
 from ..rotations import matrix
 from ..style import COLOURS, colour
 from .between import Between, between, one_sheet, poses, turns
@@ -116,18 +118,17 @@ def arrows_of(solution: Any, frames: Frames) -> list[Arrows]:
     """
     if "v" not in solution.arrays:
         return []
-    from ..certificate import scales_of
-
-    where, scale = between(solution, frames.t), scales_of(solution)
+    scale = scales_of(solution)
+    used, where = between(solution, frames.t).compact()
     spins, momenta, forces, moments = [], [], [], []
     for i, body in enumerate(solution.system.bodies):
         centre, w = moved(frames, i, body.com), solution.omega(body)
         L = np.einsum("tij,tj->ti", solution.rotation(body), solution.omega_body(body) @ body.inertia)
-        spins.append((body.name, centre, w, False))
-        momenta.append((body.name, centre, L, False))
-    for joint in solution.system.joints:
-        name, found = solution.system.name(joint), solution.reaction(joint)
-        point = carried(solution, frames, where, joint.b, found.point)
+        spins.append((body.name, centre, w[used], False))
+        momenta.append((body.name, centre, L[used], False))
+    for joint, found in zip(solution.system.joints, every_reaction(solution, used), strict=True):
+        name = solution.system.name(joint)
+        point = carried(solution, frames, used, where, joint.b, found.point)
         forces.append((name, point, found.force, not found.unique))
         moments.append((name, point, found.moment, not found.unique))
     fastest = max(1.0, *(float(np.abs(w).max()) for _, _, w, _ in spins))
@@ -165,11 +166,13 @@ def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
     return r + np.einsum("tij,tj->ti", matrix(frames.e[:, body]), np.broadcast_to(local, r.shape))
 
 
-def carried(solution: Any, frames: Frames, where: Between, body: Any, points: np.ndarray) -> np.ndarray:
-    """(frames, 3) a point given at the samples, interpolated as the body sees it: it stays on its circle."""
+def carried(
+    solution: Any, frames: Frames, used: np.ndarray, where: Between, body: Any, points: np.ndarray
+) -> np.ndarray:
+    """(frames, 3) a point given at the used samples, interpolated as the body sees it: it stays on its circle."""
     if body is GROUND:
         return where.blend(points)
-    local = np.einsum("tji,tj->ti", solution.rotation(body), points - solution.position(body))
+    local = np.einsum("tji,tj->ti", solution.rotation(body)[used], points - solution.position(body)[used])
     return moved(frames, solution.compiled.body_index[id(body)], where.blend(local))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ..style import Theme, theme
 from .content import Content
 from .motion import Arrows, Curve, Frames
+from .page import printable
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS = 300  # of a line: the whole curve is sent again whenever its cursor moves
@@ -64,8 +65,13 @@ class Panel:
             hint = f"longest arrow: {longest[layer]:.3g} {unit[layer]}" if layer in longest else None
             hint = f"{hint}; pale: not unique" if layer in open_share else hint
             boxes[layer] = self.gui.add_checkbox(layer, bool(nodes[0].visible), hint=hint)
-            boxes[layer].on_update(lambda event, layer=layer: self.stage.show(layer, event.target.value))
+            boxes[layer].on_update(lambda event, layer=layer: self.switch(layer, event.target.value))
         return boxes
+
+    def switch(self, layer: str, visible: bool) -> None:
+        """Show or hide a layer; arrows were not moved while they were hidden."""
+        self.player.refresh()
+        self.stage.show(layer, visible)
 
     def shown(self, layer: str) -> bool:
         """Whether a layer is switched on."""
@@ -91,10 +97,12 @@ class Plot:
         margin = 0.05 * float(high - low) or 0.05 * abs(float(high)) or 1.0
         self.range = (float(low) - margin, float(high) + margin)
         series: list[dict[str, Any]] = [{"label": "time [s]"}]
-        series += [{"label": name, "stroke": look.colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)]
+        series += [
+            {"label": printable(name), "stroke": look.colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)
+        ]
         series += [{"label": "now", "stroke": look.muted, "width": 1.5, "points": {"show": False}}]
         self.handle = gui.add_uplot(
-            self.data(float(t[0])), tuple(series), title=f"{curve.label} [{curve.unit}]", height=190,
+            self.data(float(t[0])), tuple(series), title=printable(f"{curve.label} [{curve.unit}]"), height=190,
             legend={"show": len(curve.lines) > 1, "live": False},
             scales={"x": {"time": False, "auto": True}, "y": {"auto": False, "range": self.range}},
         )  # fmt: skip

@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from ..rotations import matrix
 from .drawing import Drawing, bounds, frame_camera
-from .meshes import arrow, creased, linear, stick, tint
+from .meshes import arrow, creased, tint
 from .motion import Arrows, Frames, Trace
+from .sticks import Links, add_copies, lay
 
 FEW = 12  # bodies whose names do not hide the picture
 FOV = 0.7  # vertical [rad]
 SUN = (-0.5, -1.5, 3.0)  # direction it stands in
-ROD = 0.006  # radius of springs and rods, in units of the mechanism's size
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 NAMED = {"body": "body names", "joint": "joint names"}
 LAYER = {"body": "bodies", "joint": "joints"}  # what a switch is called, where a piece's layer is singular
@@ -37,19 +36,18 @@ class Stage:
     cell: float  # of the ground grid [m]
     bodies: list[Any] = field(default_factory=list)
     layers: dict[str, list[Any]] = field(default_factory=lambda: {name: [] for name in ALL})
-    links: Any = None
+    links: list[Links] = field(default_factory=list)
     arrows: list[Any] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)  # metres per unit of each kind of arrows
     traces: list[Any] = field(default_factory=list)  # the passed part of each
-    thickness: float = 0.0  # radius of links [m]
     shown: tuple[str, ...] = SHOWN  # layers that are shown first
 
-    def move(self, drawing: Drawing, r: np.ndarray, e: np.ndarray) -> None:
+    def move(self, r: np.ndarray, e: np.ndarray) -> None:
         """Bring bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""
         for body, position, orientation in zip(self.bodies, r, e, strict=True):
             body.position, body.wxyz = position * self.scale, orientation
-        if self.links is not None:
-            lay(self.links, *stretched(drawing, r, e), self.scale, self.thickness)
+        for links in self.links:
+            links.move(r, e)
 
     def point(self, kind: int, points: np.ndarray, vectors: np.ndarray) -> None:
         """Let the arrows of one kind show vectors (k, 3) at points (k, 3)."""
@@ -93,11 +91,10 @@ def build_stage(
     add_pieces(scene, stage, drawing)
     add_wires(scene, stage, drawing)
     add_tags(scene, stage, drawing)
-    if drawing.links:
-        stage.thickness = ROD * drawing.size
-        stage.links = add_sticks(scene, "/links", stick(), len(drawing.links), "#909090")
-        stage.layers["springs and rods"].append(stage.links)
-        stage.move(drawing, frames.r[0], frames.e[0])
+    for name, spring in (("/springs", True), ("/rods", False)):
+        if some := [link for link in drawing.links if link.spring == spring]:
+            stage.links.append(Links(scene, name, some, frames, drawing.size, stage.scale))
+            stage.layers["springs and rods"].append(stage.links[-1].node)
     for i, kind in enumerate(arrows):
         add_arrows(scene, stage, i, kind, drawing.size)
     for i, trace in enumerate(traces):
@@ -190,7 +187,7 @@ def add_arrows(scene: Any, stage: Stage, i: int, kind: Arrows, size: float) -> N
     longest = float(np.sqrt((kind.vectors**2).sum(axis=-1)).max())
     stage.factors.append(LONGEST * size / longest if longest > 0.0 else 0.0)
     colours = np.array([tint(kind.colour, pale=uncertain) for uncertain in kind.uncertain])
-    node = add_sticks(scene, f"/arrows/{i}", arrow(heads_of(kind)), len(kind.names), colours)
+    node = add_copies(scene, f"/arrows/{i}", *arrow(heads_of(kind)), len(kind.names), colours)
     stage.arrows.append(node)
     stage.layers[kind.kind].append(node)
     stage.point(i, kind.points[0], kind.vectors[0])
@@ -220,39 +217,6 @@ def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: 
         cell_color=(190, 190, 190), section_color=(150, 150, 150), shadow_opacity=0.25,
     )  # fmt: skip
     stage.layers["ground grid"].append(node)
-
-
-def add_sticks(scene: Any, name: str, mesh: tuple, count: int, colours: Any) -> Any:
-    """``count`` copies of a mesh of length 1 along z, to be laid along vectors."""
-    colours = tint(colours) if isinstance(colours, str) else colours
-    still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
-    return scene.add_batched_meshes_simple(
-        name, *mesh, *still, batched_scales=np.full((count, 3), 1e-9), batched_colors=linear(colours), lod="off"
-    )
-
-
-def lay(node: Any, points: np.ndarray, vectors: np.ndarray, scale: float, radius: float | None = None) -> None:
-    """Lay the copies along vectors [m]: as a whole as large as they are long, or as rods of a radius [m]."""
-    length = np.sqrt((vectors**2).sum(axis=1))
-    wide = length if radius is None else np.full_like(length, radius)
-    node.batched_positions = (points * scale).astype(np.float32)
-    node.batched_wxyzs = turned_from_z(vectors).astype(np.float32)
-    node.batched_scales = (np.column_stack([wide, wide, length]) * scale + 1e-9).astype(np.float32)
-
-
-def stretched(drawing: Drawing, r: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and vectors (links, 3) of all links at a pose, world [m]."""
-    ends = np.array([[r[k] + matrix(e[k]) @ p for k, p in link.ends] for link in drawing.links])
-    return ends[:, 0], ends[:, 1] - ends[:, 0]
-
-
-def turned_from_z(vectors: np.ndarray) -> np.ndarray:
-    """(k, 4) quaternions that turn the z axis into the directions of vectors; (0, 1, 0, 0) for -z."""
-    length = np.sqrt((vectors**2).sum(axis=1, keepdims=True))
-    n = np.divide(vectors, length, out=np.tile([0.0, 0.0, 1.0], (len(vectors), 1)), where=length > 0.0)
-    e = np.column_stack([1.0 + n[:, 2], -n[:, 1], n[:, 0], np.zeros(len(n))])
-    norm = np.sqrt((e**2).sum(axis=1, keepdims=True))
-    return np.divide(e, norm, out=np.tile([0.0, 1.0, 0.0, 0.0], (len(n), 1)), where=norm > 1e-9)
 
 
 def round_length(length: float) -> float:

@@ -23,7 +23,7 @@ function tickText(value, step) {
   const size = Math.max(Math.abs(value), step);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const plain = size < 1e5 && digits <= 5 ? value.toFixed(digits) : String(Number(value.toPrecision(3)));
-  return plain.replace("-", "\u2212");
+  return plain.replaceAll("-", "\u2212");
 }
 
 // Four digits; what is rounding in the scale of its picture is zero.
@@ -32,7 +32,7 @@ function valueText(value, scale = 0) {
   const size = Math.abs(value) <= 1e-9 * scale ? 0 : Math.abs(value);
   if (size === 0) return "0";
   const text = size >= 1e-3 && size < 1e6 ? Number(value.toPrecision(4)).toString() : value.toExponential(3);
-  return text.replace("-", "\u2212");
+  return text.replaceAll("-", "\u2212");
 }
 
 // `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
@@ -50,7 +50,9 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   const unit = curve.unit ? ` [${curve.unit}]` : "";
   const figure = element("figure", {}, element("figcaption", {}, element("b", {textContent: curve.label + unit}), legend), canvas);
   let low = Infinity, high = -Infinity;
-  for (const line of lines) for (const v of line.values) if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
+  for (const v of lines.flatMap((line) => Array.from(line.values))) {
+    if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
+  }
   if (low > high) (low = -1), (high = 1);
   if (high - low <= 1e-9 * scale || high === low) (low -= 0.05 * scale || 1), (high += 0.05 * scale || 1);
   const air = 0.06 * (high - low);
@@ -71,7 +73,8 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   function axes(g, width, height) {
     g.font = "11px system-ui, sans-serif";
     (g.fillStyle = ink("--muted")), (g.strokeStyle = ink("--line")), (g.lineWidth = 1);
-    const up = ticks(low, high, Math.max(3, Math.floor((height - box.top - box.bottom) / 30))), along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
+    const up = ticks(low, high, Math.max(3, Math.floor((height - box.top - box.bottom) / 30)));
+    const along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
     (g.textAlign = "right"), (g.textBaseline = "middle");
     for (const v of up.found) {
       const at = Math.round(y(v)) + 0.5;

@@ -8,7 +8,7 @@ const ICONS = {
 };
 const still = times.count === 1;
 const shown = {};
-let time = times.first, playing = false, dirty = true, speed = data.speed, before = null, scene = null, curves = [];
+let time = times.first, playing = false, dirty = true, waiting = false, speed = data.speed, before = null, scene = null, curves = [], share = 38;
 
 const icon = (button, name) => (button.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`);
 const placeOf = (t) => (still ? 0 : Math.min(Math.max((t - times.first) / times.step, 0), times.count - 1));
@@ -35,7 +35,7 @@ const step = (frames) => (play(false), seek(times.first + (Math.round(placeOf(ti
 // One turn of the clock: model time goes on by speed times real time, however slow the drawing is.
 function tick(now) {
   if (playing) {
-    const passed = before === null ? 0 : Math.min(now - before, 1000) / 1000; // a hidden page stands still
+    const passed = before === null ? 0 : (now - before) / 1000;
     before = now;
     let t = time + passed * speed;
     if (t >= last) {
@@ -44,19 +44,19 @@ function tick(now) {
     }
     seek(t);
   }
-  if (dirty && (scene === null || scene.idle())) draw();
+  if (dirty) draw();
+  if (waiting && scene?.idle()) (waiting = false), scene.move(placeOf(time), shown);
   requestAnimationFrame(tick);
 }
 
 function draw() {
-  dirty = false;
+  (dirty = false), (waiting = true); // the scene follows when the client has taken the last messages
   const place = placeOf(time);
   if (!still) {
     $("time").textContent = timeText(time);
     $("scrub").value = time;
     $("scrub").setAttribute("aria-valuetext", timeText(time));
   }
-  if (scene) scene.move(place, shown);
   for (const curve of curves) curve.draw(place);
 }
 
@@ -84,9 +84,10 @@ function setUpTime() {
 // Keys are ours: viser's own (space, arrows, letters) would move the camera.
 function onKey(event) {
   event.stopImmediatePropagation();
-  const {key, target} = event, typing = target.matches?.("select, input[type=range], summary, #divider");
+  const {key, target} = event, typing = target.matches?.("select, input[type=range]");
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const does = {
+  const moves = target.id === "divider" ? {ArrowLeft: () => widen(share + 4), ArrowRight: () => widen(share - 4)} : {};
+  const does = moves[key] ?? {
     " ": () => play(!playing), Home: () => seek(times.first), End: () => (play(false), seek(last)),
     ArrowLeft: () => step(-1), ArrowRight: () => step(1), c: () => scene?.resetCamera(),
   }[key];
@@ -130,8 +131,15 @@ function makeLegend() {
     const pale = kind.uncertain ? "; pale: not determined by the joints" : "";
     return element("p", {}, arrowMark(kind), `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
   });
-  if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid} m`}));
+  if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid}`}));
   $("legend").replaceChildren(...rows);
+}
+
+// Part of the width [%] that the curves take.
+function widen(part) {
+  share = Math.min(Math.max(part, 15), 80);
+  $("page").style.setProperty("--share", `${share}%`);
+  $("divider").setAttribute("aria-valuenow", Math.round(share));
 }
 
 function setUpCurves(lines) {
@@ -147,13 +155,11 @@ function setUpCurves(lines) {
   const again = () => (curves.forEach((curve) => curve.resize()), (dirty = true));
   new ResizeObserver(again).observe($("curves"));
   $("show-curves").addEventListener("change", () => $("page").classList.toggle("no-curves", !$("show-curves").checked));
-  const widen = (share) => $("page").style.setProperty("--share", `${Math.min(Math.max(share, 15), 80)}%`);
   const divider = $("divider");
   divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
   divider.addEventListener("pointermove", (event) => {
     if (event.buttons & 1) widen(100 * (1 - event.clientX / window.innerWidth));
   });
-  divider.addEventListener("keydown", (event) => event.stopPropagation());
 }
 
 async function start() {
@@ -167,6 +173,7 @@ async function start() {
   if (!still) setUpTime();
   makeSwitches(), makeLegend(), setUpCurves(lines);
   window.addEventListener("keydown", onKey, true);
+  document.addEventListener("visibilitychange", () => (before = null)); // a hidden page stands still
   $("camera").addEventListener("click", () => scene?.resetCamera());
   requestAnimationFrame(tick);
   const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");

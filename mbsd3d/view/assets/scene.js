@@ -17,30 +17,30 @@ function makeScene(data, arrays) {
     return false;
   }
 
-  // Arrows and rods: copies of a mesh of length 1 along z, laid along vectors; thick as long, or as given.
-  function lay(name, points, vectors, factor, thickness) {
+  // Copies of a body of length 1 along z, laid along vectors from points: as wide as long, or of given radii; they turn
+  // from directions `rest` by the smallest rotation, so that coils do not spin (mbsd3d/view/sticks.py).
+  function lay(name, points, vectors, factor, radii, rest) {
     const count = points.length / 3;
     const positions = new Float32Array(3 * count), turns = new Float32Array(4 * count), scales = new Float32Array(3 * count);
     for (let i = 0; i < count; i++) {
-      const v = vectors.subarray(3 * i, 3 * i + 3), length = Math.hypot(v[0], v[1], v[2]) || 0;
-      const [x, y, z] = length > 0 ? [v[0] / length, v[1] / length, v[2] / length] : [0, 0, 1];
-      const e = [1 + z, -y, x, 0], norm = Math.hypot(...e);
+      const v = vectors.subarray(3 * i, 3 * i + 3), length = Math.hypot(...v) || 0;
+      const first = rest ? rest[i] : Z, way = length > 0 ? Array.from(v, (x) => x / length) : Z;
       for (let k = 0; k < 3; k++) positions[3 * i + k] = points[3 * i + k] * data.scale;
-      turns.set(norm > 1e-9 ? e.map((c) => c / norm) : [0, 1, 0, 0], 4 * i);
-      const long = length * factor * data.scale, wide = thickness === undefined ? long : thickness * data.scale;
+      turns.set(product(smallestTurn(first, way), smallestTurn(Z, first)), 4 * i);
+      const long = length * factor * data.scale, wide = radii ? radii[i] * data.scale : long;
       scales.set([wide + 1e-9, wide + 1e-9, long + 1e-9], 3 * i);
     }
     const updates = {batched_positions: positions, batched_wxyzs: turns, batched_scales: scales};
     tell("SceneNodeUpdateMessage", name, {updates});
   }
 
-  function moveLinks(r, e) {
-    const starts = new Float64Array(3 * data.links.ends.length), vectors = new Float64Array(starts.length);
-    data.links.ends.forEach(([[a, p], [b, q]], i) => {
+  function moveLinks({node, ends, radii, rest}, r, e) {
+    const starts = new Float64Array(3 * ends.length), vectors = new Float64Array(starts.length);
+    ends.forEach(([[a, p], [b, q]], i) => {
       const start = pointOf(r, e, a, p), end = pointOf(r, e, b, q);
       for (let k = 0; k < 3; k++) (starts[3 * i + k] = start[k]), (vectors[3 * i + k] = end[k] - start[k]);
     });
-    lay(data.links.node, starts, vectors, 1, data.links.thickness);
+    lay(node, starts, vectors, 1, radii, rest);
   }
 
   // Traces grow by drawing only their first segments.
@@ -62,7 +62,7 @@ function makeScene(data, arrays) {
       tell("SetPositionMessage", name, {position: Array.from(r.subarray(3 * i, 3 * i + 3), (x) => x * data.scale)});
       tell("SetOrientationMessage", name, {wxyz: Array.from(e.subarray(4 * i, 4 * i + 4))});
     }
-    if (data.links) moveLinks(r, e);
+    for (const links of data.links) moveLinks(links, r, e);
     data.arrows.forEach((kind, i) => {
       const {points, vectors} = arrays.arrows[i];
       if (shown[kind.kind]) lay(kind.node, rowAt(points, place), rowAt(vectors, place), kind.factor);

@@ -56,3 +56,22 @@ function pointOf(r, e, i, p) {
     r[3 * i + 2] + p[2] + w * s[2] + x * s[1] - y * s[0],
   ];
 }
+
+const Z = [0, 0, 1];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+// Unit quaternion of the smallest rotation of unit vector a to b; half a turn about any normal if b = -a.
+function smallestTurn(a, b) {
+  const e = [1 + a[0] * b[0] + a[1] * b[1] + a[2] * b[2], ...cross(a, b)], norm = Math.hypot(...e);
+  if (norm > 1e-7) return e.map((x) => x / norm);
+  const normal = cross(a, Math.abs(a[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]), size = Math.hypot(...normal);
+  return [0, ...normal.map((x) => x / size)];
+}
+
+function product(p, q) {
+  const [x, y, z] = cross(p.slice(1), q.slice(1));
+  return [
+    p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+    p[0] * q[1] + q[0] * p[1] + x, p[0] * q[2] + q[0] * p[2] + y, p[0] * q[3] + q[0] * p[3] + z,
+  ];
+}
