@@ -21,6 +21,7 @@ from mbsd3d import (
     Revolute,
     System,
     accelerations,
+    load,
     facts,
     measures,
     simulate,
