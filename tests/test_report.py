@@ -21,8 +21,8 @@ from mbsd3d import (
     Revolute,
     System,
     accelerations,
-    load,
     facts,
+    load,
     measures,
     simulate,
 )  # fmt: skip
