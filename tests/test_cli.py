@@ -82,7 +82,7 @@ def process(*arguments):
 def test_help_names_the_commands():
     result = call("--help")
     assert result.exit_code == 0
-    for name in ("check", "demo", "run", "version", "warmup"):
+    for name in ("check", "demo", "run", "show", "version", "warmup"):
         assert re.search(rf"^  {name} ", result.stdout, re.MULTILINE)
 
 
@@ -113,8 +113,65 @@ def test_a_demo_prints_its_table_and_writes_figure_and_data(folder):
     assert re.search(r"quantity +\| +computed \| +theory \| +error", result.stdout)
     assert re.search(r"^  why ", result.stdout, re.MULTILINE) and re.search(r"^  source ", result.stdout, re.MULTILINE)
     written = {path.name for path in (folder / "results" / "today").iterdir()}
-    assert {f"heavy_top{suffix}" for suffix in (".png", ".svg", ".npz", ".csv")} <= written
+    assert {f"heavy_top{suffix}" for suffix in (".png", ".svg", ".npz", ".csv", ".html")} <= written
     assert "results/today/heavy_top.png" in result.stdout and str(folder) not in result.stdout
+
+
+def test_without_viser_a_demo_has_no_page_and_says_why(folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    result = call("demo", "cardan")
+    assert result.exit_code == 0 and result.stderr.count("\n") == 1
+    assert "a view needs the package viser; install it: pip install mbsd3d[view]" in result.stderr
+    assert not list((folder / "out").glob("*.html")) and (folder / "out" / "cardan.png").exists()
+
+
+@pytest.mark.parametrize("arguments", [("demo", "cardan", "--view"), ("show", "m.py"), ("run", "m.py", "--t-end", 1)])
+def test_without_viser_a_view_is_refused_before_anything_is_computed(folder, monkeypatch, arguments):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    arguments = (*arguments, "--view") if arguments[0] == "run" else arguments
+    result = call(*arguments)
+    assert result.exit_code == 2 and result.stdout == "" and not list(folder.iterdir())
+    assert result.stderr == "mbsd3d: a view needs the package viser; install it: pip install mbsd3d[view]\n"
+
+
+def test_demo_view_says_its_address_and_ends_quietly_with_ctrl_c(folder):
+    running = process("demo", "cardan", "--view", "--out", folder)
+    lines = []
+    for line in running.stdout:
+        lines.append(line)
+        if "http://" in line:
+            break
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+  \(Ctrl-C ends it\)\n", lines[-1])
+    assert any("quantity" in line for line in lines)
+    time.sleep(0.5)
+    running.send_signal(signal.SIGINT)
+    rest, errors = running.communicate(timeout=30)
+    assert (rest, errors, running.returncode) == ("", "", 0)
+
+
+@pytest.mark.parametrize("arguments", [("--view",), ("--all", "--view"), ("--list", "--view")])
+def test_demo_view_needs_one_name(folder, arguments):
+    result = call("demo", *arguments)
+    assert result.exit_code == 2 and result.stderr == "mbsd3d: --view shows one demo; give its name\n"
+
+
+@pytest.mark.parametrize(("out", "page"), [("out", "out/model.html"), ("here/it.html", "here/it.html")])
+def test_show_writes_one_page(folder, out, page):
+    result = call("show", model(folder, PENDULUM), "--out", out)
+    assert result.exit_code == 0 and result.stdout == f"{page}\n"
+    assert [path.name for path in (folder / page).parent.iterdir()] == [(folder / page).name]
+    assert "<title>" in (folder / page).read_text()
+
+
+def test_show_of_a_wrong_file(folder):
+    result = call("show", "missing.toml")
+    assert result.exit_code == 2 and result.stderr.count("\n") == 1 and "missing.toml" in result.stderr
+
+
+def test_run_writes_a_page_on_request(folder):
+    result = call("run", model(folder, PENDULUM), "--t-end", 0.5, "--output", 11, "--view", "--out", "today/a.npz")
+    assert result.exit_code == 0 and "today/a.html\n" in result.stdout
+    assert (folder / "today" / "a.html").exists()
 
 
 def test_run_writes_everything_and_prints_the_certificate(folder):

@@ -68,6 +68,17 @@ def test_figure_and_runs(name):
         assert any(labels) and all(re.search(r"\[.+\]", text) for text in labels if text)  # the others name things
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_every_demo_is_shown_with_shapes_and_curves(name):
+    views = outcome(name).views
+    assert name in views and all(view == name or view.startswith(f"{name}_") for view in views)
+    for solution, options in views.values():
+        page = solution.animate(**options)
+        assert page.frames > 100 and len(page.html) < 1.2e6  # a client of 0.8 MB, and so many frames
+        assert all(body.shape is not None for body in solution.system.bodies)
+        assert "curves" in options
+
+
 @pytest.mark.parametrize(
     ("name", "quantity", "number"),
     [
@@ -183,8 +194,10 @@ def test_the_report_holds_why_source_and_notes():
 def test_the_files_of_a_demo_can_be_read_back(tmp_path):
     demo = own_demos()["cardan"]
     files = write(demo, outcome("cardan"), tmp_path)
-    names = {f"cardan{suffix}" for suffix in (".png", ".svg", ".npz", ".csv")}
-    assert {path.name for path in files} == names | {"cardan_double.npz", "cardan_double.csv"}
+    names = {f"cardan{suffix}" for suffix in (".png", ".svg", ".npz", ".csv", ".html")}
+    assert {path.name for path in files} == names | {f"cardan_double.{kind}" for kind in ("npz", "csv", "html")}
+    without = write(demo, demo.run(), tmp_path, pages=False)
+    assert {path.name for path in files} - {path.name for path in without} == {"cardan.html", "cardan_double.html"}
     again = mbsd3d.load(tmp_path / "cardan.npz")
     assert np.array_equal(again.omega("driven"), outcome("cardan").solutions["cardan"].omega("driven"))
 

@@ -16,11 +16,12 @@ from mbsd3d import (
     System,
     Universal,
     rotation,
+    shapes,
     simulate,
 )
-from mbsd3d.animation import COLOURS
+from mbsd3d.style import COLOURS
 
-from .base import Demo, Outcome, Row
+from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
@@ -46,6 +47,24 @@ def motor_torque(angle: np.ndarray, bend: float) -> np.ndarray:
     return INERTIA[0] * RATE**2 * n * slope
 
 
+def shaft(outer: float | None, *forks: tuple[float, str]) -> list[Any]:
+    """Shape of a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
+    ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
+    ends += [-ends[0]] if len(ends) == 1 else []
+    made: list[Any] = [shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))]
+    if outer is not None:
+        made.append(shapes.Disc(0.18, 0.04, "x", at=(outer, 0, 0)))
+    for end, pin in forks:
+        across = np.array([0.0, pin == "y", pin == "z"])
+        inner = end - np.sign(end) * 0.16
+        made.append(shapes.Box(np.array([0.04, 0.06, 0.06]) + 0.2 * across, at=(inner, 0, 0)))
+        for side in (-0.115, 0.115):
+            place = side * across + [0.5 * (inner + end) + 0.01 * np.sign(end), 0, 0]
+            made.append(shapes.Box(np.array([0.22, 0.06, 0.06]) - 0.03 * across, at=place))
+        made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour="#707070"))
+    return made
+
+
 def direction(angle: float) -> np.ndarray:
     """Unit vector in the xy plane."""
     return np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -53,16 +72,17 @@ def direction(angle: float) -> np.ndarray:
 
 def input_shaft() -> tuple[Body, list[Any]]:
     """The driven input along x, ending at the origin."""
-    shaft = Body("drive", 1.0, INERTIA, position=(-0.5, 0, 0))
-    bearing = Revolute(GROUND, shaft, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing")
-    return shaft, [bearing, SpeedDriver(GROUND, shaft, axis=(1, 0, 0), speed=RATE, name="motor")]
+    drive = Body("drive", 1.0, INERTIA, position=(-0.5, 0, 0), shape=shaft(-0.5, (0.5, "y")))
+    bearing = Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing")
+    return drive, [bearing, SpeedDriver(GROUND, drive, axis=(1, 0, 0), speed=RATE, name="motor")]
 
 
 def shaft_pair(bend: float) -> System:
     """Two shafts in the xy plane that meet at the origin."""
     drive, joints = input_shaft()
     along = direction(bend)
-    driven = Body("driven", 1.0, INERTIA, position=0.5 * along, orientation=rotation("z", bend))
+    shape, turned = shaft(0.5, (-0.5, "z")), rotation("z", bend)
+    driven = Body("driven", 1.0, INERTIA, position=0.5 * along, orientation=turned, shape=shape)
     joints += [
         Universal(drive, driven, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross"),
         PointOnLine(GROUND, driven, at=along, axis=along, name="support"),  # a bearing here would be redundant
@@ -74,8 +94,9 @@ def double_joint(bend: float) -> System:
     """Input and output parallel, a middle shaft at the angle ``bend`` with aligned yokes."""
     drive, joints = input_shaft()
     along = direction(bend)
-    middle = Body("middle", 1.0, INERTIA, position=0.5 * along, orientation=rotation("z", bend))
-    driven = Body("driven", 1.0, INERTIA, position=along + (0.5, 0, 0))
+    shape, turned = shaft(None, (-0.5, "z"), (0.5, "z")), rotation("z", bend)
+    middle = Body("middle", 1.0, INERTIA, position=0.5 * along, orientation=turned, shape=shape)
+    driven = Body("driven", 1.0, INERTIA, position=along + (0.5, 0, 0), shape=shaft(0.5, (-0.5, "y")))
     joints += [
         Universal(drive, middle, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross 1"),
         Universal(middle, driven, at=along, axis_a=(0, 0, 1), axis_b=(0, 1, 0), name="cross 2"),
@@ -114,7 +135,11 @@ def run(*, bend_factor: float = 1.0) -> Outcome:
     rows.append(Row("greatest motor torque", single.effort("motor").max(), torque.max(), 1e-8, "N m"))
     rows.append(Row("double joint: greatest output/input rate", even.max(), 1.0, 1e-10))
     rows.append(Row("double joint: least output/input rate", even.min(), 1.0, 1e-10))
-    return Outcome(tuple(rows), draw(single, double), {"cardan": single, "cardan_double": double})
+    solutions = {"cardan": single, "cardan_double": double}
+    options = {"curves": [("omega_body", "driven"), ("effort", "motor")], "traces": []}
+    even = {"title": "two Cardan joints: an even ratio again", **options}
+    views = {"cardan": Show(single, options), "cardan_double": Show(double, even)}
+    return Outcome(tuple(rows), draw(single, double), solutions, views=views)
 
 
 def draw(single: Solution, double: Solution) -> Any:

@@ -17,11 +17,12 @@ from mbsd3d import (
     Spherical,
     System,
     Universal,
+    shapes,
     simulate,
 )
-from mbsd3d.animation import COLOURS
+from mbsd3d.style import COLOURS, LIGHT
 
-from .base import Demo, Outcome, Row
+from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm
@@ -31,6 +32,17 @@ CRANK_MASS, ROD_MASS, PISTON_MASS = 2.0, 4.0, 5.0  # kg; the rod's centre of mas
 ACROSS = RATE**2 * (CRANK_MASS * OFFSET + 0.5 * ROD_MASS * RADIUS)  # amplitude at right angles to the bore [N]
 ORDERS = (1, 2, 4, 6)
 SAMPLES = 256  # of one turn
+CRANK = (
+    shapes.Cylinder(0.1, 0.6, "y", at=(0, -0.32, 0)),
+    shapes.Box((0.24, 0.08, RADIUS + 0.3), at=(0, -0.02, 0.5 * RADIUS)),
+    shapes.Cylinder(0.07, 0.22, "y", at=(0, AHEAD, RADIUS)),
+)
+CONNECTION = (
+    shapes.Box((0.1, 0.07, ROD - 0.3)),
+    shapes.Torus(0.13, 0.05, "y", at=(0, 0, -0.5 * ROD)),
+    shapes.Torus(0.13, 0.05, "y", at=(0, 0, 0.5 * ROD)),
+)
+PISTON = shapes.Cylinder(0.4, 0.6, "z", at=(0, 0, 0.12))
 
 
 def harmonics(*, centripetal: bool = True) -> np.ndarray:
@@ -53,9 +65,9 @@ def engine() -> System:
     The reference point of the crank lies on its axis. Spherical crankpin, universal wristpin: no row is redundant.
     """
     pin, wrist = np.array([0.0, AHEAD, RADIUS]), np.array([0.0, AHEAD, RADIUS + ROD])
-    crank = Body("crank", CRANK_MASS, (0.3, 0.4, 0.5), com=(0, AHEAD, OFFSET))
-    rod = Body("rod", ROD_MASS, (1 / 3, 1 / 3, 0.01), position=0.5 * (pin + wrist))
-    piston = Body("piston", PISTON_MASS, (1.0, 1.0, 1.0), position=wrist)
+    crank = Body("crank", CRANK_MASS, (0.3, 0.4, 0.5), com=(0, AHEAD, OFFSET), shape=CRANK)
+    rod = Body("rod", ROD_MASS, (1 / 3, 1 / 3, 0.01), position=0.5 * (pin + wrist), shape=CONNECTION)
+    piston = Body("piston", PISTON_MASS, (1.0, 1.0, 1.0), position=wrist, shape=PISTON)
     bearing = Revolute(GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="bearing")
     joints = [
         bearing,
@@ -99,7 +111,8 @@ def run(*, centripetal: bool = True) -> Outcome:
     missing = amplitudes(block_load(without)[0][:, 2])[0]
     rows.append(Row("the same force without m w x (w x s), 1x", missing, harmonics(centripetal=False)[0], 1e-9, "N"))
     solutions = {"crank": true, "crank_without_centripetal": without}
-    return Outcome(tuple(rows), draw(true, without), solutions)
+    options = {"curves": [("slide", "bore"), ("reaction", "bearing", "bore")], "shown": ["reaction force"]}
+    return Outcome(tuple(rows), draw(true, without), solutions, views={"crank": Show(true, options)})
 
 
 def shaking(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -120,7 +133,7 @@ def draw(true: Solution, without: Solution) -> Any:
     force_along, force_across = shaking(angle[dots])
     theory_dots(along, np.degrees(angle[dots]), force_along)
     theory_dots(rocking, -AHEAD * force_across, AHEAD * force_along)
-    rocking.plot([0.0], [0.0], "+", color="black", markersize=10, label="plane model")
+    rocking.plot([0.0], [0.0], "+", color=LIGHT.ink, markersize=10, label="plane model")
     groups = [(name, amplitudes(force[:, 2])) for (force, _), name in zip(loads, names, strict=True)]
     spectrum_bars(bars, ORDERS, groups, np.abs(harmonics()))
     along.set(xlabel="crank angle [°]", ylabel="force [N]", xticks=np.arange(0, 361, 90))

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipj, ellipk
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, simulate
-from mbsd3d.animation import COLOURS
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
+from mbsd3d.style import COLOURS
 
-from .base import Demo, Outcome, Row
+from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, theory_dots
 
 MASS, WIDTH, THICKNESS, HEIGHT = 20.0, 0.9, 0.04, 2.0  # kg, m
@@ -20,6 +20,10 @@ GRAVITY, DURATION, SAMPLES = 9.81, 6.0, 301
 LEVER = WIDTH / 2  # of the centre of mass about the hinge axis [m]
 ABOUT_HINGES = MASS * (WIDTH**2 / 3 + THICKNESS**2 / 12)  # kg m^2
 FREQUENCY = np.sqrt(MASS * GRAVITY * np.sin(LEAN) * LEVER / ABOUT_HINGES)  # of small swings [rad/s]
+SHAPE = (
+    shapes.Box((WIDTH, THICKNESS, HEIGHT)),
+    shapes.Cylinder(0.015, 0.2, "y", at=(0.93 * WIDTH, 0, 0), colour="#707070"),
+)
 AXIS = np.array([np.sin(LEAN), 0.0, np.cos(LEAN)])
 
 
@@ -46,9 +50,8 @@ def door(lean: float, *, cured: bool = False) -> System:
     """
     axis = np.array([np.sin(lean), 0.0, np.cos(lean)])
     tilted = matrix(rotation("y", lean)) @ matrix(rotation("z", START))
-    leaf = Body(
-        "door", MASS, inertia.box(MASS, (WIDTH, THICKNESS, HEIGHT)), com=(LEVER, 0, 0), orientation=tilted
-    )  # fmt: skip
+    moments = inertia.box(MASS, (WIDTH, THICKNESS, HEIGHT))
+    leaf = Body("door", MASS, moments, com=(LEVER, 0, 0), orientation=tilted, shape=SHAPE)
     top, bottom = {"at": HINGES * axis, "name": "top"}, {"at": -HINGES * axis, "axis": axis, "name": "bottom"}
     if cured:
         return System([leaf], [Spherical(GROUND, leaf, **top), PointOnLine(GROUND, leaf, **bottom)])
@@ -84,7 +87,10 @@ def run(*, lean_factor: float = 1.0) -> Outcome:
     rows.append(Row("the net force is unique (1: yes)", net.unique, 1, 0))
     rows.append(Row("the share of one hinge is unique (1: yes)", built.reaction("top").unique, 0, 0))
     notes = (f"verdict: {found.verdict}", *(f"cure: {cure.text}" for cure in found.cures))
-    return Outcome(tuple(rows), draw(built, cured), {"door": built, "door_cured": cured}, notes)
+    solutions = {"door": built, "door_cured": cured}
+    curves, shown = [("angle", "top"), ("reaction", "top", "bottom")], ["reaction force"]
+    views = {"door": Show(built, {"curves": curves, "shown": shown, "traces": []})}
+    return Outcome(tuple(rows), draw(built, cured), solutions, notes, views)
 
 
 def draw(built: Solution, cured: Solution) -> Any:

@@ -7,17 +7,18 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
-from mbsd3d import Body, Solution, System, simulate
-from mbsd3d.animation import COLOURS, GREY
+from mbsd3d import Body, Solution, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
+from mbsd3d.style import COLOURS, GREY, LIGHT
 
-from .base import Demo, Outcome, Row
-from .drawing import LIGHT, legend_below, new_figure, space
+from .base import Demo, Outcome, Row, Show
+from .drawing import legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
 MASS, SPEED = 1.5, (1.0, 2.0, 3.0)  # kg, m/s: flying along changes nothing
 DURATION, SAMPLES = 30.0, 1501
+BESIDE = np.array([2.7, 1.7, 0.0])  # m, from one body to the next in the view: across it
 
 
 def spins(axis: int) -> np.ndarray:
@@ -86,7 +87,23 @@ def run(*, gyroscopic: bool = True) -> Outcome:
     ]
     files = {f"dzhanibekov_{name}": run for name, run in zip(("least", "", "greatest"), runs, strict=True)}
     files = {name.rstrip("_"): run for name, run in sorted(files.items(), key=lambda item: item[0] != "dzhanibekov_")}
-    return Outcome(tuple(rows), draw(runs, times), files)
+    return Outcome(tuple(rows), draw(runs, times), files, views={"dzhanibekov": in_space()})
+
+
+def in_space() -> Show:
+    """Three handles side by side, each spun about another axis that stands upright, at rest on the whole."""
+    bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
+    upright = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
+    bodies = [
+        Body(
+            f"{name} moment", MASS, MOMENTS, position=k * BESIDE, orientation=turned, omega=matrix(turned) @ spins(k),
+            shape=(bar, stem),
+        )
+        for k, (name, turned) in enumerate(zip(("least", "middle", "greatest"), upright, strict=True))
+    ]  # fmt: skip
+    solution = simulate(System(bodies, gravity=(0, 0, 0)), DURATION, rtol=1e-10, output=SAMPLES)
+    curves = [("omega_body", body) for body in bodies]
+    return Show(solution, {"curves": curves, "traces": [], "shown": ["angular momentum"]})
 
 
 def polhodes() -> list[np.ndarray]:
@@ -136,7 +153,7 @@ def draw(runs: list[Solution], times: np.ndarray) -> Any:
     sphere.view_init(elev=25, azim=55)
     sphere.plot(*rim(sphere).T, color=GREY, linewidth=0.7)
     for path in polhodes():
-        sphere.plot(*in_front(sphere, path).T, color=LIGHT, linewidth=0.9)
+        sphere.plot(*in_front(sphere, path).T, color=LIGHT.grid, linewidth=0.9)
     names = ("least", "middle", "greatest")
     for k, (solution, name, line) in enumerate(zip(runs, names, ("-", "-", "--"), strict=True)):
         L = solution.omega_body("body") * MOMENTS

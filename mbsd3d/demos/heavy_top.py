@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
-from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, simulate
-from mbsd3d.animation import COLOURS
+from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, shapes, simulate
 from mbsd3d.rotations import multiply
+from mbsd3d.style import COLOURS, LIGHT
 
-from .base import Demo, Outcome, Row
+from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
 
 MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
@@ -19,6 +19,11 @@ SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal
 ABOUT_PIVOT = INERTIA[0] + MASS * DISTANCE**2  # A, transverse [kg m^2]
 AXIAL, WEIGHT_MOMENT = INERTIA[1], MASS * 9.81 * DISTANCE  # C [kg m^2], m g l [N m]
 AT_2_S = (-0.15041682274564178, -0.7241655916368959, -0.673022269560444)  # m, Taylor series of order 24 in 80 bits
+TIP = 0.25  # m, of the stem beyond the disc, as drawn; a thin disc of 0.25 m has these moments of inertia
+SHAPE = (
+    shapes.Disc(0.25, 0.03, "y"),
+    shapes.Cylinder(0.02, DISTANCE + TIP, "y", at=(0, 0.5 * (TIP - DISTANCE), 0), colour="#707070"),
+)
 TILT = np.radians(75.0)  # of the steadily precessing tops, from the vertical
 
 
@@ -54,13 +59,13 @@ def top(tilt: float, precession: float) -> System:
     axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     omega = precession * np.array([0.0, 0.0, 1.0]) + (SPIN - precession * np.cos(tilt)) * axis
     upright = multiply(rotation("y", tilt), rotation("x", np.pi / 2))
-    body = Body("top", MASS, INERTIA, position=DISTANCE * axis, orientation=upright, omega=omega)
+    body = Body("top", MASS, INERTIA, position=DISTANCE * axis, orientation=upright, omega=omega, shape=SHAPE)
     return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
 
 
 def falling_top() -> System:
     """The top of the literature: axis along y at the start."""
-    body = Body("top", MASS, INERTIA, position=(0, DISTANCE, 0), omega=(0, SPIN, PRECESSION))
+    body = Body("top", MASS, INERTIA, position=(0, DISTANCE, 0), omega=(0, SPIN, PRECESSION), shape=SHAPE)
     return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
 
 
@@ -89,7 +94,14 @@ def run(*, gyroscopic: bool = True) -> Outcome:
         mean = np.ptp(azimuth(solution)) / solution.t[-1]
         rows.append(Row(f"{name} steady precession at 75 degrees", mean, theory, 1e-9, "rad/s"))
     solutions = {"heavy_top": falling, "heavy_top_slow": steady[0], "heavy_top_fast": steady[1]}
-    return Outcome(tuple(rows), draw(falling, steady, rates), solutions)
+    return Outcome(tuple(rows), draw(falling, steady, rates), solutions, views={"heavy_top": in_space(falling)})
+
+
+def in_space(falling: Solution) -> Show:
+    """Ten times slower than life, with the path of the stem's end."""
+    curves = [("com", "top"), ("reaction", "pivot")]
+    tip = ("top", (0.0, DISTANCE + TIP, 0.0))
+    return Show(falling, {"curves": curves, "traces": [tip], "shown": ["angular momentum"], "speed": 0.1})
 
 
 def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) -> Any:
@@ -100,7 +112,7 @@ def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) 
     sphere_net(path, highest=0.0)
     path.plot(*centre.T, color=COLOURS[0], linewidth=1.8)
     path.plot(*centre[:1].T, "o", color=COLOURS[1], label="start")
-    path.plot([0], [0], [0], "^", color="black", label="pivot")
+    path.plot([0], [0], [0], "^", color=LIGHT.ink, label="pivot")
     space(path, ("x [m]", "y [m]", "z [m]"), (2, 2, 1.1))
     path.set(zlim=(-1, 0.1), zticks=[-1, 0])
     path.legend(loc="upper left", bbox_to_anchor=(-0.1, 1.02), frameon=False, fontsize=9)

@@ -6,17 +6,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
-from mbsd3d.animation import COLOURS, GREY
+from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, shapes, simulate
 from mbsd3d.rotations import H
+from mbsd3d.style import COLOURS, GREY, LIGHT
 
 from . import crank
-from .base import Demo, Outcome, Row
+from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, plain_decades, theory_dots
 
 TURN = 2 * np.pi  # rad/s: one revolution per second
 MOMENTS, SPIN = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])  # of the free body [kg m^2, rad/s]
 ARM = 0.5  # m, centre of mass of the flywheel from its hinge
+WHEEL = (
+    shapes.Disc(0.25, 0.06),
+    shapes.Cylinder(0.03, ARM, "x", at=(-0.5 * ARM, 0, 0)),
+    shapes.Torus(0.07, 0.02, at=(-ARM, 0, 0)),
+)
 GAP = 1e-3  # m, opened on purpose
 A, B = 20.0, 100.0  # Baumgarte's factors [1/s, 1/s^2]: both roots at -10/s
 STEPS = 200  # of the quaternion's integration
@@ -32,12 +37,12 @@ SWITCHES: dict[str, dict[str, Any]] = {
 
 def free_body() -> System:
     """A body without forces, turning about an axis that is no principal one."""
-    return System([Body("body", 1.0, MOMENTS, omega=SPIN)], gravity=(0, 0, 0))
+    return System([Body("body", 1.0, MOMENTS, omega=SPIN, shape="box")], gravity=(0, 0, 0))
 
 
 def flywheel() -> System:
     """A body on a hinge, its centre of mass off the axis, at one revolution per second; no gravity."""
-    wheel = Body("wheel", 1.0, (0.1, 0.1, 0.1), position=(ARM, 0, 0), omega=(0, 0, TURN))
+    wheel = Body("wheel", 1.0, (0.1, 0.1, 0.1), position=(ARM, 0, 0), omega=(0, 0, TURN), shape=WHEEL)
     return System([wheel], [Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0, 0, 1), name="hinge")], gravity=(0, 0, 0))
 
 
@@ -132,7 +137,12 @@ def run(*, gyroscopic: bool = False, centripetal: bool = False, gamma: bool = Fa
     files = {f"wall_{name}": solution for name, solution in tops.items() if name != "all terms"}
     files = {"wall": tops["all terms"], **files, "wall_free_body": free, "wall_crank": engine, "wall_flywheel": flying}
     files |= {f"wall_gap_{name}": solution for name, solution in opened_by.items()}
-    return Outcome(tuple(rows), draw(tops, flying, opened_by, e), files)
+    left = {"title": "without -J_dot v: the wheel leaves its hinge"}
+    left |= {"curves": [("com", "wheel"), "drift"], "traces": [("wheel", (0, 0, 0)), ("wheel", (ARM, 0, 0))]}
+    astray = {"title": "without w x I w: the angular momentum of a free body turns with it"}
+    astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
+    views = {"wall": Show(flying, left), "wall_free_body": Show(free, astray)}
+    return Outcome(tuple(rows), draw(tops, flying, opened_by, e), files, views=views)
 
 
 def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solution], e: np.ndarray) -> Any:
@@ -175,8 +185,8 @@ def draw_table(axes: Any, tops: dict[str, Solution]) -> None:
     labels |= {"gamma": "no -J_dot v", "none": "no stabilisation", "baumgarte": "Baumgarte"}
     for i, certificate in enumerate(certificates.values()):
         for j, check in enumerate(certificate.checks):
-            tint = "#F6C6A8" if not check.passed else "#CFE5F2"
-            axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor="white", linewidth=2)
+            tint = LIGHT.good if check.passed else LIGHT.bad
+            axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
             weight = "normal" if check.passed else "bold"
             axes.text(j + 0.5, i + 0.5, f"{check.error:.0e}", ha="center", va="center", fontsize=8, weight=weight)
     axes.set(xlim=(0, len(names)), ylim=(len(certificates), 0))

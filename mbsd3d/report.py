@@ -1,0 +1,185 @@
+"""The report of a run: one page, for a reader who must be convinced, that needs neither a network nor this package.
+
+Its figures are vector graphics whose colours follow the reader's light or dark paper; it prints on A4. What it says in
+numbers stands in `mbsd3d.facts`. The time the run took is left out, so the same run gives the same bytes.
+"""
+
+import html
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .exhibits import figure_of, picture_of, wanted_curves
+from .facts import (
+    body_table,
+    drift_facts,
+    driver_table,
+    force_table,
+    freedom_facts,
+    joint_table,
+    run_facts,
+    thinned,
+    warnings,
+)
+from .files import package_version, with_suffix, write_atomically
+from .style import DARK, LIGHT
+from .threads import on_one_thread
+from .wording import digits
+
+DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
+MEANING = {
+    "joint gaps": "the joints stay closed",
+    "joint velocities": "the joints are not torn apart",
+    "energy balance": "energy changes by the work done",
+    "momentum balance": "momentum changes by the impulse",
+    "angular momentum": "it changes by the angular impulse",
+    "Newton-Euler": "every body obeys its equations",
+    "acceleration rows": "accelerations keep them closed",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Report:
+    """One offline HTML page about a run.
+
+    Attributes
+    ----------
+    html : str
+        The whole page.
+    title : str
+    passed : bool
+        Verdict of the certificate.
+    """
+
+    html: str
+    title: str
+    passed: bool
+
+    def __repr__(self) -> str:
+        verdict, size = "passed" if self.passed else "FAILED", len(self.html.encode()) / 1000
+        return f"<report '{self.title}': {verdict}, {size:.0f} kB; .save(path) writes it, a browser shows it>"
+
+    def _repr_html_(self) -> str:
+        """In a notebook: a frame of its own, so that its style stays its own."""
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:60em;border:0"></iframe>'
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page; ".html" is appended if it is missing, an older file is replaced in one go.
+
+        Raises
+        ------
+        ValueError
+            If the folder cannot be written.
+        """
+        return write_atomically(with_suffix(path, ".html"), self.html.encode())
+
+
+@on_one_thread  # many small decompositions, for which threads cost more than they save
+def make_report(
+    solution: Any,
+    path: str | Path | None = None,
+    *,
+    title: str | None = None,
+    curves: Any = None,
+    dark: bool | None = None,
+) -> Report:
+    """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
+
+    Parameters
+    ----------
+    solution : Solution
+        At least one sample.
+    path : str or Path, optional
+        Where to write it as well.
+    title : str, optional
+        None = the names of the bodies.
+    curves : sequence of str and (str, part, ...), optional
+        One figure each, as `Solution.plot` takes them; None = the ones that tell most.
+    dark : bool, optional
+        Dark or light paper; None = as the reader's screen is set. It prints on light paper anyway.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    ValueError
+        For a solution without samples, an unknown quantity or part, or a folder that cannot be written.
+    """
+    if not solution.t.size:
+        raise ValueError("report: the solution has no samples; run it to a later time")
+    if title is not None and not isinstance(title, str):
+        raise ValueError(f"report: title {title!r} is no text; give one, or None")
+    record, certificate = solution.record, solution.certificate
+    as_built = {"as_built": record.tolerance * solution.compiled.model.length} if record.tolerance else {}
+    diagnosis = solution.system.check(**as_built)
+    title = title if title is not None else title_of(solution.system)
+    few, thin = thinned(solution)
+    figures = [figure_of(k, *wanted) for k, wanted in enumerate(wanted_curves(solution, few, curves))]
+    tables = [
+        body_table(solution), joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution),
+    ]  # fmt: skip
+    page = template().render(
+        title=title,
+        solution=solution,
+        version=package_version(),
+        certificate=certificate,
+        checks=[check_row(check) for check in certificate.checks],
+        warnings=[*warnings(solution), *([f"Reactions and efforts: {thin}"] if thin else [])],
+        picture=picture_of(solution, dark),
+        run=run_facts(solution),
+        drift=drift_facts(solution),
+        freedoms=freedom_facts(diagnosis),
+        figures=figures,
+        tables=[table for table in tables if table.rows],
+        digits=digits,
+        light=LIGHT,
+        dark=DARK,
+        paper={None: "auto", True: "dark", False: "light"}[None if dark is None else bool(dark)],
+    )
+    report = Report(page, title, certificate.passed)
+    if path is not None:
+        report.save(path)
+    return report
+
+
+@cache
+def template() -> Any:
+    """The page; every text that is put into it is escaped."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = Path(__file__).parent / "templates"
+    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    return Environment(loader=FileSystemLoader(folder), **options).get_template("report.html")
+
+
+def title_of(system: Any) -> str:
+    """The names of the bodies, the first ones of many."""
+    names = [body.name for body in system.bodies]
+    if len(names) == 1:
+        return names[0]
+    if len(names) <= 4:
+        return f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
+
+
+def check_row(check: Any) -> dict[str, Any]:
+    """A check with the places of error and limit on a logarithmic bar [%]."""
+
+    def place(value: float) -> float:
+        return round(100.0 * min(max(np.log10(max(value, 1e-300)) / DECADES + 1.0, 0.0), 1.0), 2)
+
+    finite = np.isfinite(check.error)
+    return {
+        "name": check.name,
+        "meaning": MEANING.get(check.name, check.meaning) if check.passed else check.meaning,
+        "error": digits(check.error, count=2) if finite else "not a number",
+        "limit": digits(check.limit, count=2),
+        "passed": check.passed,
+        "bar": place(check.error) if finite else 100.0,
+        "mark": place(check.limit),
+    }
