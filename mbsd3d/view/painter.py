@@ -175,6 +175,7 @@ class Painter:
         polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
         fill = items.fill[order]
         drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
+        drawn.set_antialiased(items.width[order] > 0.0)  # the paper must not shine through between triangles
         drawn.set_rasterized(len(order) > MANY)
         axes.add_collection(drawn, autolim=False)
         return np.concatenate([polygons, 0.5 * (polygons + np.roll(polygons, 1, axis=1))]).reshape(-1, 2)

@@ -15,6 +15,7 @@ from .lens import Lens
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn, and shading does not run across them
 DARK, LIT, GLOSS = 0.48, 1.15, 0.14  # brightness of a face turned away from the light and towards it; highlight
 SECOND = 0.72  # brightness of the second tint, by which one sees a round body turn
+FINER = 0.4  # how much smaller triangles of thin, and of large and round solids are
 PALE = 0.12  # share of white in all colours
 OUTLINE = 0.38  # brightness of the outline
 LIGHT = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
@@ -130,19 +131,22 @@ class Prepared(NamedTuple):
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split the triangles and edges of a piece: the thinner it is, the finer, down to ``longest`` / 2.5."""
+    """Split triangles and edges of a piece: down to ``FINER`` times ``longest`` where it is thin, or large and round."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
-    longest = min(longest, max(float(np.ptp(vertices, axis=0).min()), 0.4 * longest))
+    thickness, finest = float(np.ptp(vertices, axis=0).min()), FINER * longest
+    limit = min(longest, max(thickness, finest))
     whole = vertices[faces]
     normals = normals_of(whole)
     corners = corner_normals(faces, normals)
     bent = np.einsum("mci,mi->mc", corners, normals).min(axis=1) < 1.0 - 1e-4
-    split, parent = split_triangles(np.concatenate([whole, corners], axis=2), np.where(bent, 0.4, 1.0) * longest)
+    split, parent = split_triangles(
+        np.concatenate([whole, corners], axis=2), np.where(bent & (thickness > longest), finest, limit)
+    )
     tints = np.where(piece.mesh.shade[:, None] == 1, SECOND, 1.0) * (
         PALE + (1.0 - PALE) * np.array(to_rgb(piece.colour))
     )
     edges, sides = edges_of(faces, vertices, normals)
-    short, of = split_strokes(edges, longest)
+    short, of = split_strokes(edges, limit)
     fields = {
         "whole": whole,
         "whole_body": np.full(len(whole), piece.body),
