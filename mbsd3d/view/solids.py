@@ -131,7 +131,7 @@ class Prepared(NamedTuple):
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split triangles and edges of a piece: down to ``FINER`` times ``longest`` where it is thin, or large and round."""
+    """Split triangles and edges of a piece; down to ``FINER`` times ``longest`` if it is thin, or large and round."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
     thickness, finest = float(np.ptp(vertices, axis=0).min()), FINER * longest
     limit = min(longest, max(thickness, finest))
