@@ -13,6 +13,7 @@ from PIL import Image
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
+from mbsd3d.demos import pictures
 from mbsd3d.style import DARK, LIGHT
 from mbsd3d.view import film
 from mbsd3d.view.reel import Reel
@@ -196,3 +197,10 @@ def test_mp4_refuses_odd_sizes(solution, tmp_path):
         solution.export_mp4(tmp_path / "x", width=161)
     with pytest.raises(ValueError, match="no folder"):
         solution.export_mp4(tmp_path / "nowhere" / "x", **SMALL)
+
+
+@pytest.mark.slow
+def test_pictures_of_the_readme_are_small(tmp_path):
+    sizes = {path.name: path.stat().st_size for path in pictures.make(tmp_path)}
+    assert sizes.pop("heavy_top.gif") < 400_000
+    assert set(sizes) == {"dzhanibekov.png", "cardan.png"} and max(sizes.values()) < 150_000

@@ -20,9 +20,9 @@ from mbsd3d.view.drawing import Camera, draw_system, poses_of
 from mbsd3d.view.lens import lens_of, round_cell, turned, window
 from mbsd3d.view.motion import arrows_of, frames_of
 from mbsd3d.view.names import Name, extent, place
-from mbsd3d.view.painter import Painter, new_sheet, outlines
+from mbsd3d.view.painter import Painter, new_sheet
 from mbsd3d.view.pointers import longest_of, paler, pointers_of
-from mbsd3d.view.solids import Solids, split_strokes, split_triangles
+from mbsd3d.view.solids import Solids, outlines, split_strokes, split_triangles
 
 CAMERA = Camera(np.array([2.3, -3.1, 1.7]), np.array([0.2, 0.4, -0.3]), 4.5)
 

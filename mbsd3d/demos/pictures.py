@@ -14,7 +14,6 @@ from mbsd3d import (
     PointOnLine,
     Revolute,
     Solution,
-    Spherical,
     System,
     Universal,
     inertia,
@@ -24,20 +23,9 @@ from mbsd3d import (
 from mbsd3d.files import write_atomically
 from mbsd3d.shapes import Box, Cylinder, Disc
 
-from .heavy_top import DISTANCE, INERTIA, MASS, PRECESSION, SPIN
+from .heavy_top import falling_top
 
 STEEL, RED, BLUE = "#8A9BA8", "#D55E00", "#0072B2"
-
-
-def heavy_top() -> Solution:
-    """The falling top of the demo as a flywheel on its axle; a disc of 0.25 m has its axial moment of inertia."""
-    wheel = Disc(0.25, 0.06, "y", colour=BLUE)
-    axle = Cylinder(0.018, 1.12 * DISTANCE, "y", at=(0, -0.44 * DISTANCE, 0), colour=STEEL)
-    top = Body(
-        "top", MASS, INERTIA, position=(0, DISTANCE, 0), omega=(0, SPIN, PRECESSION), shape=[wheel, axle]
-    )  # fmt: skip
-    pivot = Spherical(GROUND, top, at=(0, 0, 0), name="pivot")
-    return simulate(System([top], [pivot]), 1.53, output=601)
 
 
 def t_handle() -> Solution:
@@ -96,14 +84,14 @@ def png(figure: Any) -> bytes:
 def make(folder: Path) -> list[Path]:
     """Write the three pictures into a folder that exists."""
     flip = np.linspace(0.6, 2.76, 10)
-    handle, joint, top = t_handle(), cardan_joint(), heavy_top()
+    handle, joint, top = t_handle(), cardan_joint(), simulate(falling_top(), 1.53, output=601)
     tip = [("T-handle", (0.0, 0.0, 0.09))]
     strip = handle.picture(flip, traces=tip, size=(9.0, 2.6), view=(-70, 14), ground=False, names=False)
     forces = joint.picture(
         0.3, traces=(), arrows=["reaction force", "reaction moment"], size=(6.4, 3.6), view=(-70, 26)
     )
     return [
-        top.export_gif(folder / "heavy_top.gif", width=400, height=320, traces=[("top", (0, 1.1, 0))], names=False),
+        top.export_gif(folder / "heavy_top.gif", width=400, height=320, traces=[("top", (0, 1.25, 0))], names=False),
         write_atomically(folder / "dzhanibekov.png", png(strip)),
         write_atomically(folder / "cardan.png", png(forces)),
     ]

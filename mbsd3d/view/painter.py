@@ -18,12 +18,11 @@ from .lens import Lens, round_cell, window
 from .motion import Trace
 from .names import Name, place, write
 from .pointers import Pointers
-from .solids import Items, Solids, join, split_strokes, strokes_as_items, unit
+from .solids import SEAM, Items, Solids, join, outlines, split_strokes, strokes_as_items
 
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
-SEAM = 0.35  # width of the line around each polygon: without it gaps would show
 MANY = 3000  # more triangles and strokes than this go into a vector file as an image
 LEGIBLE = 14  # names that a picture can hold
 
@@ -175,6 +174,7 @@ class Painter:
         polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
         fill = items.fill[order]
         drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
+        drawn.set_antialiased(items.width[order] > 0.0)  # the paper must not shine through between triangles
         drawn.set_rasterized(len(order) > MANY)
         axes.add_collection(drawn, autolim=False)
         return np.concatenate([polygons, 0.5 * (polygons + np.roll(polygons, 1, axis=1))]).reshape(-1, 2)
@@ -230,18 +230,6 @@ class Painter:
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""
         return 0.6 * rgb(colour) + 0.4 * rgb(self.sheet.ink)
-
-
-def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; what has a width is a stroke: a bar."""
-    polygons = corners[:, [0, 1, 2, 2]]
-    pen = widths > 0.0
-    start, end = corners[pen, 0], corners[pen, 1]
-    along = unit(end - start) * 0.5 * (widths[pen, None] - SEAM)
-    aside = along[:, ::-1] * (-1.0, 1.0)
-    start, end = start - 0.5 * along, end + 0.5 * along  # where two of them meet at an angle, no notch is left
-    polygons[pen] = np.stack([start + aside, end + aside, end - aside, start - aside], axis=1)
-    return polygons
 
 
 def length_text(length: float) -> str:

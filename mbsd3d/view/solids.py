@@ -15,6 +15,8 @@ from .lens import Lens
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn, and shading does not run across them
 DARK, LIT, GLOSS = 0.48, 1.15, 0.14  # brightness of a face turned away from the light and towards it; highlight
 SECOND = 0.72  # brightness of the second tint, by which one sees a round body turn
+FINER = 0.4  # how much smaller triangles of thin, and of large and round solids are
+SEAM = 0.35  # width of the line around each polygon: without it gaps would show
 PALE = 0.12  # share of white in all colours
 OUTLINE = 0.38  # brightness of the outline
 LIGHT = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
@@ -127,22 +129,26 @@ class Prepared(NamedTuple):
     sides: np.ndarray  # (s, 2, 3) normals of the faces at both sides
     inks: np.ndarray  # (s, 3)
     owner: np.ndarray  # (s,) bodies
+    lifts: np.ndarray  # (s,) [m] by which they are painted as if nearer: small ones must not show through others
 
 
 def prepare(piece: Piece, longest: float) -> Prepared:
-    """Split the triangles and edges of a piece: the thinner it is, the finer, down to ``longest`` / 2.5."""
+    """Split triangles and edges of a piece; down to ``FINER`` times ``longest`` if it is thin, or large and round."""
     faces, vertices = welded(piece.mesh.vertices, piece.mesh.faces)
-    longest = min(longest, max(float(np.ptp(vertices, axis=0).min()), 0.4 * longest))
+    thickness, finest = float(np.ptp(vertices, axis=0).min()), FINER * longest
+    limit = min(longest, max(thickness, finest))
     whole = vertices[faces]
     normals = normals_of(whole)
     corners = corner_normals(faces, normals)
     bent = np.einsum("mci,mi->mc", corners, normals).min(axis=1) < 1.0 - 1e-4
-    split, parent = split_triangles(np.concatenate([whole, corners], axis=2), np.where(bent, 0.4, 1.0) * longest)
+    split, parent = split_triangles(
+        np.concatenate([whole, corners], axis=2), np.where(bent & (thickness > longest), finest, limit)
+    )
     tints = np.where(piece.mesh.shade[:, None] == 1, SECOND, 1.0) * (
         PALE + (1.0 - PALE) * np.array(to_rgb(piece.colour))
     )
     edges, sides = edges_of(faces, vertices, normals)
-    short, of = split_strokes(edges, longest)
+    short, of = split_strokes(edges, limit)
     fields = {
         "whole": whole,
         "whole_body": np.full(len(whole), piece.body),
@@ -155,6 +161,7 @@ def prepare(piece: Piece, longest: float) -> Prepared:
         "sides": sides[of],
         "inks": np.full((len(short), 3), OUTLINE) * to_rgb(piece.colour),
         "owner": np.full(len(short), piece.body),
+        "lifts": np.full(len(short), min(0.6 * limit, 0.15 * float(np.ptp(vertices, axis=0).max()))),
     }
     return Prepared(**fields)
 
@@ -163,7 +170,6 @@ class Solids:
     """Pieces that are ready to be placed."""
 
     def __init__(self, pieces: Sequence[Piece], longest: float) -> None:
-        self.longest = longest
         parts = [prepare(piece, longest) for piece in pieces]
         self.parts = Prepared(*(np.concatenate(field) for field in zip(*parts, strict=True))) if parts else None
 
@@ -171,7 +177,7 @@ class Solids:
         """Shaded front faces, creases and outlines at a pose (n + 1, 3), (n + 1, 3, 3); ``pen`` in points."""
         if self.parts is None:
             return strokes_as_items(np.zeros((0, 2, 3)), (0.0, 0.0, 0.0), pen, 0.0)
-        whole, whole_body, triangles, flat, smooth, tints, body, edges, sides, inks, owner = self.parts
+        whole, whole_body, triangles, flat, smooth, tints, body, edges, sides, inks, owner, lifts = self.parts
         corners = triangles @ R[body].transpose(0, 2, 1) + r[body, None]
         normals = np.einsum("kij,kj->ki", R[body], flat)
         front = np.einsum("ki,ki->k", normals, lens.eye - corners[:, 0]) > 0.0
@@ -183,7 +189,7 @@ class Solids:
         sides = sides @ R[owner].transpose(0, 2, 1)
         visible = np.einsum("kfi,ki->kf", sides, lens.eye - edges.mean(axis=1)) > 0.0
         drawn = (visible[:, 0] != visible[:, 1]) | (creased & visible.all(axis=1))
-        return join([faces, strokes_as_items(edges[drawn], inks[drawn], pen, 0.6 * self.longest)])
+        return join([faces, strokes_as_items(edges[drawn], inks[drawn], pen, lifts[drawn])])
 
     def shadow(self, r: np.ndarray, R: np.ndarray, floor: float) -> np.ndarray:
         """(k, 3, 3) triangles on the floor under the faces that look up."""
@@ -201,11 +207,11 @@ def unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
 
 
-def strokes_as_items(strokes: np.ndarray, ink: Any, pen: float, lift: float) -> Items:
+def strokes_as_items(strokes: np.ndarray, ink: Any, pen: float, lift: Any) -> Items:
     """Strokes (k, 2, 3) as items."""
     k = len(strokes)
     corners = strokes[:, [0, 1, 1]]
-    return Items(corners, np.broadcast_to(ink, (k, 3)), np.full(k, pen), np.full(k, lift))
+    return Items(corners, np.broadcast_to(ink, (k, 3)), np.full(k, pen), np.broadcast_to(lift, k))
 
 
 def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
@@ -217,3 +223,15 @@ def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
     gloss = GLOSS * np.clip(normals @ (halfway / np.linalg.norm(halfway)), 0.0, 1.0) ** 24
     white = np.clip(bright - 0.92, 0.0, None)[:, None] * 1.2 + gloss[:, None]
     return np.clip(tints * bright[:, None] * (1.0 - white) + white, 0.0, 1.0)
+
+
+def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
+    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; what has a width is a stroke: a bar."""
+    polygons = corners[:, [0, 1, 2, 2]]
+    pen = widths > 0.0
+    start, end = corners[pen, 0], corners[pen, 1]
+    along = unit(end - start) * 0.5 * (widths[pen, None] - SEAM)
+    aside = along[:, ::-1] * (-1.0, 1.0)
+    start, end = start - 0.5 * along, end + 0.5 * along  # where two of them meet at an angle, no notch is left
+    polygons[pen] = np.stack([start + aside, end + aside, end - aside, start - aside], axis=1)
+    return polygons
