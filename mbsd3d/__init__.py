@@ -37,7 +37,7 @@ _HOME = {
     "feedback": ("StateFeedback",),
     "custom": ("CustomForce",),
 }  # fmt: skip
-_MODULES = ("inertia", "measures", "signals", "rotations")
+_MODULES = ("inertia", "measures", "shapes", "signals", "rotations")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
 __all__ = [*_WHERE, *_MODULES]
