@@ -15,10 +15,11 @@ import numpy as np
 from ..files import with_suffix, write_atomically
 from ..parts import number
 from ..progress import Progress
-from .content import Content, scene_and_data, sensible_speed
+from .content import Content, scene_and_data
 from .drawing import draw_system, poses_of
 from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
 from .recorder import client_head
+from .speed import sensible_speed
 from .stage import ALL
 
 LARGEST = 9e6  # characters of a page whose number of frames was not asked for
