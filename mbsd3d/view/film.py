@@ -60,7 +60,7 @@ def export_gif(solution: Any, path: str | Path, *, fps: float = 25, **options: A
 
     if number(fps, "export_gif: fps", positive=True) > GIF_FASTEST:
         raise ValueError(f"export_gif: fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
-    path = with_suffix(path, ".gif")
+    path = target(path, ".gif")
     reel = Reel(solution, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(reel) - 1, PROBES).astype(int))
     sample = Image.fromarray(np.concatenate([reel.frame(k) for k in probes]))
@@ -101,13 +101,11 @@ def export_mp4(solution: Any, path: str | Path, *, fps: float = 25, width: int =
     ValueError
         If there is no ffmpeg, a size is odd, or as for `export_gif`.
     """
-    command, path = ffmpeg(), with_suffix(path, ".mp4")
+    command, path = ffmpeg(), target(path, ".mp4")
     reel = Reel(solution, fps=fps, width=width, **options)
     for side, length in (("width", reel.width), ("height", reel.height)):
         if length % 2:
             raise ValueError(f"export_mp4: {side} = {length} is odd; give an even one")
-    if not path.parent.is_dir():
-        raise ValueError(f"cannot write '{path}': there is no folder '{path.parent}'")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{reel.width}x{reel.height}", "-r", f"{reel.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
@@ -164,7 +162,9 @@ def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
     return distance.argmin(axis=1).astype(np.uint8)[same].reshape(image.shape[:2])
 
 
-def with_suffix(path: str | Path, suffix: str) -> Path:
-    """The path, with the suffix added unless it has it."""
+def target(path: str | Path, suffix: str) -> Path:
+    """The path with the suffix added unless it has it; a missing folder is found before the work, not after it."""
     path = Path(path)
+    if not path.parent.is_dir():
+        raise ValueError(f"cannot write '{path}': there is no folder '{path.parent}'; make it first")
     return path if path.suffix.lower() == suffix else path.with_name(path.name + suffix)

@@ -24,7 +24,7 @@ POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SEAM = 0.35  # width of the line around each polygon: without it gaps would show
-MANY = 5000  # more triangles and strokes than this go into a vector file as an image
+MANY = 3000  # more triangles and strokes than this go into a vector file as an image
 LEGIBLE = 14  # names that a picture can hold
 
 

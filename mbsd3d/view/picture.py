@@ -132,8 +132,8 @@ def picture_of_solution(
     t : float, sequence of float, or None
         Time [s]; several = a multiple exposure; None = the last sample.
     traces : sequence of (body, point), or None
-        Points whose paths until then are drawn: a body and a world point at the reference pose [m]; () = none, None =
-        the centres of mass.
+        Points whose paths until then (of several times: from the first to the last) are drawn: a body and a world
+        point at the reference pose [m]; () = none, None = the centres of mass.
     arrows : collection of str
         Some of "angular velocity", "angular momentum", "reaction force", "reaction moment". Their lengths are to scale
         within a kind; the legend gives the longest. Shares that the constraints leave open are pale.
@@ -174,7 +174,8 @@ def picture_of_solution(
 
 
 def run_until(run: Frames, shown: Frames) -> Frames:
-    """The frames before the last of the shown ones, and that one."""
+    """The frames before the last of the shown ones, and that one; of several, not before the first of them."""
     last = int(np.argmax(shown.t))
-    before = run.t < shown.t[last]
-    return Frames(*(np.concatenate([a[before], b[last : last + 1]]) for a, b in zip(run, shown, strict=True)))
+    since = shown.t.min() if shown.t.size > 1 else -np.inf
+    path = (run.t >= since) & (run.t < shown.t[last])
+    return Frames(*(np.concatenate([a[path], b[last : last + 1]]) for a, b in zip(run, shown, strict=True)))

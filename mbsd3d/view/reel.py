@@ -19,8 +19,9 @@ from .speed import LONG, SENSIBLE, sensible_speed
 
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
 STRIP = 0.27  # height of a pair of axes below the scene, of the width
+LEGIBLE = 320  # width of curves at least [pixel]
 MOST, LARGEST = 5000, 4096  # frames of a film, pixels of a side
-COARSE = 0.065  # longest triangle or stroke, of the size of what is seen
+COARSE = 31.0  # longest triangle or stroke, about [pixel]
 PATH = 400  # points of a path at least
 FEW = 60  # poses that say how far the motion reaches
 
@@ -97,9 +98,18 @@ class Reel:
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, fine=COARSE, **options
+            solution.system,
+            r,
+            e,
+            inches,
+            paths=self.traces,
+            vectors=self.vectors,
+            fine=max(0.03, COARSE / self.width),
+            **options,
         )
         found = curves_of(solution, self.frames, curves)
+        if found and self.width < LEGIBLE:
+            raise ValueError(f"film: width = {self.width} is too small for curves; give at least {LEGIBLE}")
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
         self.height = rows + (self.strip.height if self.strip else 0)
 

@@ -8,7 +8,7 @@ const ICONS = {
 };
 const still = times.count === 1;
 const shown = {};
-let time = times.first, playing = false, dirty = true, speed = data.speed, before = null, scene = null, curves = [], share = 38;
+let time = times.first, playing = false, dirty = true, waiting = false, speed = data.speed, before = null, scene = null, curves = [], share = 38;
 
 const icon = (button, name) => (button.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`);
 const placeOf = (t) => (still ? 0 : Math.min(Math.max((t - times.first) / times.step, 0), times.count - 1));
@@ -44,19 +44,19 @@ function tick(now) {
     }
     seek(t);
   }
-  if (dirty && (scene === null || scene.idle())) draw();
+  if (dirty) draw();
+  if (waiting && scene?.idle()) (waiting = false), scene.move(placeOf(time), shown);
   requestAnimationFrame(tick);
 }
 
 function draw() {
-  dirty = false;
+  (dirty = false), (waiting = true); // the scene follows when the client has taken the last messages
   const place = placeOf(time);
   if (!still) {
     $("time").textContent = timeText(time);
     $("scrub").value = time;
     $("scrub").setAttribute("aria-valuetext", timeText(time));
   }
-  if (scene) scene.move(place, shown);
   for (const curve of curves) curve.draw(place);
 }
 

@@ -1,0 +1,198 @@
+"""Films: as many frames as they should have, each another picture, the same bytes twice, whole files or none."""
+
+import os
+import shutil
+import stat
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from PIL import Image
+from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
+
+from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
+from mbsd3d.style import DARK, LIGHT
+from mbsd3d.view import film
+from mbsd3d.view.reel import Reel
+
+SMALL = {"width": 160, "names": False}
+
+
+@pytest.fixture(scope="module")
+def solution():
+    """0.2 s of the pendulum."""
+    return simulate(pendulum(), 0.2, output=21)
+
+
+def frames_of_gif(path) -> tuple[list[np.ndarray], list[int]]:
+    """Images and durations [ms]."""
+    with Image.open(path) as image:
+        images, durations = [], []
+        for k in range(image.n_frames):
+            image.seek(k)
+            images.append(np.array(image.convert("RGB")))
+            durations.append(image.info["duration"])
+        assert image.info["loop"] == 0
+    return images, durations
+
+
+def test_every_frame_of_the_gif_is_another_picture(solution, tmp_path):
+    path = solution.export_gif(tmp_path / "motion", speed=0.25, fps=30, **SMALL)
+    images, durations = frames_of_gif(path)
+    assert path.name == "motion.gif" and len(images) == 25  # 0.2 / 0.25 * 30 + 1
+    assert images[0].shape == (120, 160, 3)
+    assert all(np.any(a != b) for a, b in zip(images, images[1:], strict=False))
+    # GIF counts in 1/100 s: 30 frames per second are 3 and 4 of them in turn, and none is lost
+    assert set(durations) == {30, 40} and sum(durations) == round(25 / 30 * 100) * 10
+    assert np.all(images[0][60, 0] == 255)  # the paper keeps its colour
+
+
+def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
+    options = {"speed": 0.5, "fps": 20, "arrows": ["reaction force"], "dark": True, "height": 100, **SMALL}
+    first, second = (solution.export_gif(tmp_path / name, **options) for name in ("a.gif", "b.GIF"))
+    assert first.read_bytes() == second.read_bytes() and second.name == "b.GIF"
+    images, _ = frames_of_gif(first)
+    assert len(images) == 9 and images[0].shape == (100, 160, 3)
+    assert np.array_equal(images[0][60, 0], np.round(255 * np.array(to_rgb(DARK.paper))))
+
+
+def test_the_clock_tells_time_and_speed(solution):
+    assert Reel(solution, speed=0.02, **SMALL).clock(4) == "t = 0.0032 s   (0.02× speed)"
+    assert Reel(solution, speed=1.0, **SMALL).clock(5) == "t = 0.20 s"
+    assert Reel(solution, usual=(6.0, 4.0), **SMALL).speed == 0.05  # 0.2 s in 4 s
+    assert Reel(solution, **SMALL).speed == 0.02
+
+
+def test_a_frame_shows_the_pose_of_its_time(solution):
+    reel = Reel(solution, speed=0.25, **SMALL)
+    for name, i in ((UPPER_ARM, 0), (WHEEL, 2)):
+        # 5 steps of 0.01 s: the frame's time is that of a sample
+        assert np.allclose(reel.frames.r[5, i], solution.position(name)[5], atol=1e-12)
+    assert np.allclose(reel.traces[0].points[:: reel.finer][5], solution.com(reel.traces[0].name)[5], atol=1e-9)
+
+
+def test_the_cursor_runs_over_the_curves(solution):
+    reel = Reel(solution, speed=0.25, curves=["energy", ("position", LOWER_ARM)], width=320)
+    strip, last = reel.strip, len(reel) - 1
+    assert reel.height == 240 + strip.height and reel.frame(3).shape == (reel.height, 320, 3)
+    even = strip.columns[0] + (strip.columns[-1] - strip.columns[0]) * np.arange(last + 1) / last
+    assert np.abs(strip.columns - even).max() <= 1.0  # all three are rounded to pixels
+    for k in (0, 7, last):
+        changed = np.unique(np.nonzero((strip.at(k) != strip.image).any(axis=2))[1])
+        assert changed.min() >= strip.columns[k] - 3 and changed.max() <= strip.columns[k] + 3
+        x, y, z = (round(heights[k]) for _, heights in strip.dots[-3:])
+        for tint, row in zip(LIGHT.lines, (x, y, z), strict=False):
+            near = strip.at(k)[row - 1 : row + 2, strip.columns[k]]
+            assert np.any(np.all(near == np.round(255 * np.array(to_rgb(tint))), axis=1)) or len({x, y, z}) < 3
+
+
+def test_the_nearest_tones_are_the_nearest():
+    rng = np.random.default_rng(1)
+    image, tones = rng.integers(0, 256, (9, 7, 3), np.uint8), rng.integers(0, 256, (30, 3), np.uint8)
+    found = film.nearest_tones(image, tones)
+    distance = ((image[:, :, None].astype(int) - tones.astype(int)) ** 2).sum(axis=3)
+    assert np.array_equal(np.take_along_axis(distance, found[..., None].astype(int), 2)[..., 0], distance.min(axis=2))
+    paper = film.with_paper(tones, "#fefdfc")
+    assert (paper != tones).any(axis=1).sum() == 1 and (paper == (254, 253, 252)).all(axis=1).sum() == 1
+
+
+def test_a_mode_moves_too(tmp_path):
+    rod = Body("rod", 2.0, (0.3, 0.2, 0.1), position=(0.1, 0.2, -0.7))
+    hinge = Revolute(GROUND, rod, at=(0.1, 0.2, 0.3), axis=(1.0, 0.2, 0.0))
+    motion = linearize(System([rod], [hinge])).modes[0].motion(amplitude=0.5, cycles=1.0, samples=21)
+    images, _ = frames_of_gif(motion.export_gif(tmp_path / "mode", fps=5, **SMALL))
+    assert len(images) == 1 + round(5 * motion.t[-1])  # 2 to 6 s: real time
+    assert all(np.any(a != b) for a, b in zip(images, images[1:], strict=False))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"fps": 0}, "fps: 0.0 is not positive"),
+        ({"fps": 60}, "fps = 60 is more than viewers show; give at most 50"),
+        ({"fps": "fast"}, "fps: expected a number, got 'fast'"),
+        ({"speed": -1}, "speed: -1.0 is not positive"),
+        ({"speed": 1e-6}, "make 5000001 frames, not 2 ... 5000; give another speed"),
+        ({"speed": 1e3}, "make 1 frames"),
+        ({"width": 32}, "width = 32; give a whole number from 64"),
+        ({"width": 480.5}, "width = 480.5; give a whole"),
+        ({"height": 1e9}, "height = .*; give a whole"),
+        ({"arrows": "forces"}, "film: arrow 'forces' is unknown"),
+        ({"curves": ["energy"], "width": 200}, "width = 200 is too small for curves; give at least 320"),
+        ({"curves": ["speed"]}, "'speed' is unknown"),
+        ({"colour": 1}, "colour"),
+    ],
+)
+def test_films_refuse(solution, tmp_path, options, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        solution.export_gif(tmp_path / "x", **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_moment_is_no_film(tmp_path):
+    with pytest.raises(ValueError, match="one moment only; run it longer, or use solution.picture"):
+        accelerations(pendulum()).export_gif(tmp_path / "x")
+
+
+def test_a_missing_folder_is_named(solution, tmp_path):
+    with pytest.raises(ValueError, match="nowhere"):
+        solution.export_gif(tmp_path / "nowhere" / "x", speed=1, **SMALL)
+
+
+def test_without_ffmpeg_one_line_says_where_to_get_it(solution, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(ValueError, match="needs ffmpeg; install it .Debian, Ubuntu: apt install ffmpeg; macOS: brew"):
+        solution.export_mp4(tmp_path / "x")
+
+
+def test_a_failing_ffmpeg_is_quoted_and_leaves_nothing(solution, tmp_path, monkeypatch):
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    program = folder / "ffmpeg"
+    program.write_text("#!/bin/sh\ncat >/dev/null\necho 'no such codec' >&2\nexit 3\n")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
+    with pytest.raises(ValueError, match=r"ffmpeg cannot write '.*x.mp4': no such codec"):
+        solution.export_mp4(tmp_path / "x", speed=1, **SMALL)
+    assert [path.name for path in tmp_path.iterdir()] == ["bin"]
+
+
+needs_ffmpeg = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg on the PATH")
+
+
+@needs_ffmpeg
+def test_mp4_has_its_frames(solution, tmp_path):
+    path = solution.export_mp4(tmp_path / "motion", speed=0.25, fps=10, **SMALL)
+    again = solution.export_mp4(tmp_path / "again", speed=0.25, fps=10, **SMALL)
+    assert path.name == "motion.mp4" and path.read_bytes() == again.read_bytes()
+    entries = "stream=codec_name,pix_fmt,width,height,nb_read_frames,r_frame_rate"
+    probe = ["ffprobe", "-v", "error", "-count_frames", "-show_entries", entries, "-of", "csv=p=0", str(path)]
+    said = subprocess.run(probe, capture_output=True, text=True, check=True).stdout.strip()
+    assert said == "h264,160,120,yuv420p,10/1,9"
+
+
+@needs_ffmpeg
+def test_an_interrupted_mp4_leaves_nothing(solution, tmp_path, monkeypatch):
+    shown, frame = [], Reel.frame
+
+    def interrupted(self: Reel, k: int) -> np.ndarray:
+        shown.append(k)
+        if k == 3:
+            raise KeyboardInterrupt
+        return frame(self, k)
+
+    monkeypatch.setattr(Reel, "frame", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solution.export_mp4(tmp_path / "x", speed=0.25, **SMALL)
+    assert shown == [0, 1, 2, 3] and not list(tmp_path.iterdir())
+
+
+@needs_ffmpeg
+def test_mp4_refuses_odd_sizes(solution, tmp_path):
+    with pytest.raises(ValueError, match="width = 161 is odd"):
+        solution.export_mp4(tmp_path / "x", width=161)
+    with pytest.raises(ValueError, match="no folder"):
+        solution.export_mp4(tmp_path / "nowhere" / "x", **SMALL)
