@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .drivers import Driver
-from .facts import loaded_joints, thinned
+from .facts import loaded_joints
 from .style import LIGHT, house
 
 LINES = 6  # of a figure that is chosen here
@@ -16,35 +16,35 @@ DRAWN = 200  # bodies of a picture
 PICTURE = (7.2, 3.8)  # [inch]
 
 
-def wanted_curves(solution: Any, curves: Any) -> list[tuple[Any, str]]:
-    """(entry for `plot`, caption) of every figure."""
+def wanted_curves(solution: Any, few: Any, curves: Any) -> list[tuple[Any, Any, str]]:
+    """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
             raise ValueError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
-        return [(entry, "") for entry in curves]
+        return [(solution, entry, "") for entry in curves]
     if solution.t.size == 1:
         return []
-    system, found = solution.system, [("energy", "Energies, and the work of drivers and of forces that store none.")]
+    energies = "Energies, and the work of drivers and of forces that store none."
+    system, found = solution.system, [(solution, "energy", energies)]
     for kind, name in (("angle", "Angles"), ("slide", "Displacements")):
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
         moved = {id(joint): float(np.ptp(getattr(solution, kind)(joint))) for joint in joints}
         chosen = most(joints, moved)
         if chosen:
             cut = f" that change most, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
-            found.append(((kind, *chosen), f"{name} of the joints{cut}."))
-    few, _ = thinned(solution, len(system.joints))
+            found.append((solution, (kind, *chosen), f"{name} of the joints{cut}."))
     joints, count = loaded_joints(solution)[0], sum(not isinstance(joint, Driver) for joint in system.joints)
     loads = {id(joint): float(np.linalg.norm(few.reaction(joint).force, axis=1).max()) for joint in joints}
     chosen = most(joints, loads)
     if chosen:
         cut = f" with the largest forces, {len(chosen)} of {count}" if count > len(chosen) else ""
-        found.append((("reaction", *chosen), f"Reactions of the joints{cut}."))
+        found.append((few, ("reaction", *chosen), f"Reactions of the joints{cut}."))
     if solution.compiled.drives:
-        found.append(("effort", "Efforts of the drivers."))
+        found.append((few, "effort", "Efforts of the drivers."))
     if not joints:
         shown = system.bodies[:LINES]
-        found.append((("omega_body", *shown), "Angular velocity in body axes."))
-        found.append((("com", *shown), "Centre of mass."))
+        found.append((solution, ("omega_body", *shown), "Angular velocity in body axes."))
+        found.append((solution, ("com", *shown), "Centre of mass."))
     return found
 
 
@@ -54,7 +54,7 @@ def most(parts: list, sizes: dict[int, float]) -> list:
     return [part for part in parts if part in kept]
 
 
-def figure_of(solution: Any, number: int, entry: Any, caption: str) -> dict[str, Any]:
+def figure_of(number: int, solution: Any, entry: Any, caption: str) -> dict[str, Any]:
     """A figure as inline SVG, with a caption and a text for those who do not see it."""
     from markupsafe import Markup
 

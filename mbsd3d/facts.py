@@ -11,6 +11,7 @@ from .tables import columns_of_effort
 from .wording import counted, digits, triple
 
 MOST = 40  # rows of a table
+OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
 BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
 
 
@@ -117,14 +118,20 @@ def loaded_joints(solution: Any) -> tuple[list, str]:
     return [joints[k] for k in sorted(chosen)], text
 
 
-def thinned(solution: Any, joints: int) -> tuple[Any, str]:
-    """The solution with so few samples that its reactions are had in seconds, and the sentence that says so."""
-    cost = solution.t.size * len(solution.system.bodies) * max(joints, 1)
-    step = int(np.ceil(cost / BUDGET))
+def thinned(solution: Any) -> tuple[Any, str]:
+    """The solution with so few samples that its reactions are had in seconds, and the sentence that says so.
+
+    Where constraints leave shares open, the rows are decomposed at every sample.
+    """
+    samples, bodies = solution.t.size, len(solution.system.bodies)
+    steps = samples * bodies * min(len(solution.system.joints), MOST) / BUDGET
+    if solution.record.rows_left_out != 0 and len(solution.system.joints):
+        steps = max(steps, samples * bodies**3 / OPEN)
+    step = min(int(np.ceil(steps)), samples)
     if step <= 1:
         return solution, ""
     arrays = {name: values[::step] for name, values in solution.arrays.items()}
-    return replace(solution, arrays=arrays), f"Largest values are those of every {step}th sample."
+    return replace(solution, arrays=arrays), f"Of every {step}th sample only, to save time."
 
 
 def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
@@ -135,10 +142,9 @@ def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, s
     return text, digits(float(t[k])) if text != "0" else "–"
 
 
-def joint_table(solution: Any, diagnosis: Any) -> Table:
+def joint_table(solution: Any, few: Any, diagnosis: Any) -> Table:
     """Joints, which of their rows repeat others, and their largest reactions."""
     joints, cut = loaded_joints(solution)
-    few, thin = thinned(solution, len(joints))
     scale, system, rows = scales_of(solution), solution.system, []
     shares = {share.joint: share for share in diagnosis.shares}
     for joint in joints:
@@ -165,15 +171,12 @@ def joint_table(solution: Any, diagnosis: Any) -> Table:
     text = "Largest reactions on the second body, at the joint's point."
     if any(row[3] == "indeterminate" for row in rows):
         text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
-    return Table(
-        "Joints and their largest reactions", head, rows, words=4, note=" ".join(filter(None, [text, cut, thin]))
-    )
+    return Table("Joints and their largest reactions", head, rows, words=4, note=" ".join(filter(None, [text, cut])))
 
 
-def driver_table(solution: Any) -> Table:
+def driver_table(solution: Any, few: Any) -> Table:
     """Drivers: the work they did and the largest effort."""
     drivers, note = shortened((joint for joint in solution.system.joints if isinstance(joint, Driver)), "drivers")
-    few, thin = thinned(solution, len(drivers))
     scale, rows = scales_of(solution), []
     for driver in drivers:
         work = digits(float(solution.work(driver)[-1]), scale.energy)
@@ -182,7 +185,7 @@ def driver_table(solution: Any) -> Table:
             effort, when = largest_load(column.values[:, None], few.t, size)
             rows.append((column.part, type(driver).__name__, f"{effort} {column.unit}", when, work if k == 0 else ""))
     head = ("driver", "type", "largest effort", "at [s]", "work [J]")
-    return Table("Drivers", head, rows, words=2, note=" ".join(filter(None, [note, thin])))
+    return Table("Drivers", head, rows, words=2, note=note)
 
 
 def force_table(solution: Any) -> Table:

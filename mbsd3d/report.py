@@ -13,9 +13,20 @@ from typing import Any
 import numpy as np
 
 from .exhibits import figure_of, picture_of, wanted_curves
-from .facts import body_table, drift_facts, driver_table, force_table, freedom_facts, joint_table, run_facts, warnings
+from .facts import (
+    body_table,
+    drift_facts,
+    driver_table,
+    force_table,
+    freedom_facts,
+    joint_table,
+    run_facts,
+    thinned,
+    warnings,
+)
 from .files import package_version, with_suffix, write_atomically
 from .style import DARK, LIGHT
+from .threads import on_one_thread
 from .wording import digits
 
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
@@ -66,6 +77,7 @@ class Report:
         return write_atomically(with_suffix(path, ".html"), self.html.encode())
 
 
+@on_one_thread  # many small decompositions, for which threads cost more than they save
 def make_report(
     solution: Any,
     path: str | Path | None = None,
@@ -106,15 +118,18 @@ def make_report(
     as_built = {"as_built": record.tolerance * solution.compiled.model.length} if record.tolerance else {}
     diagnosis = solution.system.check(**as_built)
     title = title if title is not None else title_of(solution.system)
-    tables = [body_table(solution), joint_table(solution, diagnosis), driver_table(solution), force_table(solution)]
-    figures = [figure_of(solution, k, *wanted) for k, wanted in enumerate(wanted_curves(solution, curves))]
+    few, thin = thinned(solution)
+    figures = [figure_of(k, *wanted) for k, wanted in enumerate(wanted_curves(solution, few, curves))]
+    tables = [
+        body_table(solution), joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution),
+    ]  # fmt: skip
     page = template().render(
         title=title,
         solution=solution,
         version=package_version(),
         certificate=certificate,
         checks=[check_row(check) for check in certificate.checks],
-        warnings=warnings(solution),
+        warnings=[*warnings(solution), *([f"Reactions and efforts: {thin}"] if thin else [])],
         picture=picture_of(solution, dark),
         run=run_facts(solution),
         drift=drift_facts(solution),

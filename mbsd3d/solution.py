@@ -323,11 +323,18 @@ class Solution:
 
         return plot_quantity(self, quantity, *parts, **options)
 
-    def report(self, path: str | Path | None = None, **options: Any) -> Any:
+    def report(
+        self,
+        path: str | Path | None = None,
+        *,
+        title: str | None = None,
+        curves: Any = None,
+        dark: bool | None = None,
+    ) -> Any:
         """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
         from .report import make_report
 
-        return make_report(self, path, **options)
+        return make_report(self, path, title=title, curves=curves, dark=dark)
 
     def animate(
         self,
@@ -374,7 +381,7 @@ class Solution:
         ValueError
             Naming the option, part or package and the remedy.
         """
-        from .view.page import animate
+        from .view.show import animate
 
         return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
 

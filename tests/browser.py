@@ -93,7 +93,9 @@ class Visit:
 
 
 @contextmanager
-def visit(browser: Any, address: Path | str, *, width: int = 640, height: int = 480, **options: Any) -> Iterator[Visit]:
+def visit(
+    browser: Any, address: Path | str, *, width: int = 640, height: int = 480, query: str = "", **options: Any
+) -> Iterator[Visit]:  # fmt: skip
     """A page of its own context: a file without any network, or an address on this machine (127.0.0.1)."""
     local = not isinstance(address, Path)
     context = browser.new_context(offline=not local, viewport={"width": width, "height": height}, **options)
@@ -118,7 +120,7 @@ def visit(browser: Any, address: Path | str, *, width: int = 640, height: int = 
     seen.page.on("pageerror", lambda e: seen.errors.append(f"uncaught: {e}"))
     seen.page.on("requestfailed", lambda r: seen.failed.append(f"failed: {r.url[:200]} {r.failure}"))
     try:
-        seen.page.goto(str(address) if local else address.resolve().as_uri())
+        seen.page.goto((str(address) if local else address.resolve().as_uri()) + query)
         yield seen
     finally:
         context.close()

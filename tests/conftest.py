@@ -1,7 +1,11 @@
-"""Fixtures of several test modules."""
+"""Fixtures of several test modules: a browser, and a page of a mechanism in motion."""
 
 import pytest
 from browser import launch
+from moving import mechanism
+from pages import COUNT, END, TITLE, opened, seek
+
+from mbsd3d import simulate
 
 
 # Of a module and not of the session: while playwright runs, its event loop occupies this thread, and other
@@ -11,3 +15,40 @@ def chromium():
     """One headless browser per module of tests, with no way out to the network."""
     with launch() as browser:
         yield browser
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """0.6 s of a crank, an arm, a tail on a spring and a bead that flies."""
+    return simulate(mechanism(), END, output=COUNT)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Of the pages; with a space and an umlaut in its name."""
+    return tmp_path_factory.mktemp("meine Ansichten ä")
+
+
+@pytest.fixture(scope="module")
+def film(motion, folder):
+    """The page of the motion."""
+    motion.animate(folder / "film", frames=COUNT, title=TITLE)
+    return folder / "film.html"
+
+
+@pytest.fixture(scope="module")
+def open_film(chromium, film):
+    """One window for all tests that do not need their own."""
+    with opened(chromium, film, width=800, height=460) as seen:
+        yield seen
+
+
+@pytest.fixture
+def page(open_film):
+    """The window as at the start: paused at the first frame, first view, wide."""
+    open_film.page.set_viewport_size({"width": 800, "height": 460})
+    open_film.page.locator("#switches").evaluate("e => { e.open = false; }")
+    open_film.page.mouse.move(400, 5)
+    seek(open_film, 0.0)
+    open_film.page.locator("#camera").click()
+    return open_film

@@ -21,6 +21,8 @@ from mbsd3d import (
     Revolute,
     System,
     accelerations,
+    facts,
+    load,
     measures,
     simulate,
 )  # fmt: skip
@@ -236,6 +238,20 @@ def test_same_run_same_bytes(tmp_path):
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "other")], env={**os.environ, **environment}, check=True)
     simulate(pendulum(), 0.1, output=9).report(tmp_path / "one.html")
     assert (tmp_path / "one.html").read_bytes() == (tmp_path / "other.html").read_bytes()
+
+
+def test_a_run_read_from_a_file_gives_the_same_report(tmp_path):
+    run = simulate(pendulum(), 0.1, output=9)
+    options = {"curves": ["energy"], "dark": False}
+    assert load(run.save(tmp_path / "run")).report(**options).html == run.report(**options).html
+
+
+def test_a_large_redundant_model_is_thinned_and_says_so(monkeypatch):
+    monkeypatch.setattr(facts, "OPEN", 1.0)
+    run = door(output=7)
+    few, sentence = facts.thinned(run)
+    assert few.t.size == 1 and sentence == "Of every 7th sample only, to save time."
+    assert f"Reactions and efforts: {sentence}" in run.report(curves=[], dark=False).html
 
 
 def test_paper(solution):

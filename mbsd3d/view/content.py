@@ -29,6 +29,7 @@ class Content(NamedTuple):
     speed: float  # model time per real time
     title: str
     shown: tuple[str, ...] = ()  # layers, besides those that always are
+    timed: bool = True  # whether the time is one of a run
 
 
 def length_text(length: float) -> str:

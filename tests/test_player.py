@@ -1,0 +1,172 @@
+"""The controls of a page in a real browser: each does its work, by mouse and by key, in any window."""
+
+import numpy as np
+import pytest
+from pages import COUNT, END, HINGE, SETTLED, covered, differing, scene, seek
+
+
+def test_play_goes_at_the_chosen_speed_and_pause_holds(page):
+    page.page.locator("#speed").select_option("0.1")
+    page.run("""() => { window.log = []; const note = (now) => {
+      log.push([now / 1000, mbsd3d.time]); if (log.length < 1000) requestAnimationFrame(note); };
+      requestAnimationFrame(note); }""")
+    page.page.locator("#play").click()
+    page.wait("mbsd3d.time > 0.1")
+    page.page.keyboard.press("Space")  # pressed on the button that has the focus
+    page.wait("!mbsd3d.playing")
+    log = np.array(page.run("log"))
+    log = log[(log[:, 1] > 0.0) & (log[:, 1] < log[-1, 1])]
+    real, model = np.ptp(log, axis=0)
+    # page and log are called once a picture, in any order: they differ by at most the longest picture
+    assert abs(model - 0.1 * real) <= 0.1 * np.diff(log[:, 0]).max() + 1e-9 and real > 0.5
+    held = page.run("mbsd3d.time")
+    first = scene(page)
+    page.page.wait_for_timeout(300)
+    assert page.run("mbsd3d.time") == held and differing(first, scene(page)) == 0
+    assert page.page.locator("#play").get_attribute("aria-label") == "play"
+
+
+def test_keys(page):
+    step, press = END / (COUNT - 1), page.page.keyboard.press
+    time = lambda: page.run("mbsd3d.time")  # noqa: E731
+    page.page.locator("#scene").click(position={"x": 200, "y": 200})
+    press("ArrowRight"), press("ArrowRight"), press("ArrowRight"), press("ArrowLeft")
+    assert time() == pytest.approx(2 * step)
+    press("End")
+    assert time() == pytest.approx(END) and not page.run("mbsd3d.playing")
+    press("ArrowRight")
+    assert time() == pytest.approx(END)
+    press("Home")
+    assert time() == 0.0
+    press("Space")
+    page.wait("mbsd3d.playing && mbsd3d.time > 0")
+    press("Space")
+    assert not page.run("mbsd3d.playing") and time() > 0.0
+    page.page.locator("#forth").click(), page.page.locator("#back").click()
+    assert time() / step == pytest.approx(round(time() / step))
+    page.run(SETTLED)
+    assert page.page.locator("#time").text_content() == f"t = {time():.3f} s"
+
+
+def test_the_slider_scrubs(page):
+    box = page.page.locator("#scrub").bounding_box()
+    page.page.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 0.5 * box["height"])
+    page.run(SETTLED)
+    # the thumb keeps half its width (8 px) from the ends
+    assert page.run("mbsd3d.time") == pytest.approx(0.25 * END, abs=END * 10 / box["width"])
+    assert page.page.locator("#time").text_content() == f"t = {page.run('mbsd3d.time'):.3f} s"
+
+
+def test_loop(page):
+    page.page.locator("#speed").select_option("0.5")
+    loop = page.page.locator("#loop")
+    page.run(f"mbsd3d.seek({0.9 * END})")
+    page.page.locator("#play").click()
+    page.wait(f"mbsd3d.time < {0.5 * END}")
+    assert page.run("mbsd3d.playing")
+    loop.uncheck()
+    page.run(f"mbsd3d.seek({0.9 * END})")
+    page.wait("!mbsd3d.playing")
+    assert page.run("mbsd3d.time") == pytest.approx(END)
+    page.page.locator("#play").click()  # from the start again
+    page.wait("mbsd3d.playing && mbsd3d.time > 0")
+    assert page.run("mbsd3d.time") < END
+    page.page.locator("#play").click()
+    loop.check()
+
+
+def test_every_switch_changes_the_picture_and_back(page):
+    page.page.set_viewport_size({"width": 800, "height": 340})  # small pictures are drawn quickly
+    seek(page, 0.2)
+    boxes = page.page.locator("#switches input")
+    page.page.locator("#switches summary").click()
+    page.page.locator("#switches label", has_text="see through").locator("input").check()
+    page.run(SETTLED)
+    before, first = [boxes.nth(i).is_checked() for i in range(boxes.count())], scene(page)
+    assert len(before) == 14
+    for i, on in enumerate(before):
+        boxes.nth(i).set_checked(not on)
+        page.run(SETTLED)
+        assert differing(first, scene(page)) > 20, page.page.locator("#switches label").nth(i).text_content()
+        boxes.nth(i).set_checked(on)
+    page.run(SETTLED)
+    assert differing(first, scene(page)) == 0
+    for i in range(len(before)):
+        boxes.nth(i).set_checked(False)
+    page.run(SETTLED)
+    assert covered(page.pixels("#root"))[0] < 0.01  # the measure of "not blank" says no to paper alone
+    for i, on in enumerate(before):
+        boxes.nth(i).set_checked(on and i > 0)
+    page.run(SETTLED)
+
+
+def cursor(seen):
+    """Place of the cursor of the first curve [px from its left]: the one line that is ink from top to bottom."""
+    ink = 255.0 - seen.pixels("#curves canvas.plot").max(axis=2)
+    sums = ink.sum(axis=0)
+    k = int(sums.argmax())
+    near = np.arange(k - 1, k + 2)
+    assert sums[near].sum() > 0.6 * 200 * len(ink)  # most of the height, in a colour nearly black
+    return float((near * sums[near]).sum() / sums[near].sum())
+
+
+def test_curves_follow_the_time_and_scrub_it(page, motion):
+    columns = {}
+    for k in (0, 15, 44, COUNT - 1):
+        seek(page, float(motion.t[k]))
+        columns[k] = cursor(page)
+        shown = page.page.locator("#curves figure").first.locator("output").first.text_content()
+        assert float(shown.replace("\u2212", "-")) == pytest.approx(motion.angle(HINGE)[k], rel=5e-4, abs=1e-9)
+    width = columns[COUNT - 1] - columns[0]
+    for k, column in columns.items():
+        assert abs(column - columns[0] - width * motion.t[k] / END) <= 1.0  # one pixel
+    box = page.page.locator("#curves canvas.plot").nth(1).bounding_box()
+    page.page.mouse.click(box["x"] + columns[44] + 0.5, box["y"] + 40)
+    page.run(SETTLED)
+    assert page.run("mbsd3d.time") == pytest.approx(motion.t[44], abs=1.5 * END / width)
+    page.page.mouse.down()
+    page.page.mouse.move(box["x"] + columns[15] + 0.5, box["y"] + 40, steps=3)
+    page.page.mouse.up()
+    page.run(SETTLED)
+    assert page.run("mbsd3d.time") == pytest.approx(motion.t[15], abs=1.5 * END / width)
+    assert abs(cursor(page) - columns[15]) <= 1
+    page.page.locator("#show-curves").uncheck()
+    assert not page.page.locator("#curves").is_visible()
+    page.page.locator("#show-curves").check()
+
+
+def test_dragging_turns_the_view_and_reset_brings_it_back(page):
+    first = scene(page)
+    box = page.page.locator("#scene").bounding_box()
+    x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+    for act in (lambda: page.page.mouse.move(x + 80, y + 40, steps=4), lambda: page.page.mouse.wheel(0, -300)):
+        page.page.mouse.move(x, y), page.page.mouse.down()
+        act()
+        page.page.mouse.up()
+        page.page.wait_for_timeout(400)  # the view glides to rest
+        assert differing(first, scene(page)) > 0.05 * first[..., 0].size
+        page.page.keyboard.press("c")
+        page.run(SETTLED)
+        page.page.wait_for_timeout(100)
+        assert differing(first, scene(page)) == 0
+
+
+@pytest.mark.parametrize(
+    "width, height", [(1280, 720), pytest.param(560, 700, marks=pytest.mark.slow), (360, 640), (640, 360)]
+)
+def test_every_control_can_be_reached_in_any_window(page, width, height):
+    page.page.set_viewport_size({"width": width, "height": height})
+    page.run(SETTLED)
+    hidden = page.run("""() => [...document.querySelectorAll(
+        "footer button, #scrub, #speed, #loop, #show-curves, #switches summary, #time")].filter((control) => {
+      const box = control.getBoundingClientRect();
+      const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+      return !(top && (control.contains(top) || top.contains(control))) || box.right > innerWidth + 1;
+    }).map((control) => control.id || control.tagName)""")
+    assert hidden == []
+    assert page.run("document.documentElement.scrollWidth <= innerWidth && scrollY === 0")
+    box = page.page.locator("#scene").bounding_box()
+    assert box["width"] >= 0.4 * width and box["height"] >= 0.25 * height
+    canvas = page.page.locator("#root canvas").first.bounding_box()
+    assert abs(canvas["width"] - box["width"]) <= 1 and abs(canvas["height"] - box["height"]) <= 1
+    assert covered(scene(page))[0] > 0.02
