@@ -1,10 +1,11 @@
 """Pages in a real browser, without a network: what is seen, and that it is where the equations put it."""
 
+import sys
 import time
 
 import numpy as np
 import pytest
-from browser import visit
+from browser import executable, launch, visit
 from moving import ARM, BEAD, CRANK, PINK, TAIL
 from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
@@ -45,6 +46,21 @@ def test_the_harness_sees_what_goes_wrong(chromium, tmp_path):
     text = "\n".join(seen.complaints)
     for part in ("http://example.org/a.png", "https://example.com/b", "wss://example.com/c", "console: oh", "uncaught"):
         assert part in text
+
+
+@pytest.mark.parametrize("required, outcome", [("", pytest.skip.Exception), ("required", pytest.fail.Exception)])
+def test_a_missing_browser_is_said_with_the_remedy(monkeypatch, tmp_path, required, outcome):
+    monkeypatch.setenv("MBSD3D_BROWSER", required)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CHROMIUM", raising=False)
+    with pytest.raises(outcome, match=r"^no browser \(chromium, .*\) on PATH: install one .* or set CHROMIUM$"):
+        executable()
+    monkeypatch.setenv("CHROMIUM", "nowhere")
+    with pytest.raises(outcome, match="^CHROMIUM=nowhere is no program; set it to the path of Chromium or Chrome$"):
+        executable()
+    monkeypatch.setitem(sys.modules, "playwright.sync_api", None)
+    with pytest.raises(outcome, match=r"need the package playwright; install it: pip install mbsd3d\[test\]$"):
+        launch().__enter__()
 
 
 def test_names_and_title_stand_on_the_page_as_given(page):
