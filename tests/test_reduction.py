@@ -23,6 +23,7 @@ from mbsd3d import (
     Spherical,
     SpringDamper,
     System,
+    Torque,
     Universal,
     rotation,
     simulate,
@@ -31,6 +32,7 @@ from mbsd3d.rotations import matrix
 from validation import theory
 from validation.engines import planar
 from validation.inline_four import RATE, inline_four, one_turn
+from validation.spectrum import spectrum
 
 TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
 EXACT = 1e-12
@@ -89,6 +91,14 @@ def test_inline_four_is_the_sum_of_its_planes():
         assert np.abs(found.force - force).max() < EXACT * single_force()
         assert np.abs(found.moment - moment).max() < EXACT * single_force() * 1.0  # m: the crank radius
     assert np.abs(force[:, 2]).max() > single_force()  # the second orders add up: there is something to agree on
+
+
+def test_orders_of_the_sum_of_planes():
+    """The second order of four pistons adds up, the first cancels."""
+    load_of_planes = validation.reduce_to_planes(inline_four()).block_load(TIMES).force
+    found = spectrum(TIMES, load_of_planes, rate=RATE)
+    assert abs(found.at(2)[2]) == pytest.approx(16.444383944, abs=1e-9)  # published to 16.44 N, closed form beyond
+    assert np.abs(found.at(1)).max() < EXACT * single_force()
 
 
 SPIN, PLACE, TURN = 31.0, np.array([0.3, -0.2, 0.5]), matrix(rotation((0.3, -0.8, 0.5), 1.1))
@@ -272,6 +282,14 @@ def test_h3_pins_beside_their_plane_and_bodies_free_to_leave_it():
     assert "free to leave" in failure.text
 
 
+def test_h3_a_skew_cross_that_looks_straight_at_the_reference_pose():
+    """Its axes span a plane with the normal: only a turn of the rod in its plane shows that they push it out."""
+    skew = np.radians(5.0)
+    axes = {"axis_a": (np.sin(skew), np.cos(skew), 0.0), "axis_b": (np.cos(skew), -np.sin(skew), 0.0)}
+    failure = only(validation.reduce_to_planes(changed(inline_four(), {"wristpin 3": axes})), "H3", "wristpin 3")
+    assert 0.1 < failure.amount < 5.0 and failure.unit == "deg"
+
+
 def test_h4_a_product_of_inertia_in_the_crank():
     """D about its axis: the couple w^2 D turns with the shaft, and the planes show none of it."""
     product, plain = 0.05, inline_four().part("crank").inertia
@@ -315,7 +333,9 @@ def test_loads_in_the_planes_are_carried():
     engine = inline_four()
     pistons = [engine.part(f"piston {i}") for i in (1, 2)]
     forces = [
-        Force(pistons[0], (3.0, 0, Sine(20.0, 0.5, 0.3, 4.0)), name="gas"),
+        Force(pistons[0], (3.0, 0, Sine(20.0, 0.5, 0.3, 4.0)), at=pistons[0].centre + [0.2, 0, 0.1], name="gas"),
+        Torque(engine.part("rod 3"), (0, Ramp(4.0), 0)),
+        Force(engine.part("crank"), (5.0, 0.0, -2.0), at=(0.3, -0.1, 0.4), frame="body"),
         SpringDamper(GROUND, pistons[1], at_a=(0.4, -0.1, 3.0), at_b=pistons[1].centre, stiffness=7.0, damping=2.0),
     ]
     system = System(engine.bodies, engine.joints, forces, (2.0, 0.0, -9.0))
