@@ -175,6 +175,32 @@ def test_an_engine_askew_in_space_with_weight_and_heavy_throws(disc):
     assert inside == {("rod 1",), ("rod 2",), ("rod 3",), ()}  # the last one: the rest of the shaft
 
 
+EIGHTH = np.pi / 4
+LAYOUTS = {
+    "single": ((0.2,), (0.17,), (0,)),
+    "three in line": ((0.0,) * 3, (-0.1, 0.0, 0.1), (0, 120, 240)),
+    "boxer": ((-2 * EIGHTH, 2 * EIGHTH) * 2, (-0.15, -0.05, 0.05, 0.15), (0, 180, 180, 0)),
+    "cross-plane eight": (
+        (-EIGHTH, EIGHTH) * 4, np.repeat((-0.15, -0.05, 0.05, 0.15), 2) + np.tile((-0.01, 0.01), 4),
+        np.repeat((0, 90, 270, 180), 2),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_layouts_with_heavy_throws_are_sums_of_planes(layout):
+    """The product of inertia of three or eight throws is no fault: every plane carries its own."""
+    banks, stations, phases = LAYOUTS[layout]
+    place = (0.0, 0.0, float(np.mean(stations)))
+    system = vee(banks=banks, stations=stations, phases=0.3 + np.radians(phases), disc=place)
+    reduction, times = validation.reduce_to_planes(system), np.linspace(0, 0.2, 21)
+    assert reduction.holds and len(reduction.planes) == len(set(stations))
+    force, moment = mount_load(simulate(system, 0.2, method=Kinematic(), output=times))
+    found = reduction.block_load(times)
+    assert np.abs(found.force - force).max() < EXACT * np.abs(force).max()
+    assert np.abs(found.moment - moment).max() < EXACT * np.abs(force).max() * 1.0  # m: distance from the origin
+
+
 def test_two_units_of_one_station_share_a_plane():
     reduction = validation.reduce_to_planes(vee(stations=(-0.2, -0.2, 0.3)))
     assert [plane.units for plane in reduction.planes][:2] == [("rod 1", "rod 2"), ("rod 3",)]
