@@ -73,7 +73,8 @@ def agrees(shown, found):
     return free or not lines
 
 
-def test_blocks_print_what_is_shown():
+def test_blocks_print_what_is_shown(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     names = {}
     for code, shown in BLOCKS:
         printed = io.StringIO()
