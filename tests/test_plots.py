@@ -135,7 +135,7 @@ def test_an_own_shape_is_drawn_and_an_unknown_one_refused():
     assert extents(outline(Body("egg", 1.0, (1, 1, 1), shape="ellipsoid"))) == pytest.approx([np.sqrt(10)] * 3)
     assert outline(Body("pin", 0.0, (0, 0, 0))).shape == (0, 3)
     for shape in ("potato", {"a": 1}, [(0, 1)]):
-        with pytest.raises(ValueError, match="body 'thing': shape .* is unknown; give 'box'"):
+        with pytest.raises(ValueError, match="body 'thing': shape .* is unknown; give 'ellipsoid'"):
             outline(Body("thing", 1.0, (1, 1, 1), shape=shape))
 
 
