@@ -1,0 +1,93 @@
+"""The Fourier helper: exact for whole periods, windows against their closed forms."""
+
+import numpy as np
+import pytest
+
+from validation.spectrum import WINDOWS, gain, spectrum, taper
+
+RATE, RNG = 7.3, np.random.default_rng(5)
+C = RNG.normal(size=(4, 2)) + 1j * RNG.normal(size=(4, 2))
+ORDERS = np.array([0.0, 1.0, 2.0, 4.5])
+C[0] = C[0].real
+
+
+def tones(t):
+    """sum Re(c exp(i order w t)), (n, 2)."""
+    return np.real(np.exp(1j * RATE * np.outer(t, ORDERS)) @ C)
+
+
+@pytest.mark.parametrize("repeated", [True, False])
+@pytest.mark.parametrize("start", [0.0, 0.37])
+@pytest.mark.parametrize("samples", [38, 39])
+def test_exact_over_whole_periods(repeated, start, samples):
+    """Two turns, so that half orders are whole; even and odd numbers of samples."""
+    t = start + 2 * (2 * np.pi / RATE) / samples * np.arange(samples + repeated)
+    found = spectrum(t, tones(t), rate=RATE)
+    assert len(found.orders) == samples // 2 + 1
+    exact = np.zeros((len(found.orders), 2), complex)
+    exact[(2 * ORDERS).astype(int)] = C
+    assert np.abs(found.amplitudes - exact).max() < 1e-14 * 5  # a sum of 40 numbers of order one
+    assert np.array_equal(found.at(4.5), found.amplitudes[9])
+    again = spectrum(t, tones(t)[:, 1], period=2 * np.pi / RATE, turns=2)
+    assert np.array_equal(again.amplitudes, found.amplitudes[:, 1])
+    assert found.frequency == pytest.approx(found.orders * RATE)
+
+
+def test_period_from_turns_and_frequencies_in_hertz():
+    t = np.linspace(0, 3 * 2 * np.pi / RATE, 61)
+    for times in (t, t[:-1]):  # with and without the repeated sample
+        values = np.cos(RATE * times - 0.4)
+        assert abs(spectrum(times, values, turns=3).at(1) - np.exp(-0.4j)) < 1e-14
+        assert abs(spectrum(times, values).at(RATE / (2 * np.pi)) - np.exp(-0.4j)) < 1e-14
+
+
+def test_sum_of_amplitudes_gives_the_values_back():
+    """Any samples, the half sampling rate among them."""
+    t, values = 0.3 + 0.1 * np.arange(16), RNG.normal(size=16)
+    found = spectrum(t, values, period=1.6)
+    assert np.real(np.exp(1j * np.outer(t, found.frequency)) @ found.amplitudes) == pytest.approx(values, abs=1e-13)
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+def test_scalloping_is_the_closed_form(window):
+    """A tone between two bins: c = A gain(d) + conj(A) gain of its image, to rounding."""
+    n, c = 128, 1.3 * np.exp(0.7j)
+    t = 0.05 * np.arange(n)
+    for offset in (0.0, 0.31, 0.5):
+        bins = 20 + offset
+        values = np.real(c * np.exp(2j * np.pi * bins * t / (n * 0.05)))
+        found = spectrum(t, values, window=window).amplitudes[20]
+        assert abs(found - c * gain(window, offset, n) - np.conj(c) * gain(window, -bins - 20, n)) < 1e-14 * 10
+    loss = 1 - abs(gain(window, 0.5, 10_000))
+    assert loss == pytest.approx({"none": 0.3634, "hann": 0.1512, "flat top": 0.0011}[window], abs=1e-4)
+    assert taper(window, 8).mean() == pytest.approx(WINDOWS[window][0])
+
+
+def test_windows_read_amplitudes_of_records_that_are_no_whole_periods():
+    t = np.linspace(0, 10.3 * 2 * np.pi / RATE, 700)
+    values = 2.0 * np.cos(RATE * t + 0.3) + 0.1 * np.cos(4 * RATE * t)
+    errors = {w: abs(abs(spectrum(t, values, rate=RATE, window=w).at(1)) - 2.0) / 2.0 for w in ("hann", "flat top")}
+    assert errors["hann"] < 0.16 and errors["flat top"] < 0.002  # scalloping of the windows, and a little leakage
+    assert errors["hann"] > 10 * errors["flat top"]
+
+
+def test_errors_name_sample_and_remedy():
+    t = np.linspace(0, 2 * np.pi / RATE, 33)
+    for arguments, options, message in (
+        ((t**2, t), {}, "stands .* off even steps"),
+        ((t, np.where(t > 0.5, np.nan, t)), {}, "values is not finite at sample 19"),
+        ((t, t[:-1]), {}, "n >= 3"),
+        ((t, t), {"rate": 1.1 * RATE}, "is 1.1 periods long, 1.13\\d* if .* whole periods, at least one, or a window"),
+        ((t, t), {"rate": 0.4 * RATE}, "is 0.4 periods long"),
+        ((t, t), {"rate": RATE, "turns": 2}, "1 periods long instead of 2"),
+        ((t, t), {"rate": RATE, "period": 1.0}, "both given"),
+        ((t, t), {"rate": -1.0}, "rate -1.0 is no positive"),
+        ((t, t), {"turns": 0}, "turns 0"),
+        ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give one of 'none', 'hann', 'flat top'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            spectrum(*arguments, **options)
+    with pytest.raises(ValueError, match="no bin at order 1.5"):
+        spectrum(t, t, rate=RATE).at(1.5)
+    with pytest.raises(ValueError, match="no bin at order 40"):
+        spectrum(t, t, rate=RATE, window="hann").at(40)

@@ -1,0 +1,1 @@
+"""Solvers written for comparison, with no equation in common with ``mbsd3d``: a planar one."""

@@ -1,0 +1,206 @@
+"""A planar multibody solver, independent of mbsd3d: three coordinates per body, everything else said in its words.
+
+    [ M  J' ] [ v_dot ]   [ Q - h ]      per body q = (x, y, theta) of a reference point O, v = q_dot, s = R r_G:
+    [ J  0  ] [  lam  ] = [ gamma ]      M = [[m, 0, -m s_y], [0, m, m s_x], [-m s_y, m s_x, I_G + m s^2]],
+                                         h = (-m w^2 s_x, -m w^2 s_y, 0)
+
+Where r_G is not zero, h is as important as M: without it, the bearing of an engine crank is a tenth wrong while every
+motion stays right (``centripetal=False`` shows that).
+
+Examples
+--------
+>>> from validation.engines import planar
+>>> rod = planar.Body("rod", mass=2.0, inertia=0.1, com=(0.5, 0.0))
+>>> hinge = planar.Revolute(planar.GROUND, rod, at=(0, 0), name="hinge")
+>>> solution = planar.simulate(planar.System([rod], [hinge]), 1.0, dt=1e-3)
+>>> bool(abs(solution.energy().total).max() < 1e-9)
+True
+"""
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mbsd3d.errors import AssemblyError, IntegrationError
+from mbsd3d.parts import number
+
+from .planar_joints import AngleDriver, Distance, Driver, Fixed, Gear, Joint, Revolute, Rolling, SlideDriver, Slider
+from .planar_loads import Force, Spring, TorsionSpring
+from .planar_march import DONE, NOT_CLOSED, SINGULAR, close, evaluate, march, trace
+from .planar_parts import GROUND, Body, Motion, Polynomial, Sine, rate
+from .planar_solution import Energy, Reaction, Solution
+from .planar_system import Lowered, System, lower
+
+__all__ = [
+    "GROUND",
+    "AngleDriver",
+    "Body",
+    "Distance",
+    "Driver",
+    "Energy",
+    "Fixed",
+    "Force",
+    "Gear",
+    "Joint",
+    "Motion",
+    "Polynomial",
+    "Reaction",
+    "Revolute",
+    "Rolling",
+    "Sine",
+    "SlideDriver",
+    "Slider",
+    "Solution",
+    "Spring",
+    "System",
+    "TorsionSpring",
+    "kinematics",
+    "rate",
+    "simulate",
+]
+
+INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
+
+
+def simulate(
+    system: System, t_end: float, *, dt: float, output: int | None = None, centripetal: bool = True
+) -> Solution:
+    """Motion by Runge-Kutta of order 4 with a fixed step, closed onto the constraints after every step.
+
+    Parameters
+    ----------
+    system : System
+    t_end, dt : float
+        [s]; the step is shortened so that it divides the time between two samples.
+    output : int or None
+        Number of samples, both ends included; None = every step.
+    centripetal : bool
+        False drops h: wrong, for comparison.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    ValueError
+        For redundant rows or initial velocities that contradict the joints.
+    IntegrationError
+        If the joints cannot be closed or become singular, naming joint and time.
+    """
+    t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
+    if output is not None and (output != int(output) or output < 2):
+        raise ValueError(f"simulate: output {output}; give None or a count of at least 2")
+    steps = max(int(np.ceil(t_end / dt * (1 - 1e-12))), 1)
+    samples = steps if output is None else int(output) - 1
+    every = -(-steps // samples)
+    lowered = system.lowered if centripetal else lower(system, centripetal=False)
+    work, q = lowered.work(), lowered.q.copy()
+    v = initial_velocity(system, lowered, work, q)
+    out = storage(lowered, samples + 1)
+    began = time.perf_counter()
+    status, row, t = march(lowered.model, work, q, v, t_end, every * samples, every, out)
+    seconds = time.perf_counter() - began
+    explain(system, lowered, work, status, row, t)
+    return Solution(system, t_end * (np.arange(samples + 1) / samples), out, seconds)
+
+
+def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) -> Solution:
+    """Motion and forces of a fully driven system, position by position from the reference pose at t = 0.
+
+    Parameters
+    ----------
+    system : System
+        With as many independent rows as coordinates.
+    times : (k,) array_like
+        [s].
+    centripetal : bool
+        False drops h: wrong, for comparison.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    ValueError
+        If freedoms are left.
+    IntegrationError
+        If the joints cannot be closed or become singular, naming joint and time.
+    """
+    times = np.atleast_1d(np.asarray(times, dtype=float))
+    if times.ndim != 1 or not times.size or not np.isfinite(times).all():
+        raise ValueError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
+    lowered = system.lowered if centripetal else lower(system, centripetal=False)
+    left = 3 * len(system.bodies) - lowered.model.kind.size
+    if left:
+        raise ValueError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
+    work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
+    began = time.perf_counter()
+    status, row, t = trace(lowered.model, work, q, np.concatenate([[0.0], times]), out)
+    seconds = time.perf_counter() - began
+    explain(system, lowered, work, status, row, t)
+    return Solution(system, times, tuple(array[1:] for array in out), seconds)
+
+
+def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
+    """q, v, v_dot (samples, n, 3) and the wrenches of the rows (samples, m, 3)."""
+    n, m = len(lowered.q) - 1, lowered.model.kind.size
+    return (*(np.empty((samples, n, 3)) for _ in range(3)), np.empty((samples, m, 3)))
+
+
+def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray) -> np.ndarray:
+    """(n + 1, 3) velocities with the given numbers and J v = f_dot, of least kinetic energy; closes q."""
+    status, row = close(lowered.model, work, 0.0, q)
+    explain(system, lowered, work, status, row, 0.0)
+    v = np.zeros_like(q)
+    evaluate(lowered.model, work, 0.0, q, v)
+    J, given, values = lowered.jacobian(work), [], []
+    for i, body in enumerate(system.bodies):
+        numbers = (*((None, None) if body.velocity is None else body.velocity), body.omega)
+        given += [3 * i + k for k, x in enumerate(numbers) if x is not None]
+        values += [x for x in numbers if x is not None]
+    A = np.vstack([J, np.eye(J.shape[1])[given]])
+    b = np.concatenate([work.rate, values])
+    if not np.any(b):
+        return v
+    root = np.linalg.inv(scaling(system, work))
+    found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
+    wrong = np.abs(A @ found - b)
+    if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
+        m = lowered.model.kind.size
+        worst = int(np.argmax(wrong[:m])) if m and wrong[:m].max() > 1e-3 * wrong.max() else None
+        where = "" if worst is None else f" of {system.name(system.joints[lowered.joint_of[worst]])}"
+        raise ValueError(
+            f"System: the initial velocities contradict the rows{where} by {wrong.max():.3g}; "
+            "correct them, or leave None what the joints decide"
+        )
+    v[:-1] = found.reshape(-1, 3)
+    return v
+
+
+def scaling(system: System, work: Any) -> np.ndarray:
+    """U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
+    U = np.zeros((3 * len(system.bodies),) * 2)
+    for i, body in enumerate(system.bodies):
+        x, y = work.frame[i, 2:]
+        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(body.inertia / body.mass)]])
+        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(body.mass) * block
+    return U
+
+
+def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, t: float) -> None:
+    """The error of a status, naming the joint."""
+    if status == DONE:
+        return
+    at = row if status != SINGULAR else int(np.flatnonzero(lowered.model.place == row)[0])
+    joint = system.name(system.joints[lowered.joint_of[at]])
+    if status == SINGULAR:
+        advice = "a dead point or a redundancy: move the pose, drive another joint, or remove one"
+        raise IntegrationError("planar: rows singular", time=t, part=joint, advice=advice)
+    if status == NOT_CLOSED:
+        gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
+        raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)
+    raise IntegrationError("planar: numbers are not finite", time=t, part=joint, advice="take a smaller dt")
