@@ -20,6 +20,7 @@ import numpy as np
 from mbsd3d.parts import number
 
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
+FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
 
 
 @dataclass(frozen=True)
@@ -212,3 +213,12 @@ class Engine:
         """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c r_c + (m_r + m_p) R)`` [N]."""
         swung = self.crank_mass * self.crank_centre + (self.rod_mass + max(self.pistons)) * self.radius
         return self.rate**2 * swung
+
+    def samples(self, orders: int = 6) -> int:
+        """Samples of a turn, a multiple of 12, that fold nothing above FOLD onto the orders up to ``orders``.
+
+        The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
+        """
+        lam = (self.radius + abs(self.offset)) / self.rod_length
+        last = np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2)))
+        return 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))

@@ -28,7 +28,6 @@ from mbsd3d import (
     inertia,
     simulate,
 )
-
 from validation.spectrum import spectrum
 
 from . import looks
@@ -37,7 +36,6 @@ from .layouts import Engine
 
 Z = (0.0, 0.0, 1.0)
 BLOCK_MASS = 100.0  # kg; at rest, only its weight counts
-FOLD = 1e-13  # of an order that aliasing may bring back, relative to the force of one cylinder
 
 
 @dataclass(frozen=True)
@@ -153,16 +151,9 @@ def motor(engine: Engine, crank: Body, main: Revolute, driver: str) -> tuple[lis
     return [rotor], [shaft, coupling, AngleDriver(shaft, Ramp(engine.rate), name="motor")]
 
 
-def samples(engine: Engine, orders: int = 6) -> int:
-    """Samples per turn, a multiple of 12: the orders that fold back onto 0 ... ``orders`` are below FOLD."""
-    lam = (engine.radius + abs(engine.offset)) / engine.rod_length
-    decay = lam / (1 + np.sqrt(1 - lam**2))
-    return 12 * int(np.ceil((orders + max(np.log(FOLD) / np.log(decay), orders + 1)) / 12))
-
-
 def turn(system: System, engine: Engine, *, turns: int = 1, count: int | None = None, **options: Any) -> Solution:
     """Whole turns of the crank at constant speed by kinematics, ``count`` samples a turn and the first one again."""
-    n = turns * (count or samples(engine))
+    n = turns * (count or engine.samples())
     return simulate(system, turns * 2 * np.pi / engine.rate, method=Kinematic(), output=n + 1, **options)
 
 
