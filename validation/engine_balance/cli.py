@@ -76,6 +76,8 @@ def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool
         click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
     else:
         click.echo(report.overview(comparisons))
+        click.echo("F [N] and M [N m]: force and couple on the block; fwd, bwd turn with and against the crank;")
+        click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)

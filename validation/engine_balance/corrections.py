@@ -5,19 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import phasor, planar_sum
-from .claims import (
-    Row,
-    actual,
-    assumed,
-    couple,
-    ellipse,
-    force,
-    frames,
-    peaks,
-    per_spacing,
-    ripple,
-    turning,
-)
+from .claims import Row, actual, assumed, couple, ellipse, force, frames, peaks, per_spacing, ripple, turning
 from .harmonics import Harmonics
 from .layouts import Engine, data, layout
 
@@ -124,8 +112,8 @@ def five() -> list[Figure]:
     wrong = "peak of both harmonics, most of it 2x"
     found = [
         ("peak of the primary moment", "N m", 66.56, seen, None, wrong),
-        ("  its 1x amplitude", "N m", None, peaks(real, (1,))[1], None, "a sixth"),
-        ("  its 2x amplitude", "N m", None, peaks(real, (2,))[1], None, "the secondary couple is what this engine has"),
+        ("of which 1x", "N m", None, peaks(real, (1,))[1], None, "a sixth"),
+        ("of which 2x", "N m", None, peaks(real, (2,))[1], None, "the secondary couple is what this engine has"),
     ]
     for name, note in ((real, "firing order 1-2-4-5-3"), (sequential, "throws in sequence")):
         for order in (1, 2):

@@ -8,8 +8,10 @@ import numpy as np
 from .balance import Comparison
 from .claims import Row
 from .harmonics import Harmonics, half_axes
+from .layouts import Engine, names
 
 NOISE = 1e-9  # of F_single: smaller amplitudes are rounding and shown as 0
+WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict"}
 PUBLISHED = {
     ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
     ("I3", "couple", 1): 1.71, ("I4", "force", 2): 16.44, ("I4", "force", 4): 1.18,
@@ -28,11 +30,14 @@ class Table(NamedTuple):
     rows: list[list[str]]
 
     def __str__(self) -> str:
-        """Columns side by side, the first to the left."""
+        """Columns side by side; words to the left, numbers to the right."""
         lines = [self.header, *self.rows]
         widths = [max(len(line[k]) for line in lines) for k in range(len(self.header))]
-        aligned = ([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])] for line in lines)
-        return "\n".join("  ".join(cells).rstrip() for cells in aligned)
+        sides = [str.ljust if name in WORDS else str.rjust for name in self.header]
+        return "\n".join(
+            "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
+            for line in lines
+        )
 
 
 def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
@@ -52,17 +57,21 @@ def value(x: float, noise: float) -> str:
 
 
 def ways(comparison: Comparison) -> Table:
-    """Every order and quantity three ways and as published; what is 0 all ways and not published is left out."""
+    """Every order and quantity three ways and as published; what is 0 all ways and not published is left out.
+
+    Force and couple are long half axes; figures were published for the toy engine only.
+    """
     engine = comparison.engine
+    toy = engine == Engine(engine.layout.name) if engine.layout.name in names() else False
     found, noise = [], NOISE * engine.single
     every = {way: amplitudes(h) for way, h in comparison.ways.items()}
     for quantity, unit in (("force", "N"), ("couple", "N m"), ("reaction", "N m"), ("torque", "N m")):
         for order in range(1, every["phasor"][quantity].size):
             cells = [value(parts[quantity][order], noise) for parts in every.values()]
-            figure = PUBLISHED.get((engine.layout.name, quantity, order))
+            figure = PUBLISHED.get((engine.layout.name, quantity, order)) if toy else None
             if set(cells) != {"0"} or figure is not None:
                 known = "" if figure is None else f"{figure:g}"
-                found.append([f"{engine.layout.name}", f"{order}x {quantity}", unit, *cells, known])
+                found.append([engine.layout.name, f"{order}x {quantity}", unit, *cells, known])
     return Table(["layout", "harmonic", "unit", *every, "published"], found)
 
 
@@ -120,15 +129,18 @@ def overview(comparisons: Sequence[Comparison]) -> Table:
 
 
 def truth(rows: Sequence[Row]) -> Table:
-    """Published beside assumed and actual."""
-    found = []
+    """Published beside assumed and actual, under a heading for each source."""
+    found, source = [], None
     for row in rows:
+        if row.source != source:
+            source = row.source
+            found.append([source, *5 * [""]])
         pair = row.actual if isinstance(row.actual, tuple) else (row.actual,)
         actual = " ... ".join(number(x) for x in pair)
-        found.append([row.what, row.unit, number(row.published), number(row.assumed), actual, row.verdict])
+        found.append([f"  {row.what}", row.unit, number(row.published), number(row.assumed), actual, row.verdict])
     return Table(["figure", "unit", "published", "assumed", "actual", "verdict"], found)
 
 
 def number(x: float | None) -> str:
     """Six digits, nothing for None, 0 for rounding."""
-    return "" if x is None else value(float(x), NOISE)
+    return "" if x is None else "0" if abs(x) < NOISE else f"{x:.6g}"
