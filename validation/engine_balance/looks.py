@@ -1,5 +1,6 @@
 """What the parts of an engine look like; drawn only, never computed with. Lengths follow crank radius and spacing."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,11 +34,23 @@ def bore_radius(engine: Engine) -> float:
     return 0.44 * float(min([2.0 * engine.radius, *same]))
 
 
+def pictured(engine: Engine) -> Engine:
+    """The engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore spacings."""
+    gaps = np.diff(np.unique(np.round(engine.stations, 9)))
+    closest = float(gaps.min()) if gaps.size else engine.spacing
+    return replace(engine, spacing=engine.spacing * 1.4 * engine.radius / closest)
+
+
 def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
-    """Main journal along z; of each throw two webs and a pin."""
-    low, high = ends(engine)
+    """Main journals along z between the throws; of each throw two webs and a pin."""
     thick, wide = 0.09 * engine.radius, width(engine)
-    parts = [shapes.Cylinder(thick, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
+    low, high = ends(engine)
+    stations = np.unique(np.round(engine.stations, 9))
+    starts, stops = [low, *(stations + 0.32 * wide)], [*(stations - 0.32 * wide), high]
+    parts = [
+        shapes.Cylinder(thick, b - a, "z", at=(0, 0, (a + b) / 2), colour=STEEL)
+        for a, b in zip(starts, stops, strict=True)
+    ]
     for where in places:
         x, z = where.pin * (1, 1, 0) / engine.radius, where.pin[2]
         turn = np.column_stack([x, np.cross((0, 0, 1), x), (0, 0, 1)])
