@@ -1,4 +1,4 @@
-"""Engine balance: layouts, the three ways, balance shafts, gas forces, errors. Published figures: test_engine_truth."""
+"""Engine balance: layouts, the three ways, errors, the command line."""
 
 import ast
 from dataclasses import replace
@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from validation.engine_balance import balance, cli, gas, phasor, planar_sum, shafts, spatial
+from validation.engine_balance import balance, cli, phasor, planar_sum, spatial
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine, Layout, data, layout, names
-from validation.spectrum import spectrum
 from validation.theory.slider_crank import SliderCrank, slider_crank_loads, slider_crank_torque
 
 GENERAL = dict(
@@ -150,98 +149,6 @@ def test_rod_ratio_sweep_in_space():
         assert np.abs(run(engine).force[2, 0]) == pytest.approx(expected, rel=1e-10)  # samples() folds 1e-13
 
 
-def balanced(engine: Engine, wanted: list, **options: object) -> tuple[list, np.ndarray, np.ndarray]:
-    """Shafts, what they should leave, what the spatial engine with them has left."""
-    load = closed(engine, dyno=bool(options))
-    found = shafts.balance(engine, load, wanted, **options)
-    system = spatial.build(engine, driver="dyno" if options else "block")
-    turn = spatial.turn(shafts.with_shafts(system, engine, found), engine)
-    left = shafts.engine_load(spatial.harmonics(turn, engine), wanted[0].order)
-    return found, shafts.remainder(engine, load, found), left
-
-
-def test_two_shafts_null_the_second_order_of_the_four():
-    engine = Engine("I4")
-    found, theory, left = balanced(engine, [shafts.Shaft(2, 1, (0.2, 0.5)), shafts.Shaft(2, -1, (0.2, -0.5))])
-    each = 16.44438394420787 / 2 / (2 * engine.rate) ** 2  # kg m: half the force, at twice the speed
-    assert [abs(shaft.unbalance[0]) for shaft in found] == pytest.approx([each, each])
-    np.testing.assert_allclose(np.abs([theory, left]), 0.0, atol=LIMIT * engine.single)
-
-
-def test_one_shaft_leaves_half_and_turns_it_round():
-    engine = Engine("I4")
-    _, theory, left = balanced(engine, [shafts.Shaft(2, 1)])
-    np.testing.assert_allclose(left, theory, atol=LIMIT * engine.single)
-    assert np.abs(left[:2]) == pytest.approx([16.44438394420787 / 2] * 2)
-
-
-def test_shafts_at_different_heights_null_the_torque_too():
-    engine = Engine("I4")
-    start = [shafts.Shaft(2, 1, (0.0, 0.5)), shafts.Shaft(2, -1, (0.0, -0.5))]
-    found, theory, left = balanced(engine, start, torque=True)
-    assert np.abs(closed(engine, dyno=True).moment[2, 2]) == pytest.approx(17.43, abs=5e-3)  # N m, before
-    np.testing.assert_allclose(np.abs([theory, left]), 0.0, atol=LIMIT * engine.single)
-    assert found[0].position[0] - found[1].position[0] == pytest.approx(17.43197 / (16.44438 / 2), rel=1e-5)
-
-
-def test_counterweights_and_one_backward_shaft_null_the_couple_of_the_three():
-    engine = Engine("I3", **GENERAL)
-    planes = (-0.12, 0.07)
-    wanted = [shafts.Shaft(1, 1, (0, 0), planes), shafts.Shaft(1, -1, (0.3, 0.4), planes)]
-    found, theory, left = balanced(engine, wanted)
-    np.testing.assert_allclose(np.abs([theory, left]), 0.0, atol=LIMIT * engine.single)
-    assert sum(found[1].unbalance) == pytest.approx(0.0, abs=1e-12)  # kg m: a couple alone
-
-
-def test_counterweights_alone_balance_the_even_v6():
-    engine = Engine("V6_60_offset+60", **GENERAL)
-    _, _, left = balanced(engine, [shafts.Shaft(1, 1, (0, 0), (-0.1, 0.1))])
-    np.testing.assert_allclose(np.abs(left), 0.0, atol=LIMIT * engine.single)
-
-
-def test_half_sine_of_the_gas_by_series():
-    peak, turns = 7e3, 2 * np.pi * np.arange(4001) / 2000
-    seen = spectrum(turns, gas.half_sine(peak)(turns), rate=1.0)
-    found = np.array([seen.at(m / 2) for m in range(9)])
-    # the kinks fold back 2 (m / N)^2 of the series at most
-    np.testing.assert_allclose(gas.half_sine_phasors(peak, 8), found, atol=2 * peak * (4 / 4000) ** 2)
-
-
-def test_second_order_of_the_gas_of_the_four():
-    """4244.13 N is the sum of the four gas forces: 4 peak / (3 pi)."""
-    assert np.abs(gas.force_phasors(Engine("I4"), 10e3, 4)[4]) == pytest.approx(4244.131815783876, rel=1e-12)
-
-
-@pytest.mark.parametrize("name", ["I3", "V6_90_shared"])
-def test_the_block_feels_the_gas_only_as_torque_reaction(name):
-    engine, pulse, count = Engine(name), gas.half_sine(), 48
-    for driver in ("block", "dyno"):
-        system = spatial.build(engine, driver=driver)
-        fired = spatial.turn(gas.with_gas(system, engine, pulse, count), engine, turns=2, count=count)
-        cold = spatial.turn(system, engine, turns=2, count=count)
-        (force, moment), (still, quiet) = spatial.block_load(fired), spatial.block_load(cold)
-        torque = gas.torque(engine, pulse, engine.rate * fired.t)
-        reaction = np.outer(-torque if driver == "dyno" else 0 * torque, (0, 0, 1))
-        np.testing.assert_allclose(force, still, atol=1e-8)  # N, of 10 kN
-        np.testing.assert_allclose(moment - quiet, reaction, atol=1e-7)  # N m, of 30 kN m
-        np.testing.assert_allclose(fired.effort("motor") - cold.effort("motor"), -torque, atol=1e-7)
-        assert np.ptp(torque) > 5e3
-
-
-def test_firing_orders():
-    assert gas.firing_order(layout("I4")) == "1-3-4-2"
-    assert gas.firing_order(layout("I5_real")) == "1-2-4-5-3"
-    assert gas.firing_order(layout("I3")) == "1-2-3"  # 1-3-2 is that of the crank mirrored
-    for name, known, bank in (("V8_cross_real", "1-8-4-3-6-5-7-2", 4), ("V6_60_offset+60", "1-2-3-4-5-6", 3)):
-        first = name.startswith("V8")  # odd numbers in the first bank, or in the second
-        order = [int(c) - 1 for c in gas.firing_order(layout(name)).split("-")]
-        numbers = [2 * (c % bank) + (1 if (c < bank) == first else 2) for c in order]
-        start = numbers.index(1)
-        assert "-".join(map(str, numbers[start:] + numbers[:start])) == known
-    gaps = np.diff(np.sort(gas.firing_angles(layout("V6_90_shared"))))
-    assert sorted(set(gaps.round(9))) == [90.0, 120.0, 150.0]
-
-
 def test_own_layout_and_scaled_spacing():
     twin = Layout("twin", "parallel twin", pins=(0, 180), bores=(0, 0), stations=(-0.05, 0.05))
     one, two = (closed(Engine(twin, spacing=spacing)) for spacing in (None, 0.25))
@@ -268,9 +175,6 @@ def test_own_layout_and_scaled_spacing():
         (lambda: spatial.build(Engine("I4"), pins="welded"), "pins 'welded' are unknown; give 'revolute' or"),
         (lambda: spatial.build(Engine("I4"), driver="roof"), "driver on 'roof'; give 'block' or 'dyno'"),
         (lambda: spatial.build(Engine("I4"), bearings=0), "0 main bearings; give 1 or more"),
-        (lambda: shafts.Shaft(0, 1), "shaft of order 0, direction 1"),
-        (lambda: shafts.Shaft(1, 1, (0, 0), (0, 1), (1j,)), "2 planes, 1 unbalances"),
-        (lambda: balanced(Engine("I4"), [shafts.Shaft(1, 1), shafts.Shaft(2, 1)]), "one order at a time"),
     ],
 )
 def test_errors(wrong, message):

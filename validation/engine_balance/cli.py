@@ -46,9 +46,15 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
 @click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
+@click.option("--gas", type=float, metavar="PEAK", help="LAYOUT: half sines of this peak [N] over the power strokes.")
+@click.option("--shafts", is_flag=True, help="LAYOUT: counterweights and balance shafts for 1x and 2x.")
+@click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
 @click.option("--ways", is_flag=True, help="All layouts: every harmonic by phasor, planar sum and spatial model.")
 @click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
-def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool, truth: bool, **sizes: Any) -> None:
+def main(
+    layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
+    ways: bool, truth: bool, **sizes: Any,
+) -> None:  # fmt: skip
     """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
@@ -60,17 +66,21 @@ def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool
 
     try:
         if truth:
+            from .studies import single_cylinder
             from .truth import rows
 
-            click.echo(report.truth(rows()))
+            click.echo(f"{report.truth(rows())}\n\n{single_cylinder()}")
             return
         wanted = names() if layout is None else [layout]
         engines = [Engine(name, **sizes, **masses) for name in wanted]
         comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
+        extra = studied(engines, gas, shafts, sweep)
     except ValueError as error:
         raise Failure(str(error)) from error
     if layout is not None:
         show(comparisons[0])
+        for table in extra:
+            click.echo(f"\n{table}")
     elif ways:
         tables = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
@@ -82,6 +92,22 @@ def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
         raise click.exceptions.Exit(DISAGREE)
+
+
+def studied(engines: list, gas: float | None, shafts: bool, sweep: bool) -> list:
+    """Tables of the studies asked for, of a single engine."""
+    if not (gas is not None or shafts or sweep):
+        return []
+    if len(engines) > 1:
+        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+    from . import studies
+
+    wanted = (
+        (gas is not None, lambda: studies.gas_harmonics(engines[0], gas)),
+        (shafts, lambda: studies.balance_shafts(engines[0])),
+        (sweep, lambda: studies.rod_ratios(engines[0])),
+    )
+    return [table() for asked, table in wanted if asked]
 
 
 def show(comparison: Any) -> None:
