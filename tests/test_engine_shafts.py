@@ -1,12 +1,14 @@
 """Balance shafts, gas forces and firing orders of engines, and the tables of the studies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from validation.engine_balance import cli, gas, phasor, shafts, spatial, studies
 from validation.engine_balance.harmonics import Harmonics
-from validation.engine_balance.layouts import Engine, layout
+from validation.engine_balance.layouts import Engine, Layout, layout
 from validation.spectrum import spectrum
 
 LIMIT = 1e-9  # of F_single; rounding stays below 1e-12
@@ -89,6 +91,16 @@ def test_the_block_feels_the_gas_only_as_torque_reaction(name):
         np.testing.assert_allclose(moment - quiet, reaction, atol=1e-7)  # N m, of 30 kN m
         np.testing.assert_allclose(fired.effort("motor") - cold.effort("motor"), -torque, atol=1e-7)
         assert np.ptp(torque) > 5e3
+
+
+def test_firing_order_of_many_cylinders():
+    many = Layout("W18", "three banks of six", [0.0, 240.0, 120.0] * 6, [0.0] * 18, range(18))
+    with pytest.raises(ValueError, match="layout 'W18': 18 cylinders; give a firing_order that its crank can do"):
+        gas.firing_angles(many)
+    named = replace(many, firing_order="-".join(str(1 + 3 * k % 18 + k // 6) for k in range(18)))
+    with pytest.raises(ValueError, match="give a firing_order"):  # this one takes many turns
+        gas.firing_angles(named)
+    assert sorted(set(gas.firing_angles(replace(layout("V12_60"), firing_order=None)) % 60)) == [0.0]
 
 
 def test_firing_orders():
