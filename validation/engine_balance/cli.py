@@ -49,7 +49,7 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--gas", type=float, metavar="PEAK", help="LAYOUT: half sines of this peak [N] over the power strokes.")
 @click.option("--shafts", is_flag=True, help="LAYOUT: counterweights and balance shafts for 1x and 2x.")
 @click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
-@click.option("--ways", is_flag=True, help="All layouts: every harmonic by phasor, planar sum and spatial model.")
+@click.option("--ways", is_flag=True, help="Every harmonic by phasor, planar sum and spatial model, and as published.")
 @click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
 def main(
     layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
@@ -60,6 +60,8 @@ def main(
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
     engine in space. The exit code is 1 if they disagree.
     """
+    from mbsd3d.errors import Mbsd3dError
+
     from . import report
     from .balance import compare
     from .layouts import Engine, names
@@ -75,19 +77,19 @@ def main(
         engines = [Engine(name, **sizes, **masses) for name in wanted]
         comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
         extra = studied(engines, gas, shafts, sweep)
-    except ValueError as error:
-        raise Failure(str(error)) from error
-    if layout is not None:
-        show(comparisons[0])
-        for table in extra:
-            click.echo(f"\n{table}")
-    elif ways:
+    except (ValueError, Mbsd3dError) as error:
+        raise Failure(" ".join(str(error).split())) from error
+    if ways:
         tables = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
+    elif layout is not None:
+        show(comparisons[0])
     else:
         click.echo(report.overview(comparisons))
         click.echo("F [N] and M [N m]: force and couple on the block; fwd, bwd turn with and against the crank;")
         click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
+    for table in extra:
+        click.echo(f"\n{table}")
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)

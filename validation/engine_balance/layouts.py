@@ -210,8 +210,11 @@ class Engine:
 
     @property
     def single(self) -> float:
-        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c r_c + (m_r + m_p) R)`` [N]."""
-        swung = self.crank_mass * self.crank_centre + (self.rod_mass + max(self.pistons)) * self.radius
+        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c |r_c| + (m_r + m_p) R)`` [N].
+
+        (A throw with a counterweight, r_c < 0, counts as if it had none: this is the scale of rounding.)
+        """
+        swung = self.crank_mass * abs(self.crank_centre) + (self.rod_mass + max(self.pistons)) * self.radius
         return self.rate**2 * swung
 
     def samples(self, orders: int = 6) -> int:
