@@ -196,6 +196,11 @@ class Engine:
         return np.array(self.layout.stations) * (self.spacing / self.layout.spacing)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """z of the first and the last main bearing [m], half a spacing beyond the cylinders."""
+        return float(self.stations.min() - self.spacing / 2), float(self.stations.max() + self.spacing / 2)
+
+    @property
     def rate(self) -> float:
         """Crank speed w [rad/s], above 0.
 

@@ -12,11 +12,6 @@ from .layouts import Engine
 STEEL, ROD, PISTON, CASE = "#8a939c", "#c46a2b", "#2f6f9f", "#9aa3ab"
 
 
-def ends(engine: Engine) -> tuple[float, float]:
-    """z of the first and the last main bearing [m]."""
-    return float(engine.stations.min() - engine.spacing / 2), float(engine.stations.max() + engine.spacing / 2)
-
-
 def width(engine: Engine) -> float:
     """Room of one throw along the crank [m]: of the closest two stations, at most the crank radius."""
     gaps = np.diff(np.unique(np.round(engine.stations, 9)))
@@ -44,7 +39,7 @@ def pictured(engine: Engine) -> Engine:
 def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
     """Main journals along z between the throws; of each throw two webs and a pin."""
     thick, wide = 0.09 * engine.radius, width(engine)
-    low, high = ends(engine)
+    low, high = engine.ends
     stations = np.unique(np.round(engine.stations, 9))
     starts, stops = [low, *(stations + 0.32 * wide)], [*(stations - 0.32 * wide), high]
     parts = [
@@ -82,7 +77,7 @@ def piston(engine: Engine, bore: np.ndarray) -> shapes.Shape:
 def block(engine: Engine, places: list[Any]) -> shapes.Shape:
     """Lines: the bores as two rings each, and the crank axis; axes of the bores pass the crank at the offset."""
     angle, radius = np.linspace(0, 2 * np.pi, 33), bore_radius(engine)
-    low, high = ends(engine)
+    low, high = engine.ends
     strokes = [np.array([(0, 0, low - 0.3 * engine.radius), (0, 0, high + 0.3 * engine.radius)])]
     for where in places:
         v = np.cross((0, 0, 1), where.bore)
@@ -101,7 +96,7 @@ def dyno(engine: Engine) -> shapes.Shape:
 
 def shaft(engine: Engine, planes: np.ndarray, angles: np.ndarray) -> list[shapes.Shape]:
     """A thin shaft along z with a weight in each plane, on the side of its angle [rad]; O on the shaft's axis."""
-    low, high = ends(engine)
+    low, high = engine.ends
     parts = [shapes.Cylinder(0.05 * engine.radius, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
     for z, angle in zip(planes, angles, strict=True):
         side = 0.12 * engine.radius * np.array([np.cos(angle), np.sin(angle), 0.0])
