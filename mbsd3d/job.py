@@ -134,6 +134,8 @@ class Job:
                 self.event("nearly dependent rows passed", False)
             elif status == base.CHOOSE_ROWS:
                 self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
+            elif status == base.NOT_CLOSING and self.record.rows_left_out:
+                self.choose("kept rows nearly dependent", afresh=True)
             elif status == base.STIFF:
                 check_forces(self.compiled, run.y, run.clock[base.T], run.clock[base.STEP], self.solution)
                 self.own = (self.table._replace(patience=np.inf),)
@@ -150,8 +152,12 @@ class Job:
         with turn_passed_on():
             return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
 
-    def choose(self, why: str) -> None:
-        """Choose the independent rows at the present state; a change after the start is a rank event."""
+    def choose(self, why: str, afresh: bool = False) -> None:
+        """Choose the independent rows at the present state; a change after the start is a rank event.
+
+        The present set is kept where it is as good as the best one, unless ``afresh``: of redundant rows, a set that is
+        good at this pose may be singular at the next one, where the mechanism is not.
+        """
         run, model = self.memory, self.model
         before = None if self.schur is None else np.sort(self.schur.place["row"])
         if before is not None and run.count[base.STEPS] == self.last_event:
@@ -159,7 +165,7 @@ class Job:
         load_rows(self.compiled, self.data, run.y, run.clock[base.T])
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(base.NO_SOLUTION)
-        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), before)
+        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), None if afresh else before)
         self.record.svd_calls += 1
         self.record.rows_left_out = int(self.schur.skipped.size)
         self.last_event = int(run.count[base.STEPS]) if before is not None else -1

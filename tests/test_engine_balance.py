@@ -58,11 +58,18 @@ def test_planes_found_in_the_spatial_engine_give_the_same(name):
     assert apart(Harmonics(force, moment, theory.torque), theory, engine) < LIMIT
 
 
-@pytest.mark.parametrize("name", ["single", "I3", "V6_90_shared", "V8_flat"])
+@pytest.mark.parametrize("name", ["single", "I4", "V6_90_shared", "V8_flat", "V12_60", "boxer6_staggered"])
 def test_hinges_as_pins_and_five_bearings(name):
-    # the rows kept at q = 0 lose independence on the way: a few digits go
+    # the rows kept at q = 0 lose independence on the way and are chosen anew: a few digits go
     engine = Engine(name)
     assert apart(run(engine, pins="revolute", bearings=5), closed(engine), engine) < LIMIT
+
+
+def test_rows_that_become_dependent_are_chosen_anew():
+    engine = Engine("I4")
+    solution = spatial.turn(spatial.build(engine, pins="revolute"), engine)
+    assert [event[2:] for event in solution.record.rank_events] == [("kept rows nearly dependent", True)]
+    assert solution.certificate.passed
 
 
 @pytest.mark.parametrize("pins", ["spherical", "revolute"])

@@ -71,8 +71,7 @@ def build(
     engine : Engine
     pins : str
         "spherical": the rods stand on a ball and a universal joint, all their rows are independent; "revolute": on two
-        hinges, three rows of each cylinder repeat others. (Kinematic() keeps the rows it chose at q = 0 until a pose
-        shows that they are dependent; with hinges some layouts stop where they are, at a multiple of 90 degrees.)
+        hinges, three rows of each cylinder repeat others.
     driver : str
         "block": the driving torque reacts on the block; "dyno": on the ground, through a coupling of torque only.
     gravity : (3,) array_like
