@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test slow lint clean
+.PHONY: demo test slow lint pictures clean
 
 demo: $(READY)
 	$(BIN)/mbsd3d demo --all --out out
@@ -13,6 +13,9 @@ test: $(READY)
 
 slow: $(READY)
 	$(BIN)/python -m pytest -m slow
+
+pictures: $(READY)
+	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -1,81 +1,11 @@
 """The command line: demos, checking and running models, warming up. Nothing heavy is imported before it is needed."""
 
-import math
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import click
 
-from .errors import Mbsd3dError
-
-GROUP = "mbsd3d.commands"
-INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
-
-
-class Failure(click.ClickException):
-    """An error the user can do something about: one line on stderr, exit code 2."""
-
-    exit_code = 2
-
-    def show(self, file: Any = None) -> None:
-        """One line."""
-        click.echo(f"mbsd3d: {' '.join(self.message.split())}", err=True)
-
-
-class Commands(click.Group):
-    """The own commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Own commands, then those of other packages."""
-        own = super().list_commands(ctx)
-        return own + sorted({entry.name for entry in metadata.entry_points(group=GROUP)} - set(own))
-
-    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        """A command by its name; one that cannot be loaded says so when it is listed or called."""
-        own = super().get_command(ctx, name)
-        if own is not None:
-            return own
-        for entry in metadata.entry_points(group=GROUP):
-            if entry.name == name:
-                return command_of(entry)
-        return None
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            click.echo("mbsd3d: interrupted", err=True)
-            raise click.exceptions.Exit(INTERRUPTED) from None
-        except BrokenPipeError:
-            raise  # the reader of a pipe has gone: click ends quietly
-        except OSError as error:
-            where = f"'{error.filename}': " if error.filename else ""
-            raise Failure(f"{where}{error.strerror or error}") from error
-        except (ValueError, Mbsd3dError) as error:
-            raise Failure(str(error)) from error
-
-
-def command_of(entry: metadata.EntryPoint) -> click.Command:
-    """The command of an entry point, or one that stands for it and says why it cannot be loaded."""
-    from .demos.base import load_entry
-
-    try:
-        return load_entry(entry, click.Command)
-    except ValueError as error:
-        reason = str(error)
-
-    def fail(arguments: tuple[str, ...]) -> None:
-        raise Failure(f"command '{entry.name}' of {reason}")
-
-    rest = click.Argument(["arguments"], nargs=-1, type=click.UNPROCESSED)
-    settings = {"ignore_unknown_options": True}
-    return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
+from .commands import INTERRUPTED, Commands, Failure, can_view, keep, load, ready_folder, ready_target, watch
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -90,11 +20,12 @@ out_option = click.option("--out", default="out", show_default=True, help="Folde
 @click.argument("name", required=False)
 @click.option("--all", "everything", is_flag=True, help="Run all demos.")
 @click.option("--list", "only_list", is_flag=True, help="List the demos (as without arguments).")
+@click.option("--view", "watched", is_flag=True, help="Show its motion in the browser, until Ctrl-C.")
 @out_option
-def demo(name: str | None, everything: bool, only_list: bool, out: str) -> None:
+def demo(name: str | None, everything: bool, only_list: bool, watched: bool, out: str) -> None:
     """Show an effect that exists only in space.
 
-    Prints computed numbers beside their theory; figure and data go to --out.
+    Prints computed numbers beside their theory; figure, data and a page that shows the motion go to --out.
     """
     from .demos.base import discover
     from .demos.report import listing, report, write
@@ -105,21 +36,34 @@ def demo(name: str | None, everything: bool, only_list: bool, out: str) -> None:
     key = name and name.replace("-", "_")
     if key and (everything or only_list):
         raise Failure(f"a name ('{name}') and --all or --list exclude each other; give one")
+    if watched and not key:
+        raise Failure("--view shows one demo; give its name")
     if key and key not in demos:
         raise Failure(f"there is no demo '{name}'; there are {', '.join(demos)}")
     if only_list or not (key or everything):
         width = max(map(len, demos))
         click.echo("\n".join(f"{demo.name:{width}}  {demo.title}" for demo in demos.values()))
         return
+    pages = can_view(needed=watched)
     folder, failed = ready_folder(out), []
     for shown in demos.values() if everything else [demos[key]]:
         outcome = shown.run()
         click.echo(report(shown, outcome))
-        click.echo(f"{listing(write(shown, outcome, folder))}\n")
+        click.echo(f"{listing(write(shown, outcome, folder, pages=pages))}\n")
         failed += [] if outcome.passed else [shown.name]
+    if watched:
+        watch_demo(outcome, shown.name)
     if failed:
         click.echo(f"mbsd3d: theory is not met by {', '.join(failed)}", err=True)
         raise click.exceptions.Exit(1)
+
+
+def watch_demo(outcome: Any, name: str) -> None:
+    """Serve the first view of a demo until Ctrl-C."""
+    if not outcome.views:
+        raise Failure(f"demo '{name}' has no view")
+    solution, options = next(iter(outcome.views.values()))
+    watch(solution.animate(live=True, **options))
 
 
 drop_option = click.option(
@@ -147,19 +91,21 @@ def check(file: str, drop: tuple[str, ...]) -> None:
 @click.option("--t-end", type=float, required=True, help="End of the run [s].")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
+@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the motion.")
 @drop_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
-def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[str, ...], out: str) -> None:
+def run(
+    file: str, t_end: float, rtol: float, output: int | None, viewed: bool, drop: tuple[str, ...], out: str
+) -> None:
     """Simulate a mechanism.
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
     keeps what was computed. The exit code is 1 if the certificate fails.
     """
+    can_view(needed=viewed)
     system = load(file, drop)
-    named = Path(out).suffix == ".npz"
-    folder = ready_folder(str(Path(out).parent) if named else out)
-    target = folder / Path(out if named else file).stem
+    target = ready_target(file, out, ".npz")
     from .errors import IntegrationError
     from .plots import save_figure
     from .simulation import simulate
@@ -175,66 +121,37 @@ def run(file: str, t_end: float, rtol: float, output: int | None, drop: tuple[st
         raise click.exceptions.Exit(INTERRUPTED)
     for path in (solution.save(target), solution.to_csv(target), *save_figure(solution.plot("energy"), target)):
         click.echo(str(path))
+    if viewed:
+        click.echo(str(solution.animate(title=target.name).save(target)))
     click.echo(str(solution.certificate))
     if not solution.certificate.passed:
         raise click.exceptions.Exit(1)
 
 
-def load(file: str, drop: tuple[str, ...]) -> Any:
-    """The System of a file of any kind; what an import did with it goes to stderr."""
-    from .sources import load_model
+@main.command()
+@click.argument("file")
+@drop_option
+@click.option("--out", default="out", show_default=True, help="Folder for the page, or the name of the .html file.")
+def show(file: str, drop: tuple[str, ...], out: str) -> None:
+    """Draw a mechanism at its reference pose.
 
-    system, notes = load_model(file, drop)
-    for note in notes:
-        click.echo(f"mbsd3d: {note}", err=True)
-    return system
-
-
-def keep(solution: Any, target: Path) -> None:
-    """Save an unfinished run, if it has samples, whatever keys are pressed meanwhile."""
-    if solution is None or not solution.t.size:
-        click.echo("nothing was computed")
-        return
-    with undisturbed():
-        path = solution.save(target)
-    click.echo(f"{path}: {solution.t.size} samples up to t = {solution.t[-1]:.6g} s")
-
-
-@contextmanager
-def undisturbed() -> Iterator[None]:
-    """No Ctrl-C inside."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. Writes one page (.html) that needs no network.
+    """
+    can_view(needed=True)
+    system = load(file, drop)
+    target = ready_target(file, out, ".html")
+    click.echo(str(system.show(title=target.name).save(target)))
 
 
 @main.command()
 def warmup() -> None:
     """Compile all kernels, so that nothing else has to wait."""
+    from .warmup import compile_all
+
     began = time.perf_counter()
     compile_all()
     click.echo(f"all kernels are compiled ({time.perf_counter() - began:.1f} s)")
-
-
-def compile_all() -> None:
-    """Run a pendulum through every method and every check: each kernel is called once."""
-    import mbsd3d as m
-
-    arm = m.Body("arm", 1.0, (0.1, 0.2, 0.2), position=(0.5, 0, 0))
-    hinge = m.Revolute(m.GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0))
-    driver = m.AngleDriver(hinge, m.Ramp(1.0))
-    free, driven = m.System([arm], [hinge]), m.System([arm], [hinge, driver])
-    free.assemble(measures={m.measures.position(arm, axis=(0, 0, 1)): -0.05})
-    free.check()
-    for system, method in ((free, m.DOP853()), (free, m.GeneralizedAlpha(1e-3)), (driven, m.Kinematic())):
-        stop = m.measures.rate(hinge) > 1e3 if system is free else None
-        solution = m.simulate(system, 1e-2, method=method, stop_when=stop)
-        str(solution.certificate)
-        solution.reaction(hinge)
-    m.accelerations(driven).effort(driver)
-    m.linearize(free, free.assemble(angles={hinge: 0.5 * math.pi}))  # it hangs
 
 
 @main.command()
@@ -243,16 +160,3 @@ def version() -> None:
     from . import __version__
 
     click.echo(f"mbsd3d {__version__}")
-
-
-def ready_folder(out: str) -> Path:
-    """The folder, made if missing, after a trial that it can be written: before anything is computed."""
-    import tempfile
-
-    folder = Path(out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise Failure(f"--out '{out}' cannot be written: {error.strerror}; give a folder that can") from error
-    return folder

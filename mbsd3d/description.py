@@ -17,11 +17,13 @@ from .joints import Joint
 from .parts import GROUND, Body, Ground
 from .schema import Document, check, place_of, roles, struct, types
 from .signals import Signal
+from .solids import Shape
 from .system import System
 
 FORMAT = 2  # rises when a description or a file of the old form cannot be read any more
 SYSTEM = "mbsd3d system"
 REFERENCES = MappingProxyType({"body": Body, "joint": Joint, "force": ForceElement})
+CLASSES = MappingProxyType({"signal": Signal, "shape": Shape})
 UNREADABLE = (TypeError, AttributeError, OverflowError, IndexError, KeyError)  # a value no constructor was made for
 
 
@@ -124,7 +126,7 @@ class Reader:
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
         if isinstance(value, dict):
-            return self.part(value, path, Signal) if role == "signal" else self.tagged(value, path)
+            return self.part(value, path, CLASSES[role]) if role in CLASSES else self.tagged(value, path)
         if not (value is None or isinstance(value, bool | int | float | str)):  # TOML knows dates
             raise ValueError(f"{value} is not understood - at `{place_of(path)}`; give numbers, texts and lists")
         if isinstance(value, str) and role in REFERENCES:

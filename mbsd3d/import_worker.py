@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+SHOWN = 3  # groups of geoms below this are shown by MuJoCo; shapes for contacts alone are usually in group 3
 MEMORY = 4 << 30  # [bytes] of address space, most of it never used
 
 
@@ -66,9 +67,24 @@ class Facts:
                     "mass": m.body_mass[i],
                     "centre": d.xipos[i],
                     "inertia": C @ np.diag(m.body_inertia[i]) @ C.T,
+                    "geoms": [self.geom(k) for k in range(m.body_geomadr[i], m.body_geomadr[i] + m.body_geomnum[i])],
                 }
             )
         return found
+
+    def geom(self, i: int) -> dict[str, Any]:
+        """Kind, sizes and pose of a geom, in world axes; whether MuJoCo would show it, and its colour if it has one."""
+        m, d, quaternion = self.model, self.data, np.zeros(4)
+        self.mujoco.mju_mat2Quat(quaternion, d.geom_xmat[i])
+        rgba = m.geom_rgba[i]
+        return {
+            "type": self.mujoco.mjtGeom(m.geom_type[i]).name.removeprefix("mjGEOM_").lower(),
+            "size": m.geom_size[i],
+            "position": d.geom_xpos[i],
+            "quaternion": quaternion,
+            "shown": bool(m.geom_group[i] < SHOWN and rgba[3] > 0.0),
+            "colour": None if np.allclose(rgba[:3], 0.5) else rgba[:3].clip(0.0, 1.0),
+        }
 
     def joints(self) -> list[dict[str, Any]]:
         """Joints in the order of MuJoCo, which nests them from the parent to the body."""

@@ -8,6 +8,7 @@ import numpy as np
 from .couplings import Gear, RackPinion
 from .drivers import AngleDriver, SlideDriver
 from .forces import TorsionSpring
+from .geoms import shapes
 from .inertia import combine
 from .joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
 from .parts import GROUND, Body
@@ -105,8 +106,9 @@ class Builder:
             (part["mass"], R.T @ (np.array(part["centre"]) - r), R.T @ np.array(part["inertia"]) @ R) for part in group
         ]
         whole = combine([part for part in parts if part[0] > 0.0] or parts[:1])
-        name = self.name(group[0]["name"], "body")
-        return Body(name, **vars(whole), position=r, orientation=np.array(group[0]["quaternion"]))
+        name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
+        look = shapes([geom for part in group for geom in part["geoms"]], r, e, R)
+        return Body(name, **vars(whole), position=r, orientation=e, shape=look)
 
     def parent(self, i: int) -> Any:
         """The body that carries body i."""

@@ -182,6 +182,7 @@ class Motion:
     _body = Solution._body
     position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
     com, point, animate = Solution.com, Solution.point, Solution.animate
+    export_gif, export_mp4, export_glb = Solution.export_gif, Solution.export_mp4, Solution.export_glb
 
 
 @on_one_thread
@@ -255,11 +256,20 @@ def table(linearization: Any) -> str:
     return "\n".join(lines)
 
 
-def plot_eigenvalues(linearization: Any) -> Any:
+def plot_eigenvalues(linearization: Any, dark: bool = False) -> Any:
     """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
+    from .style import house, theme
+
+    look = theme(dark)
+    with house(look):
+        return draw_eigenvalues(linearization, look)
+
+
+def draw_eigenvalues(linearization: Any, look: Any) -> Any:
+    """The figure of `plot_eigenvalues` in a theme."""
     from matplotlib.figure import Figure
 
-    from .animation import COLOURS, GREY
+    from .style import dress
 
     figure = Figure(figsize=(7.5, 4.6), layout="constrained")
     axes, values = figure.subplots(), linearization.eigenvalues
@@ -268,21 +278,19 @@ def plot_eigenvalues(linearization: Any) -> Any:
     for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
         points = np.array([s, s.conjugate()] if s.imag else [s])
         style = {
-            "color": COLOURS[k % len(COLOURS)] if s else "black",
+            "color": look.colour(k) if s else look.ink,
             "marker": MARKERS[k % len(MARKERS)] if s else "x",
         }
         axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=label, **style)
-    axes.axhline(0.0, color=GREY, linewidth=0.8)
-    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.axhline(0.0, color=look.muted, linewidth=0.8)
+    axes.axvline(0.0, color=look.muted, linewidth=0.8)
     size = float(np.abs(values).max(initial=0.0)) or 1.0
     low, high = min(values.real.min(), 0.0) - 0.1 * size, max(values.real.max(), 0.0) + 0.1 * size
     axes.set_xlim(low, high)
-    axes.axvspan(0.0, high, color="#D55E00", alpha=0.06, linewidth=0.0)
+    axes.axvspan(0.0, high, color=look.lines[1], alpha=0.06, linewidth=0.0)
     axes.set_ylim(*np.array([-1.1, 1.1]) * max(np.abs(values.imag).max(), 0.1 * size))
-    axes.grid(True, color="#d9d9d9", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    dress(axes, look)
     axes.set_xlabel("real part (growth) [1/s]")
     axes.set_ylabel("imaginary part [rad/s]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
     return figure

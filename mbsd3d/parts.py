@@ -88,8 +88,10 @@ class Body:
     velocity, omega : (3,) array_like or None
         Velocity of O [m/s] and angular velocity [rad/s] at the start, world axes; None = solved from the constraints
         with least kinetic energy.
-    shape : object, optional
-        How to draw the body.
+    shape : Shape, list of Shape, str or (k, 3) array_like, optional
+        How the body is drawn: one or more of `mbsd3d.shapes`; "ellipsoid", "box" or "cylinder", the homogeneous solid
+        with its mass and inertia; a polyline in body axes from O [m]. None = the ellipsoid. Only drawn: mass and
+        inertia are as given.
 
     Raises
     ------
@@ -130,6 +132,10 @@ class Body:
         for name in ("velocity", "omega"):
             if getattr(self, name) is not None:
                 set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
+        if self.shape is not None:
+            from .guesses import as_shape
+
+            set_field(self, "shape", as_shape(self))
 
     def __repr__(self) -> str:
         return f"Body('{self.name}', mass={self.mass:g})"

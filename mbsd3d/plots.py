@@ -1,189 +1,60 @@
-"""Figures of a solution over time and of a system in space. Nothing shows by itself: every function returns a Figure.
+"""Figures of a solution over time. Nothing shows by itself: every function returns a Figure.
 
-Colours are those of Okabe and Ito, lines differ in their dashes too once the colours are used up.
+Lines differ in colour, and in their dashes too once the colours are used up; see `mbsd3d.style`.
 """
 
 import io
 import textwrap
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import matplotlib
 import numpy as np
 from cycler import cycler
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullFormatter
-from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from .animation import COLOURS, GREY, Scene, bounds, colour, draw, prepare
 from .files import write_atomically
-from .state import State
-from .tables import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
+from .panels import OF_THE_SYSTEM as OF_THE_SYSTEM
+from .panels import PANELS as PANELS
+from .panels import Panel, panels_of
+from .style import LINE, Theme, dress, house, theme
 
-CYCLE = cycler(linestyle=["-", "--", ":", "-."]) * cycler(color=COLOURS)
+DASHES = ("-", "--", ":", "-.")
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
+MOST = 14  # lines of a legend
 DECADE = -18  # smallest residual shown; what is below is chance
-WORDS = {
-    "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
-    "com": "centre of mass", "orientation": "quaternion",
-}  # fmt: skip
-AXIS_NAMES, QUATERNION_NAMES = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
 
 
-class Panel(NamedTuple):
-    """One pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
-
-    label: str
-    unit: str
-    lines: list[tuple[str, np.ndarray]]
-    note: str = ""
-    log: bool = False
-
-
-def unit_of(quantity: str) -> str:
-    """Unit as it is printed on an axis."""
-    unit = QUANTITIES[quantity].unit
-    return "[-]" if unit == "1" else f"[{unit.replace('^2', '²')}]"
-
-
-def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
-    """One part: its components in one panel. Several: a panel per component."""
-    if len(parts) == 1:
-        part, values = next(iter(parts.items()))
-        owner = f" of {part}" if part else ""
-        return [Panel(label + owner, unit, list(zip(names, values.T, strict=True)))]
-    return [
-        Panel(f"{label} {name}", unit, [(part, values[:, k]) for part, values in parts.items()])
-        for k, name in enumerate(names)
-    ]
-
-
-def body_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """A quantity of bodies; none given = all."""
-    bodies = [solution.system.part(part) for part in parts] or solution.system.bodies
-    names = QUATERNION_NAMES if quantity == "orientation" else AXIS_NAMES
-    found = {body.name: getattr(solution, quantity)(body) for body in bodies}
-    return vector_panels(WORDS.get(quantity, quantity), unit_of(quantity), names, found)
-
-
-def joint_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Angle, slide or rate of joints; none given = all that have one."""
-    system = solution.system
-    joints = [system.part(part, "joints") for part in parts]
-    if not joints:
-        kinds = {"rate": ("angle", "slide")}.get(quantity, (quantity,))
-        joints = [joint for joint in system.joints if any(getattr(joint, kind)() is not None for kind in kinds)]
-    groups: dict[str, list] = {}
-    for joint in joints:
-        name = "slide_rate" if quantity == "rate" and joint.angle() is None else quantity
-        groups.setdefault(name, []).append((system.name(joint), getattr(solution, quantity)(joint)))
-    if not groups:
-        raise ValueError(f"plot: no joint of this system has the quantity {quantity}; give another quantity")
-    return [scalar_panel(name.replace("_", " "), unit_of(name), lines) for name, lines in groups.items()]
-
-
-def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> Panel:
-    """Lines of one unit; a single one is named by the axis."""
-    return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
-
-
-def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Torques and forces of drivers; none given = all."""
-    drivers = [solution.system.part(part, "joints") for part in parts]
-    drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
-    if not drivers:
-        raise ValueError("plot: this system has no driver, so there is no effort; give another quantity")
-    return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
-
-
-def state_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Own states of forces; none given = all."""
-    forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
-    found = [column for force in forces for column in columns_of_states(solution, force)]
-    if not found:
-        raise ValueError("plot: these forces have no own states; give another quantity")
-    return panels_by_unit("state", found)
-
-
-def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
-    """One panel per unit."""
-    groups: dict[str, list] = {}
-    for column in found:
-        groups.setdefault(column.unit, []).append((column.part, column.values))
-    return [scalar_panel(label, f"[{unit}]", lines) for unit, lines in groups.items()]
-
-
-def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Force and moment: components of one joint, magnitudes of several; none given = all."""
-    system = solution.system
-    joints = [system.part(part, "joints") for part in parts] or system.joints
-    if not joints:
-        raise ValueError("plot: this system has no joint, so there is no reaction; give another quantity")
-    found = {system.name(joint): solution.reaction(joint) for joint in joints}
-    shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
-    note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
-    panels = []
-    for kind in ("force", "moment"):
-        unit, values = unit_of(f"reaction_{kind}"), {name: getattr(x, kind) for name, x in found.items()}
-        if len(joints) == 1:
-            panels += [p._replace(note=note) for p in vector_panels(f"reaction {kind}", unit, AXIS_NAMES, values)]
-        else:
-            sizes = [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]
-            panels.append(Panel(f"|reaction {kind}|", unit, sizes, note))
-    return panels
-
-
-def energy_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Kinetic, potential and total energy, and work."""
-    return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
-
-
-def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Momentum, and angular momentum about the world origin."""
-    panels = []
-    for kind, values in vars(solution.momentum()).items():
-        panels += vector_panels(f"{kind} momentum", unit_of(f"{kind}_momentum"), AXIS_NAMES, {"": values})
-    return panels
-
-
-def drift_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
-    """Constraint residuals."""
-    return [
-        Panel(f"{kind} drift", unit_of(f"{kind}_drift"), [("largest", values)], log=True)
-        for kind, values in vars(solution.drift()).items()
-    ]
-
-
-PANELS: dict[str, Callable[[Any, str, tuple], list[Panel]]] = {
-    "energy": energy_panels,
-    **dict.fromkeys(BODY_QUANTITIES, body_panels),
-    **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
-    "reaction": reaction_panels,
-    "effort": effort_panels,
-    "state": state_panels,
-    "momentum": momentum_panels,
-    "drift": drift_panels,
-}
-OF_THE_SYSTEM = ("energy", "momentum", "drift")
-
-
-def plot_quantity(solution: Any, quantity: str, *parts: Any, axes: Any = None) -> Figure:
-    """A quantity over time.
+def plot_quantity(
+    solution: Any,
+    quantity: Any = "energy",
+    *parts: Any,
+    against: Any = None,
+    degrees: bool = False,
+    dark: bool = False,
+    axes: Any = None,
+) -> Figure:
+    """A quantity over time, or over another one.
 
     Parameters
     ----------
     solution : Solution
         What to plot.
-    quantity : str
+    quantity : str, or sequence of str and (str, part, ...)
         "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
         "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
-        "state" (own states).
+        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, stand one below the other.
     *parts : Body, Joint, ForceElement or str
         Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
         component (reactions: by magnitude).
+    against : str or (str, part), optional
+        What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone is
+        that of the same parts. The start is marked.
+    degrees : bool
+        Angles in degrees instead of radians.
+    dark : bool
+        On dark paper.
     axes : matplotlib Axes, sequence of them, or None
         Where to draw, one per panel; None = a new figure.
 
@@ -196,49 +67,111 @@ def plot_quantity(solution: Any, quantity: str, *parts: Any, axes: Any = None) -
     ------
     ValueError
         For an unknown quantity or part, a part without the quantity, or a wrong number of axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, simulate
+    >>> top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.01, 5.0, 0.0), velocity=(0, 0, 0))
+    >>> figure = simulate(System([top], gravity=(0, 0, 0)), 2.0).plot("omega_body", degrees=True)
+    >>> figure.axes[0].get_ylabel()
+    'angular velocity, body axes of\\ntop [°/s]'
     """
-    if quantity not in PANELS:
-        raise ValueError(f"plot: quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
-    if parts and quantity in OF_THE_SYSTEM:
-        raise ValueError(f"plot: {quantity} is that of the whole system; give no parts")
-    panels = PANELS[quantity](solution, quantity, parts)
-    if axes is None:
-        figure = Figure(figsize=(7.5, 1.0 + 2.3 * len(panels)), layout="constrained")
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
-        targets = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    else:
-        targets = np.ravel(np.asarray(axes, dtype=object))
-    if len(targets) != len(panels):
-        raise ValueError(f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many")
-    before: list[str] = []
-    for target, panel in zip(targets, panels, strict=True):
-        names = [name for name, _ in panel.lines]
-        draw_panel(target, solution.t, panel, legend=names != before)
-        alike = [values for other in panels if other.unit == panel.unit for _, values in other.lines]
-        set_range(target, panel, float(np.nanmax(np.abs(alike), initial=0.0)))
-        before = names
-    if axes is not None:
-        for target in targets[:-1]:
-            target.set_xlabel("time [s]")
-    targets[-1].set_xlabel("time [s]")
+    panels = panels_of(solution, quantity, parts)
+    if degrees:
+        panels = [panel.in_degrees() for panel in panels]
+    across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
+    look = theme(dark)
+    with house(look):
+        targets = new_axes(len(panels)) if axes is None else np.ravel(np.asarray(axes, dtype=object))
+        if len(targets) != len(panels):
+            raise ValueError(
+                f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
+            )
+        before: Any = None
+        for target, panel in zip(targets, panels, strict=True):
+            legend = ([name for name, _ in panel.lines], panel.note)
+            draw_panel(target, solution.t, panel, across, look, legend=legend != before)
+            alike = [values for other in panels if other.unit == panel.unit for _, values in other.lines]
+            set_range(target, panel, max(float(np.nanmax(np.abs(x), initial=0.0)) for x in alike))
+            before = legend
+        label_across(targets, across, every=axes is not None)
     return targets[0].figure
 
 
-def draw_panel(axes: Any, t: np.ndarray, panel: Panel, legend: bool) -> None:
-    """Lines, grid, label and legend of a panel; the legend stands beside the data, never on it."""
-    axes.set_prop_cycle(CYCLE)
-    for name, values in panel.lines:
+def new_axes(count: int) -> np.ndarray:
+    """Axes one below the other in a figure of their own."""
+    figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
+    return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+
+
+def panel_across(solution: Any, against: Any, quantity: Any, parts: tuple, degrees: bool) -> Panel:
+    """What is on the horizontal axis."""
+    if isinstance(against, str) and isinstance(quantity, str):
+        found = panels_of(solution, against, parts)
+    else:
+        found = panels_of(solution, [against])
+    if len(found) != 1:
+        raise ValueError(f"plot: against {against!r} is no single axis; give a scalar, e.g. against=('angle', 'hinge')")
+    return found[0].in_degrees() if degrees else found[0]
+
+
+def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
+    """The horizontal values of every line of a panel: one for all, or each its own."""
+    if len(across.lines) == 1:
+        return [across.lines[0][1]] * len(panel.lines)
+    values = dict(across.lines)
+    missing = [name for name, _ in panel.lines if name not in values]
+    if missing:
+        raise ValueError(
+            f"plot: against {across.label} has the lines {', '.join(values)}, none of '{missing[0]}'; "
+            "give one scalar, e.g. against=('angle', 'hinge')"
+        )
+    return [values[name] for name, _ in panel.lines]
+
+
+def label_across(targets: Any, across: Panel | None, every: bool) -> None:
+    """The label of the horizontal axis, at the lowest axes or at all."""
+    text = "time [s]" if across is None else f"{across.label} {across.unit}"
+    for target in targets if every else targets[-1:]:
+        target.set_xlabel(text, parse_math=False)
+
+
+def draw_panel(axes: Any, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
+    """Lines, grid, label and legend of a panel."""
+    dress(axes, look)
+    axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
+    marks = {"marker": "o", "markersize": 3} if t.size <= FEW else {}
+    if across is not None and not marks:
+        marks = {"marker": "o", "markersize": 5, "markevery": [0]}
+    horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
+    drawn = []
+    for x, (name, values) in zip(horizontal, panel.lines, strict=True):
         shown = np.where(values > 0.0, values, np.nan) if panel.log else values
-        axes.plot(t, shown, label=name, linewidth=1.5, marker="o" if t.size <= FEW else None, markersize=3)
-    axes.grid(True, color="#d9d9d9", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    if t.size > 1:
+        drawn += axes.plot(x, shown, label=name, linewidth=LINE, **marks)
+    if t.size > 1 and across is None:
         margin = 0.01 * (t[-1] - t[0])
         axes.set_xlim(t[0] - margin, t[-1] + margin)
-    axes.set_ylabel("\n".join(textwrap.wrap(f"{panel.label} {panel.unit}", 30)))
+    axes.set_ylabel("\n".join(textwrap.wrap(f"{panel.label} {panel.unit}", 30)), parse_math=False)
     if legend and (len(panel.lines) > 1 or panel.note):
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, title=panel.note or None)
+        write_legend(axes, drawn, panel.note, look)
+
+
+def write_legend(axes: Any, drawn: list[Line2D], note: str, look: Theme) -> None:
+    """The legend beside the data, never on it; names are written as they are, whatever signs they hold."""
+    shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
+    names = [str(line.get_label()) for line in shown]
+    if len(shown) < len(drawn):
+        names.append(f"and {len(drawn) - len(shown)} more")
+        shown = [*shown, Line2D([], [], linestyle="none")]
+    places = [str(k) for k in range(len(names))]  # matplotlib drops names that start with "_"
+    beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
+    legend = axes.legend(shown, places, title=note or None, labelcolor=look.ink, **beside)
+    legend.get_title().set_color(look.ink)
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_parse_math(False)
+        text.set_text(name)
+    legend.get_title().set_parse_math(False)
 
 
 def set_range(axes: Any, panel: Panel, size: float) -> None:
@@ -257,65 +190,7 @@ def set_range(axes: Any, panel: Panel, size: float) -> None:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
 
 
-def show_system(system: Any, state: State | None = None) -> Figure:
-    """The mechanism in space: bodies, centres of mass (o), reference points (+), joints and their axes, names.
-
-    Bodies are drawn as the solids that have their mass and inertia, all directions and sizes true to scale.
-
-    Parameters
-    ----------
-    system : System
-        What to draw.
-    state : State or None
-        Pose; None = the reference pose.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not shown; see `plot_quantity`.
-
-    Raises
-    ------
-    ValueError
-        If the state is one of another system, or a shape is unknown.
-    """
-    scene = Scene(system)
-    pose = scene.pose(state)
-    low, high = bounds([scene.lines(pose, 0.0)])
-    size = float((high - low).max())
-    lines = scene.lines(pose, 0.15 * size)
-    figure = Figure(figsize=(8, 6.4))
-    axes = figure.add_axes((0.02, 0.02, 0.92, 0.96), projection="3d")
-    prepare(axes, low, high)
-    draw(axes, scene, lines)
-    labels = [(body.name, lines[4 * i + 2][0], colour(i)) for i, body in enumerate(system.bodies)]
-    labels += [(system.name(mark.joint), point, "black") for mark, point in zip(scene.joints, lines[-2], strict=True)]
-    write_labels(axes, labels)
-    style = {"color": GREY, "linestyle": "none", "markerfacecolor": "none"}
-    marks = (("o", "centre of mass"), ("+", "reference point"), ("D", "joint"))
-    handles = [Line2D([], [], marker=marker, label=text, **style) for marker, text in marks]
-    figure.legend(handles=handles, loc="lower left", frameon=False, fontsize=9, ncols=3)
-    return figure
-
-
-def write_labels(axes: Any, labels: list[tuple[str, np.ndarray, str]]) -> None:
-    """Names right of their points, moved by whole lines up or down where they would overlap."""
-    width, height, taken = 6.2, 13.0, []  # [pixel] of a letter and a line at 9 points and 100 dpi
-    axes.apply_aspect()
-    view = axes.get_proj()
-    for name, point, tint in labels:
-        x, y = axes.transData.transform(proj_transform(*point, view)[:2])
-        for shift in sorted(range(-6, 7), key=lambda k: (abs(k), k)):
-            place = (x, x + width * (len(name) + 2), y - height * shift)
-            if not any(place[0] < b and a < place[1] and abs(place[2] - c) < height for a, b, c in taken):
-                break
-        taken.append(place)
-        text = "\n" * (2 * max(shift, 0)) + f"   {name}" + "\n" * (2 * max(-shift, 0))
-        halo = [withStroke(linewidth=2.5, foreground="white")]
-        axes.text(*point, text, color=tint, fontsize=9, va="center", linespacing=1.0, path_effects=halo)
-
-
-def save_figure(figure: Figure, path: str | Path) -> list[Path]:
+def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
     """Write a figure as PNG (150 dpi) and SVG; the same figure gives the same bytes.
 
     Parameters
@@ -324,11 +199,13 @@ def save_figure(figure: Figure, path: str | Path) -> list[Path]:
         What to write.
     path : str or Path
         Without suffix.
+    pdf : bool
+        Write a PDF too.
 
     Returns
     -------
     list of Path
-        The two files.
+        The files.
 
     Raises
     ------
@@ -336,10 +213,12 @@ def save_figure(figure: Figure, path: str | Path) -> list[Path]:
         If the folder cannot be written.
     """
     path, written = Path(path), []
-    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"metadata": {"Date": None}}}
-    with matplotlib.rc_context({"svg.hashsalt": "mbsd3d"}):
+    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
+    if pdf:
+        options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
+    with house():
         for suffix, settings in options.items():
             buffer = io.BytesIO()
-            figure.savefig(buffer, format=suffix[1:], facecolor="white", **settings)
+            figure.savefig(buffer, format=suffix[1:], facecolor=figure.get_facecolor(), **settings)
             written.append(write_atomically(path.with_name(path.name + suffix), buffer.getvalue()))
     return written

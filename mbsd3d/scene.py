@@ -13,6 +13,7 @@ from .contacts import RollingDisc
 from .joints import Joint
 from .parts import GROUND, Body
 from .rotations import matrix
+from .shapes import Lines
 from .state import State
 
 LIFT = np.full((1, 3), np.nan)  # lifts the pen between two strokes
@@ -66,22 +67,9 @@ def outline(body: Body) -> np.ndarray:
     -------
     (k, 3) ndarray
         [m]; rows of NaN separate strokes; none for a body without inertia.
-
-    Raises
-    ------
-    ValueError
-        If its shape is unknown.
     """
-    if body.shape is not None and not isinstance(body.shape, str):
-        try:
-            return np.array(body.shape, dtype=float).reshape(-1, 3)
-        except (TypeError, ValueError):
-            pass
-    if not (body.shape is None or (isinstance(body.shape, str) and body.shape in ("box", "ellipsoid"))):
-        raise ValueError(
-            f"body '{body.name}': shape {body.shape!r} is unknown; give 'box', 'ellipsoid', None or a (k, 3) polyline "
-            "in body axes [m]"
-        )
+    if isinstance(body.shape, Lines):
+        return body.shape.line(body)
     if body.mass == 0.0 or not body.inertia.any():
         return np.zeros((0, 3))
     moments, principal = np.linalg.eigh(body.inertia)

@@ -23,6 +23,7 @@ from .parts import Body, Ground
 from .primitives import Coordinate
 from .record import METHODS, Record
 from .signals import Signal
+from .solids import Shape
 from .state import State
 
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
@@ -32,7 +33,11 @@ WORDS = MappingProxyType(
     | dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
     | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
     | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
+    | dict.fromkeys(("lengths", "radii"), VECTOR)
+    | {"shape": Shape | str | list}
 )
+BASES = (Joint, ForceElement, Signal, Shape)
+ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)
 
 
@@ -41,9 +46,9 @@ def types() -> Mapping[str, type]:
     """Name -> class of all a file may hold: every part class without subclasses, and what a record is made of."""
     from . import _HOME
 
-    for module in _HOME:  # so that all classes are known
+    for module in (*_HOME, "shapes"):  # so that all classes are known
         import_module(f".{module}", __package__)
-    found = {kind.__name__: kind for base in (Joint, ForceElement, Signal) for kind in below(base) if not below(kind)}
+    found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
     others = (Body, Measure, Condition, Coordinate, State, Switches, Record, *METHODS)
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
@@ -69,11 +74,11 @@ def members(annotation: Any) -> tuple:
 
 @cache
 def roles(kind: type) -> Mapping[str, str]:
-    """Field -> "body" or "joint" where a name stands for a part, "signal", and "array" where numbers become one."""
+    """Field -> "body" or "joint" where a name stands for a part, "signal", "shape", and "array" of numbers."""
     found = {}
     for field in fields(kind):
         classes = [x for x in members(meaning(field)) if isinstance(x, type)]
-        for role, base in (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("array", np.ndarray)):
+        for role, base in ROLES:
             if any(issubclass(x, base) for x in classes):
                 found[field.name] = role
     return MappingProxyType(found)
@@ -92,7 +97,7 @@ def json_type(annotation: Any) -> Any:
         return Any
     if issubclass(kind, Body | Ground | Joint):
         return str
-    if issubclass(kind, Mapping | Signal) or is_dataclass(kind):
+    if issubclass(kind, Mapping | Signal | Shape) or is_dataclass(kind):
         return dict
     if not issubclass(kind, Sequence | np.ndarray):
         return Any

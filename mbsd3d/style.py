@@ -1,10 +1,97 @@
-"""The house style: colours that are told apart with any colour vision, on light and on dark paper."""
+"""The house style: colours that are told apart with any colour vision, on light and on dark paper.
 
-# Okabe and Ito's colours; black and yellow are left out: axes and paper
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7")
-GREY = "#707070"
+A figure gets its colours explicitly (`dress`), and what matplotlib looks up by itself from its own defaults (`house`):
+neither the settings of the user nor those of the machine change a figure, and it changes none of them.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
+LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colours of one kind of paper, "#rrggbb"."""
+
+    paper: str
+    ink: str  # text, axes
+    muted: str  # what stands back: auxiliary lines, notes
+    grid: str
+    lines: tuple[str, ...]  # of the data, in their order
+    good: str  # tints of cells and areas under text
+    bad: str
+
+    def colour(self, i: int) -> str:
+        """Colour of body or line ``i``."""
+        return self.lines[i % len(self.lines)]
+
+
+# Lines on light paper are Okabe and Ito's colours; black and yellow are left out: axes and paper.
+LIGHT = Theme(
+    paper="#ffffff",
+    ink="#1a1a1a",
+    muted="#707070",
+    grid="#d9d9d9",
+    lines=("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"),
+    good="#CFE5F2",
+    bad="#F6C6A8",
+)
+# The same hues, of such lightness that they stand out from dark paper and from each other (tests/test_style.py).
+DARK = Theme(
+    paper="#15181c",
+    ink="#e8e8e8",
+    muted="#9aa0a6",
+    grid="#363b41",
+    lines=("#2B7FC4", "#DE6A1E", "#17A67C", "#F5C04A", "#8ED3FC", "#DD92BC"),
+    good="#1d3d52",
+    bad="#5c3016",
+)
+COLOURS, GREY = LIGHT.lines, LIGHT.muted
+
+
+def theme(dark: bool) -> Theme:
+    """The theme of dark or of light paper."""
+    return DARK if dark else LIGHT
 
 
 def colour(i: int) -> str:
-    """Colour of body or line ``i``."""
-    return COLOURS[i % len(COLOURS)]
+    """Colour of body or line ``i`` on light paper."""
+    return LIGHT.colour(i)
+
+
+@contextmanager
+def house(look: Theme = LIGHT) -> Iterator[None]:
+    """Make figures within it from matplotlib's defaults and the house style, whatever is set outside."""
+    from matplotlib import style
+
+    settings = {
+        "font.family": [FONT],
+        "mathtext.fontset": "dejavusans",
+        "svg.hashsalt": "mbsd3d",  # else the ids in an SVG are random
+        "svg.fonttype": "path",
+        "figure.facecolor": look.paper,
+        "axes.facecolor": look.paper,
+        "text.color": look.ink,
+        "axes.titlesize": 10.5,
+    }
+    with style.context(["default", settings]):
+        yield
+
+
+def dress(axes: Any, look: Theme = LIGHT) -> None:
+    """Colours of axes, a light grid below the data and no frame at the top and the right."""
+    axes.set_facecolor(look.paper)
+    axes.title.set_color(look.ink)
+    # ticks are made when they are first drawn, by the settings of then: so they are told now
+    axes.tick_params(which="both", colors=look.ink, labelfontfamily=FONT)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_color(look.ink)
+        axis.get_offset_text().set_color(look.ink)
+    axes.grid(True, color=look.grid, linewidth=THIN)
+    axes.set_axisbelow(True)
+    axes.spines[:].set_color(look.ink)
+    axes.spines[["top", "right"]].set_visible(False)

@@ -35,6 +35,7 @@ from mbsd3d.description import describe, rebuild
 from mbsd3d.files import write_atomically
 from mbsd3d.model import compile_system
 from mbsd3d.schema import types
+from mbsd3d.solids import Solid
 
 UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"
 
@@ -282,8 +283,12 @@ def test_a_class_or_function_of_the_user_is_refused():
     class Own(Revolute):
         pass
 
-    body = Body("door", 1.0, (1, 1, 1), shape=len)
-    with pytest.raises(ValueError, match="Body 'door': shape.*cannot be written to a file"):
+    class OwnShape(Solid):
+        def check(self, what):
+            pass
+
+    body = Body("door", 1.0, (1, 1, 1), shape=OwnShape())
+    with pytest.raises(ValueError, match="Body 'door': shape: a OwnShape cannot be written to a file"):
         describe(System([body]))
     body = Body("door", 1.0, (1, 1, 1))
     with pytest.raises(ValueError, match="Own 'Own 1'.*no classes of your own"):

@@ -22,6 +22,7 @@ from mbsd3d import (
     accelerations,
 )
 from mbsd3d.importers import read_mjcf, read_urdf
+from mbsd3d.rotations import matrix
 
 BRIEF = 5.0  # [s] within which a hostile file is refused
 INERTIAL = '<inertial mass="{}" pos="0.11 -0.07 0.2" fullinertia="0.31 0.35 0.22 0.02 -0.03 0.04"/>'
@@ -224,6 +225,43 @@ def test_urdf_has_the_accelerations_of_mujoco(tmp_path):
         linear, _ = spatial(mujoco.mj_objectAcceleration, model, data, body.name)
         difference = ours.acceleration(body)[0] - linear - model.opt.gravity
         assert np.abs(difference).max() < 1e-9 * (1.0 + np.abs(linear).max()), body.name  # as above
+
+
+GEOMS = f"""
+<mujoco>
+  <worldbody>
+    <geom type="plane" size="5 5 0.1" contype="0"/>
+    <body name="arm" pos="0.4 -0.3 1" quat="0.7 0.3 -0.2 0.5"><joint name="hinge" axis="1 2 3"/>{INERTIAL.format(1.0)}
+      <geom name="box" type="box" size="0.1 0.2 0.3" pos="0.2 0.1 -0.3" quat="0.5 0.1 0.7 -0.4" rgba="1 0 0.2 1"/>
+      <geom name="ball" type="sphere" size="0.15" pos="0.7 0.1 0.3"/>
+      <geom name="hidden" type="sphere" size="0.9" group="3"/>
+      <body name="tool" pos="0.1 0.4 0.2" quat="0.3 0.8 0.2 -0.1">{INERTIAL.format(0.3)}
+        <geom name="rod" type="capsule" size="0.05 0.3" pos="0.2 0.1 0.1" quat="0.6 0.1 0.2 -0.4"/>
+        <geom name="can" type="cylinder" size="0.2 0.1" pos="-0.2 0.1 0.1" quat="0.1 0.1 0.2 -0.4"/>
+        <geom name="egg" type="ellipsoid" size="0.1 0.2 0.3" pos="0.2 0.3 0.1" quat="0.6 -0.5 0.2 -0.4"/>
+      </body>
+    </body>
+    <body name="bare" pos="3 0 0"><freejoint/>{INERTIAL.format(1.0)}</body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def test_geoms_become_shapes_where_mujoco_has_them(tmp_path):
+    path = written(tmp_path, GEOMS)
+    arm, bare = read_mjcf(path, drop=["contact"]).system.bodies
+    data = mujoco.MjData(mujoco.MjModel.from_xml_path(str(path)))
+    mujoco.mj_kinematics(data.model, data)
+    names = {"box": "Box", "ball": "Sphere", "rod": "Capsule", "can": "Cylinder", "egg": "Ellipsoid"}
+    assert [type(shape).__name__ for shape in arm.shape] == list(names.values()) and bare.shape is None
+    for name, shape in zip(names, arm.shape, strict=True):
+        geom = data.geom(name)
+        assert np.allclose(arm.position + arm.axes @ shape.at, geom.xpos, atol=1e-12), name
+        assert np.allclose(arm.axes @ matrix(shape.orientation), geom.xmat.reshape(3, 3), atol=1e-12), name
+        assert (shape.colour == "#ff0033") if name == "box" else (shape.colour is None)
+    box, ball, rod, can, egg = arm.shape
+    assert np.allclose([box.lengths, 2.0 * egg.radii], (0.2, 0.4, 0.6))
+    assert np.allclose([ball.radius, rod.radius, rod.length, can.radius, can.length], (0.15, 0.05, 0.6, 0.2, 0.2))
 
 
 @pytest.mark.parametrize(

@@ -282,7 +282,11 @@ MISTAKES = [
     ("mass = 2\n", "", r"missing required field `mass` - at `\$.bodies\[0\]`"),
     ("mass = 2", "mass = 2\nmass = 3", "line 9"),
     ("mass = 2", "mass = ", "line 8"),
-    ("mass = 2", "mass = 2\nshape = 2020-01-01", r"not understood - at `\$.bodies\[0\].shape`"),
+    (
+        "mass = 2",
+        "mass = 2\nshape = {type = 'Lines', points = 2020-01-01}",
+        r"not understood - at `\$.bodies\[0\].shape.points`",
+    ),
     ("mass = 2", 'mass = {type = "None"}', r"Expected `float`, got `null` - at `\$.bodies\[0\].mass`"),
     ("-0.5]", "-0.5, 1]", r"Expected `array` of length <= 3 - at `\$.bodies\[0\].position`"),
     ("-0.5]", "inf]", r"inf is not finite - at `\$.bodies\[0\].position\[2\]`"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from importlib import import_module, metadata
 from math import inf, isfinite
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 GROUP = "mbsd3d.demos"
 
@@ -50,14 +50,22 @@ class Row:
         return self.error <= self.tolerance
 
 
+class Show(NamedTuple):
+    """A run as it is shown in space: options are those of `Solution.animate`."""
+
+    solution: Any
+    options: Mapping[str, Any] = MappingProxyType({})
+
+
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a demo gives: the table, a figure, the runs by the name their files get, and lines to print below."""
+    """What a demo gives: the table, a figure, runs and views by the names of their files, and lines to print below."""
 
     rows: tuple[Row, ...]
     figure: Any
     solutions: Mapping[str, Any]
     notes: tuple[str, ...] = ()
+    views: Mapping[str, Show] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def passed(self) -> bool:

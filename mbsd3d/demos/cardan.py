@@ -18,7 +18,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.animation import COLOURS
+from mbsd3d.style import COLOURS
 
 from .base import Demo, Outcome, Row
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots

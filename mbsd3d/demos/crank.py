@@ -19,7 +19,7 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from mbsd3d.animation import COLOURS
+from mbsd3d.style import COLOURS, LIGHT
 
 from .base import Demo, Outcome, Row
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
@@ -120,7 +120,7 @@ def draw(true: Solution, without: Solution) -> Any:
     force_along, force_across = shaking(angle[dots])
     theory_dots(along, np.degrees(angle[dots]), force_along)
     theory_dots(rocking, -AHEAD * force_across, AHEAD * force_along)
-    rocking.plot([0.0], [0.0], "+", color="black", markersize=10, label="plane model")
+    rocking.plot([0.0], [0.0], "+", color=LIGHT.ink, markersize=10, label="plane model")
     groups = [(name, amplitudes(force[:, 2])) for (force, _), name in zip(loads, names, strict=True)]
     spectrum_bars(bars, ORDERS, groups, np.abs(harmonics()))
     along.set(xlabel="crank angle [°]", ylabel="force [N]", xticks=np.arange(0, 361, 90))

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, simulate
-from mbsd3d.animation import COLOURS
 from mbsd3d.rotations import matrix
+from mbsd3d.style import COLOURS
 
 from .base import Demo, Outcome, Row
 from .drawing import every, legend_below, new_figure, theory_dots

@@ -7,9 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from ..animation import COLOURS
-
-LIGHT = "#d9d9d9"
+from ..style import COLOURS, LIGHT, dress, house
 
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Any]]:
@@ -30,31 +28,25 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
     axes : list of Axes
     """
     count = len(panels)
-    figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08, wspace=0.03)
-    grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
-    axes = []
-    for k, text in enumerate(panels):
-        in_space = text.startswith("3d:")
-        axes.append(figure.add_subplot(grid[0, k], projection="3d" if in_space else None))
-        axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
-        if not in_space:
-            tidy(axes[-1])
-    figure.suptitle(title, fontsize=13, fontweight="bold")
+    with house():
+        figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
+        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08, wspace=0.03)
+        grid = figure.add_gridspec(1, count, width_ratios=widths or [1.0] * count)
+        axes = []
+        for k, text in enumerate(panels):
+            in_space = text.startswith("3d:")
+            axes.append(figure.add_subplot(grid[0, k], projection="3d" if in_space else None))
+            axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
+            if not in_space:
+                dress(axes[-1])
+        figure.suptitle(title, fontsize=13, fontweight="bold")
     return figure, axes
-
-
-def tidy(axes: Any) -> None:
-    """A light grid below the data and no frame at the top and the right."""
-    axes.grid(True, color=LIGHT, linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 def theory_dots(axes: Any, x: Any, y: Any, label: str | None = "theory", **options: Any) -> None:
     """Theory as open circles, so that the computed line stays visible through them."""
-    style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": "white"}
-    axes.plot(x, y, **{**style, "markeredgecolor": "black", "markeredgewidth": 1.0, "label": label, **options})
+    style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
+    axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 
 def legend_below(axes: Any, columns: int, twin: Any = None) -> None:
@@ -71,10 +63,10 @@ def sphere_net(axes: Any, lowest: float = -1.0, highest: float = 1.0) -> None:
     for z in np.sin(np.radians(np.arange(-60, 61, 30))):
         if lowest <= z <= highest:
             radius = np.sqrt(1 - z * z)
-            axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT, linewidth=0.7)
+            axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT.grid, linewidth=0.7)
     rise = np.linspace(np.arcsin(lowest), np.arcsin(highest), 37)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
-        axes.plot(np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise), color=LIGHT, linewidth=0.7)
+        axes.plot(np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise), color=LIGHT.grid, linewidth=0.7)
 
 
 def space(axes: Any, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:

@@ -8,11 +8,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
 from mbsd3d import Body, Solution, System, simulate
-from mbsd3d.animation import COLOURS, GREY
 from mbsd3d.rotations import matrix
+from mbsd3d.style import COLOURS, GREY, LIGHT
 
 from .base import Demo, Outcome, Row
-from .drawing import LIGHT, legend_below, new_figure, space
+from .drawing import legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
@@ -136,7 +136,7 @@ def draw(runs: list[Solution], times: np.ndarray) -> Any:
     sphere.view_init(elev=25, azim=55)
     sphere.plot(*rim(sphere).T, color=GREY, linewidth=0.7)
     for path in polhodes():
-        sphere.plot(*in_front(sphere, path).T, color=LIGHT, linewidth=0.9)
+        sphere.plot(*in_front(sphere, path).T, color=LIGHT.grid, linewidth=0.9)
     names = ("least", "middle", "greatest")
     for k, (solution, name, line) in enumerate(zip(runs, names, ("-", "-", "--"), strict=True)):
         L = solution.omega_body("body") * MOMENTS

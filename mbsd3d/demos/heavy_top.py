@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, simulate
-from mbsd3d.animation import COLOURS
 from mbsd3d.rotations import multiply
+from mbsd3d.style import COLOURS, LIGHT
 
 from .base import Demo, Outcome, Row
 from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
@@ -100,7 +100,7 @@ def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) 
     sphere_net(path, highest=0.0)
     path.plot(*centre.T, color=COLOURS[0], linewidth=1.8)
     path.plot(*centre[:1].T, "o", color=COLOURS[1], label="start")
-    path.plot([0], [0], [0], "^", color="black", label="pivot")
+    path.plot([0], [0], [0], "^", color=LIGHT.ink, label="pivot")
     space(path, ("x [m]", "y [m]", "z [m]"), (2, 2, 1.1))
     path.set(zlim=(-1, 0.1), zticks=[-1, 0])
     path.legend(loc="upper left", bbox_to_anchor=(-0.1, 1.02), frameon=False, fontsize=9)

@@ -34,8 +34,13 @@ def report(demo: Demo, outcome: Outcome) -> str:
     return "\n".join(lines)
 
 
-def write(demo: Demo, outcome: Outcome, folder: Path) -> list[Path]:
-    """Write the figure as <demo>.png and <demo>.svg, and every run as <run>.npz and <run>.csv.
+def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True) -> list[Path]:
+    """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
+
+    Parameters
+    ----------
+    pages : bool
+        Whether the views are written, which takes the package viser.
 
     Raises
     ------
@@ -49,6 +54,8 @@ def write(demo: Demo, outcome: Outcome, folder: Path) -> list[Path]:
     written = save_figure(outcome.figure, folder / demo.name)
     for name, solution in outcome.solutions.items():
         written += [solution.save(folder / name), solution.to_csv(folder / name)]
+    for name, (solution, options) in outcome.views.items() if pages else ():
+        written.append(solution.animate(**{"title": demo.title, **options}).save(folder / name))
     return written
 
 

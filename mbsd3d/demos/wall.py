@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
-from mbsd3d.animation import COLOURS, GREY
 from mbsd3d.rotations import H
+from mbsd3d.style import COLOURS, GREY, LIGHT
 
 from . import crank
 from .base import Demo, Outcome, Row
@@ -175,8 +175,8 @@ def draw_table(axes: Any, tops: dict[str, Solution]) -> None:
     labels |= {"gamma": "no -J_dot v", "none": "no stabilisation", "baumgarte": "Baumgarte"}
     for i, certificate in enumerate(certificates.values()):
         for j, check in enumerate(certificate.checks):
-            tint = "#F6C6A8" if not check.passed else "#CFE5F2"
-            axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor="white", linewidth=2)
+            tint = LIGHT.good if check.passed else LIGHT.bad
+            axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
             weight = "normal" if check.passed else "bold"
             axes.text(j + 0.5, i + 0.5, f"{check.error:.0e}", ha="center", va="center", fontsize=8, weight=weight)
     axes.set(xlim=(0, len(names)), ylim=(len(certificates), 0))

@@ -1,8 +1,23 @@
 """How a mechanism moves: frames in equal steps of time, arrows, traces and curves; no plotting library."""
 
+import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..parts import GROUND, vector
+from ..rotations import matrix
+from ..style import COLOURS, colour
+from .between import Between, between, one_sheet, poses, turns
+from .curves import Curve, curves_of
+
+__all__ = ["Arrows", "Curve", "Frames", "Trace", "arrows_of", "curves_of", "frames_of", "traces_of"]
+
+TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
+MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
+TRACES = 12  # drawn at most, unless asked for
+NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
 
 
 class Frames(NamedTuple):
@@ -33,29 +48,172 @@ class Trace(NamedTuple):
     points: np.ndarray  # (frames, 3) world [m]
 
 
-class Curve(NamedTuple):
-    """One pair of axes: lines (frames,) over time."""
-
-    label: str  # "angle of hinge"
-    unit: str  # "rad"
-    lines: list[tuple[str, np.ndarray]]
-
-
 def frames_of(solution: Any, count: int | None = None) -> Frames:
-    """Frames in equal steps of time from the first to the last sample."""
-    raise NotImplementedError
+    """Frames in equal steps of time from the first to the last sample.
+
+    Between samples the motion is interpolated, see `mbsd3d.view.between`; at a sample it is the sample.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+        n bodies, at least one sample.
+    count : int or None
+        Frames >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at
+        most 1000, and fewer where that makes more than 200 000 poses.
+
+    Returns
+    -------
+    Frames
+
+    Raises
+    ------
+    ValueError
+        If there is no sample, or the count is no whole number >= 2.
+    """
+    t = solution.t
+    if not t.size:
+        raise ValueError("animate: the solution has no samples; run it to a later time")
+    if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
+        raise ValueError(f"animate: frames = {count!r}; give a whole number of at least 2")
+    times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
+    r, e = poses(solution, between(solution, times))
+    ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (times.size, 1, 4))
+    r = np.concatenate([r, np.zeros((times.size, 1, 3))], axis=1)
+    return Frames(times, r, one_sheet(np.concatenate([e, ground], axis=1)))
+
+
+def film_seconds(span: float) -> float:
+    """How long a run of ``span`` seconds is shown: as long as it lasts, unless that is too short or too long."""
+    return span if 2.0 <= span <= 30.0 else 10.0
+
+
+def enough_frames(solution: Any) -> int:
+    """Frames for a smooth picture of a run."""
+    span = float(solution.t[-1] - solution.t[0])
+    if "v" in solution.arrays:
+        fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
+    else:
+        fastest = float((turns(solution) / np.diff(solution.t)).max())
+    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * film_seconds(span)))
+    return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
 
 
 def arrows_of(solution: Any, frames: Frames) -> list[Arrows]:
-    """The four kinds, those that are zero throughout or cannot be had (a mode has no forces) left out."""
-    raise NotImplementedError
+    """The four kinds, those that are zero throughout or cannot be had (a mode has no forces) left out.
+
+    Angular velocities and angular momenta ``R I R' w`` stand at the centres of mass, reactions at the points at which
+    `Solution.reaction` gives them; between samples vectors change along straight lines.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+    frames : Frames
+        Of the same run, see `frames_of`.
+
+    Returns
+    -------
+    list of Arrows
+    """
+    if "v" not in solution.arrays:
+        return []
+    from ..certificate import scales_of
+
+    where, scale = between(solution, frames.t), scales_of(solution)
+    spins, momenta, forces, moments = [], [], [], []
+    for i, body in enumerate(solution.system.bodies):
+        centre, w = moved(frames, i, body.com), solution.omega(body)
+        L = np.einsum("tij,tj->ti", solution.rotation(body), solution.omega_body(body) @ body.inertia)
+        spins.append((body.name, centre, w, False))
+        momenta.append((body.name, centre, L, False))
+    for joint in solution.system.joints:
+        name, found = solution.system.name(joint), solution.reaction(joint)
+        point = carried(solution, frames, where, joint.b, found.point)
+        forces.append((name, point, found.force, not found.unique))
+        moments.append((name, point, found.moment, not found.unique))
+    fastest = max(1.0, *(float(np.abs(w).max()) for _, _, w, _ in spins))
+    kinds = (
+        ("angular velocity", "rad/s", spins, fastest),
+        ("angular momentum", "kg m^2/s", momenta, scale.angular_momentum),
+        ("reaction force", "N", forces, scale.force),
+        ("reaction moment", "N m", moments, scale.moment),
+    )
+    made = [
+        gather(kind, unit, COLOURS[tint], where, [x for x in found if np.abs(x[2]).max() > NOTHING * size])
+        for tint, (kind, unit, found, size) in zip((2, 5, 1, 3), kinds, strict=True)
+    ]
+    return [arrows for arrows in made if arrows.names]
+
+
+def gather(kind: str, unit: str, colour: str, where: Between, found: list[tuple[str, Any, Any, bool]]) -> Arrows:
+    """Arrows of (name, points at the frames, vectors at the samples, uncertain)."""
+    names, points, vectors, uncertain = zip(*found, strict=True) if found else ((), (), (), ())
+    empty = np.zeros((where.left.size, 0, 3))
+    return Arrows(
+        kind,
+        unit,
+        list(names),
+        colour,
+        np.stack(points, axis=1) if found else empty,
+        np.stack([where.blend(x) for x in vectors], axis=1) if found else empty,
+        tuple(uncertain),
+    )
+
+
+def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
+    """(frames, 3) world position of a point of a body, given in its axes from O: (3,), or (frames, 3)."""
+    r = frames.r[:, body]
+    return r + np.einsum("tij,tj->ti", matrix(frames.e[:, body]), np.broadcast_to(local, r.shape))
+
+
+def carried(solution: Any, frames: Frames, where: Between, body: Any, points: np.ndarray) -> np.ndarray:
+    """(frames, 3) a point given at the samples, interpolated as the body sees it: it stays on its circle."""
+    if body is GROUND:
+        return where.blend(points)
+    local = np.einsum("tji,tj->ti", solution.rotation(body), points - solution.position(body))
+    return moved(frames, solution.compiled.body_index[id(body)], where.blend(local))
 
 
 def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
-    """Paths of the centres of mass, or of the given [(body, world point at the reference pose), ...]."""
-    raise NotImplementedError
+    """Paths of points of bodies.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+    frames : Frames
+        Of the same run, see `frames_of`.
+    points : sequence of (body, point) or None
+        A body or its name, and a world point at the reference pose, carried by the body [m]; None = the centres of
+        mass that move by more than 1 % of the mechanism's size, at most 12, those that move most.
+
+    Returns
+    -------
+    list of Trace
+        In the colours of their bodies.
+
+    Raises
+    ------
+    ValueError
+        Naming the entry, for an unknown body or a point that is none.
+    """
+    system = solution.system
+    index = {id(body): i for i, body in enumerate(system.bodies)}
+    if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
+        raise ValueError(f"animate: traces = {points!r}; give a list of (body, (x, y, z))")
+    if points is not None:
+        found = [trace_point(system, entry) for entry in points]
+        return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
+    paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
+    ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
+    size = max(solution.compiled.model.length, float(np.ptp(np.concatenate(paths), axis=0).max()))
+    most = set(np.argsort(-ways, kind="stable")[:TRACES].tolist())
+    shown = [i for i in range(len(paths)) if i in most and ways[i] > 0.01 * size]
+    return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in shown]
 
 
-def curves_of(solution: Any, frames: Frames, wanted: Any = None) -> list[Curve]:
-    """Curves [quantity or (quantity, part, ...), ...] as `Solution.plot` takes them; None = a few that tell most."""
-    raise NotImplementedError
+def trace_point(system: Any, entry: Any) -> tuple[Any, np.ndarray]:
+    """Body and point in its axes, of an entry (body or name, world point at the reference pose)."""
+    if not isinstance(entry, tuple | list) or len(entry) != 2:
+        raise ValueError(f"animate: trace {entry!r} is no pair; give (body, (x, y, z))")
+    part, point = entry
+    body = system.part(part)
+    return body, body.local_point(vector(point, f"animate: trace of body '{body.name}'"))

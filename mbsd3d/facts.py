@@ -1,0 +1,243 @@
+"""What a report says in numbers: facts, tables and sentences about a run as plain text; no layout."""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from .certificate import scales_of
+from .drivers import Driver
+from .tables import columns_of_effort
+
+MOST = 40  # rows of a table
+BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
+ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under a head; ``words`` leading columns are words, the others numbers; ``note`` stands below."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    words: int = 1
+    note: str = ""
+
+
+def digits(value: float, size: float = 0.0, count: int = 4) -> str:
+    """A number with ``count`` significant digits; 0 if it is rounding of something as large as ``size``."""
+    if not abs(value) > ROUNDING * size:
+        return "0"
+    text = f"{value:.{count}g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        power = f"10{str(int(exponent)).translate(RAISED)}"
+        text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
+    return text.replace("-", "−")
+
+
+def triple(values: Any, size: float = 0.0) -> str:
+    """Components of a vector; those that are rounding beside its largest are 0."""
+    size = max(size, float(np.abs(values).max()))
+    return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
+
+
+def counted(number: int, word: str) -> str:
+    """``1 body``, ``2 bodies``."""
+    if number != 1:
+        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
+    return f"{number} {word}"
+
+
+def shortened(parts: Any, what: str, count: int = MOST) -> tuple[list, str]:
+    """The first parts of a long list, and the sentence that says so."""
+    parts = list(parts)
+    if len(parts) <= count:
+        return parts, ""
+    return parts[:count], f"The first {count} of {len(parts)} {what}, and {len(parts) - count} more."
+
+
+def run_facts(solution: Any) -> list[tuple[str, str]]:
+    """What was run and how; without the time it took, so that the same run gives the same report."""
+    record, system, t = solution.record, solution.system, solution.t
+    adaptive = not getattr(record.method, "dt", None) and not record.kinematic
+    facts = [
+        ("model", ", ".join([counted(len(system.bodies), "body"), counted(len(system.joints), "joint"),
+                             counted(len(system.forces), "force")])),
+        ("gravity", f"{triple(system.gravity)} m/s²"),
+        ("time", f"{digits(t[0], count=6)} … {digits(solution.final.t, count=6)} s, {counted(t.size, 'sample')}"),
+        ("method", method_text(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
+        ("work", f"{counted(record.steps, 'step')} accepted, {record.rejected} rejected; {record.evaluations} "
+                 f"evaluations; {counted(record.svd_calls, 'choice')} of independent rows"),
+    ]  # fmt: skip
+    if record.tolerance:
+        misfit = record.tolerance * solution.compiled.model.length
+        facts.append(("tolerance", f"redundant rows may be violated by {digits(misfit)} m as built"))
+    return [*facts, ("stabilisation", record.switches.stabilisation)]
+
+
+def method_text(method: Any) -> str:
+    """A method with what was set."""
+    chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
+    return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
+
+
+def warnings(solution: Any) -> list[str]:
+    """What a reader must know before he trusts the numbers, as sentences."""
+    record, found = solution.record, []
+    terms = {
+        "gyroscopic": "the gyroscopic term w × I w",
+        "centripetal": "the centripetal term m w × (w × s)",
+        "gamma": "the term −J_dot v of the acceleration rows",
+    }
+    for switch, term in terms.items():
+        if not getattr(record.switches, switch):
+            found.append(f"Switched off: {term}. The motion is not that of the real mechanism.")
+    if record.switches.stabilisation != "projection":
+        found.append(f"The joints are held by stabilisation “{record.switches.stabilisation}”, not by projection.")
+    if record.stopped_by:
+        ended = "The run was" if record.stopped_by.startswith("interrupted") else "The run was stopped by"
+        found.append(f"{ended} {record.stopped_by}.")
+    if record.kinematic:
+        found.append(
+            "The drivers determine the motion: it was solved, not integrated, so no energy balance is checked."
+        )
+    if solution.t.size == 1:
+        found.append("There is a single sample: values at one instant, no curves.")
+    return found
+
+
+def body_table(solution: Any) -> Table:
+    """Mass properties of the bodies and how fast they became."""
+    bodies, note = shortened(solution.system.bodies, "bodies")
+    length, v = (
+        solution.compiled.model.length,
+        np.linalg.norm(solution.arrays["v"].reshape(*solution.arrays["v"].shape[:2], 2, 3), axis=3),
+    )
+    fastest, rows = v.max(axis=(0, 1)), []
+    for body in bodies:
+        reached = v[:, solution.system.bodies.index(body)].max(axis=0)
+        speed, spin = (digits(x, size) for x, size in zip(reached, fastest, strict=True))
+        moments = triple(np.linalg.eigvalsh(body.inertia))
+        rows.append((body.name, digits(body.mass), triple(body.com, length), moments, speed, spin))
+    head = ("body", "mass [kg]", "centre of mass [m]", "principal moments [kg m²]", "speed [m/s]", "turning [rad/s]")
+    text = "Centre of mass from the reference point, body axes; moments about it. Largest speed of that "
+    return Table("Bodies", head, rows, note=" ".join(filter(None, [text + "point and rate of turning.", note])))
+
+
+def loaded_joints(solution: Any) -> tuple[list, str]:
+    """All joints that are no drivers, or of many those with the largest multipliers; and the sentence that says so."""
+    joints = [joint for joint in solution.system.joints if not isinstance(joint, Driver)]
+    if len(joints) <= MOST:
+        return joints, ""
+    lam = np.abs(solution.arrays["lam"]).max(axis=0, initial=0.0)
+    load = [lam[solution.compiled.rows[id(joint)]].max(initial=0.0) for joint in joints]
+    chosen = sorted(range(len(joints)), key=lambda k: (-load[k], k))[:MOST]
+    text = f"The {MOST} of {len(joints)} joints with the largest multipliers, and {len(joints) - MOST} more."
+    return [joints[k] for k in sorted(chosen)], text
+
+
+def thinned(solution: Any, joints: int) -> tuple[Any, str]:
+    """The solution with so few samples that its reactions are had in seconds, and the sentence that says so."""
+    cost = solution.t.size * len(solution.system.bodies) * max(joints, 1)
+    step = int(np.ceil(cost / BUDGET))
+    if step <= 1:
+        return solution, ""
+    arrays = {name: values[::step] for name, values in solution.arrays.items()}
+    return replace(solution, arrays=arrays), f"Largest values are those of every {step}th sample."
+
+
+def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, str]:
+    """The largest magnitude of a vector over time, and when."""
+    norms = np.linalg.norm(values, axis=1)
+    k = int(np.argmax(norms))
+    text = digits(float(norms[k]), size)
+    return text, digits(float(t[k])) if text != "0" else "–"
+
+
+def joint_table(solution: Any, diagnosis: Any) -> Table:
+    """Joints, which of their rows repeat others, and their largest reactions."""
+    joints, cut = loaded_joints(solution)
+    few, thin = thinned(solution, len(joints))
+    scale, system, rows = scales_of(solution), solution.system, []
+    shares = {share.joint: share for share in diagnosis.shares}
+    for joint in joints:
+        reaction, name = few.reaction(joint), system.name(joint)
+        share = shares.get(f"{type(joint).__name__} '{name}'")
+        n_rows = sum(row.n_rows for row in joint.primitives)
+        repeated = f"{share.involved} of {n_rows}" if share else f"0 of {n_rows}"
+        force = largest_load(reaction.force, few.t, scale.force)
+        moment = largest_load(reaction.moment, few.t, scale.moment)
+        known = "determined" if reaction.unique else "indeterminate"
+        between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
+        rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
+    head = ("joint", "type", "between", "reaction", "redundant rows", "force [N]", "at [s]", "moment [N m]", "at [s]")
+    text = "Largest reactions on the second body, at the joint's point."
+    if any(row[3] == "indeterminate" for row in rows):
+        text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
+    return Table(
+        "Joints and their largest reactions", head, rows, words=4, note=" ".join(filter(None, [text, cut, thin]))
+    )
+
+
+def driver_table(solution: Any) -> Table:
+    """Drivers: the work they did and the largest effort."""
+    drivers, note = shortened((joint for joint in solution.system.joints if isinstance(joint, Driver)), "drivers")
+    few, thin = thinned(solution, len(drivers))
+    scale, rows = scales_of(solution), []
+    for driver in drivers:
+        work = digits(float(solution.work(driver)[-1]), scale.energy)
+        for k, column in enumerate(columns_of_effort(few, driver)):
+            size = scale.force if column.unit == "N" else scale.moment
+            effort, when = largest_load(column.values[:, None], few.t, size)
+            rows.append((column.part, type(driver).__name__, f"{effort} {column.unit}", when, work if k == 0 else ""))
+    head = ("driver", "type", "largest effort", "at [s]", "work [J]")
+    return Table("Drivers", head, rows, words=2, note=" ".join(filter(None, [note, thin])))
+
+
+def force_table(solution: Any) -> Table:
+    """Force elements: the energy they stored and the work they did."""
+    forces, note = shortened(solution.system.forces, "forces")
+    size, rows = scales_of(solution).energy, []
+    for force in forces:
+        stored = solution.arrays["potential"][:, solution.system.forces.index(force)]
+        work = float(solution.work(force)[-1])
+        on = " – ".join(body.name for body in force.bodies())
+        low, high = digits(float(stored.min()), size), digits(float(stored.max()), size)
+        rows.append((solution.system.name(force), type(force).__name__, on, low, high, digits(work, size)))
+    head = ("force", "type", "on", "least energy [J]", "greatest [J]", "work [J]")
+    return Table("Forces", head, rows, words=3, note=note)
+
+
+def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
+    """Counts and rank of `System.check`."""
+    d = diagnosis
+    facts = [
+        ("verdict", d.verdict),
+        ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
+        ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
+        ("mobility", f"{d.mobility} (free velocities), {d.configuration_freedom} free configurations"),
+        ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
+    ]
+    facts += [("cure", cure.text) for cure in d.cures[:3]]
+    return [*facts, *(("note", text) for text in d.notes)]
+
+
+def drift_facts(solution: Any) -> list[tuple[str, str]]:
+    """Largest residuals of the joints, and what the energy balance says in joules."""
+    drift, energy = solution.drift(), solution.energy()
+    facts = []
+    if solution.compiled.model.row.size:
+        for name, values, unit in (("gap", drift.position, "m or rad"), ("slip", drift.velocity, "m/s or rad/s")):
+            k = int(np.argmax(values))
+            facts.append(
+                (f"largest {name}", f"{digits(float(values[k]), count=2)} {unit} at {digits(solution.t[k])} s")
+            )
+    if not solution.record.kinematic and solution.t.size > 1:
+        size = scales_of(solution).energy
+        gained, work = (float(x[-1] - x[0]) for x in (energy.total, energy.work))
+        facts.append(("energy", f"changed by {digits(gained, size)} J, of which drivers and other forces did "
+                                f"{digits(work, size)} J; left over {digits(gained - work, count=2)} J"))  # fmt: skip
+    return facts

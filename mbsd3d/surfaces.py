@@ -1,0 +1,167 @@
+"""Triangles of solids: surfaces of revolution, blocks, and mesh files.
+
+Vertices are shared across smooth edges only, so that `normals` shade a round side round and leave a rim sharp.
+"""
+
+import stat
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+SUFFIXES = (".stl", ".obj", ".ply", ".glb")
+TRIANGLES = 20_000  # of a mesh file: more make pages that open slowly
+BYTES = 100_000_000  # of a mesh file: more is not even read
+SHARP = np.radians(30)  # edges of mesh files bent by more stay sharp
+ROUND, BANDS = 20, 10  # sections about the axis and from pole to pole of a ball: 360 triangles
+TURNS = 48  # sections of cylinders; all are multiples of 4, so that sectors end at edges
+
+
+class Mesh(NamedTuple):
+    """Triangles in body axes from the reference point O."""
+
+    vertices: np.ndarray  # (k, 3) [m]
+    faces: np.ndarray  # (m, 3) corners, counter-clockwise seen from outside
+    shade: np.ndarray  # (m,) 0 or 1: faces with 1 are drawn darker, so that one sees a round body turn
+
+
+def normals(mesh: Mesh) -> np.ndarray:
+    """(k, 3) unit normals of the vertices: those of their faces, weighted with the angles there."""
+    corners = mesh.vertices[mesh.faces]  # (m, 3, 3)
+    following, previous = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
+    across = np.cross(following, previous)
+    area = np.linalg.norm(across, axis=2, keepdims=True)
+    angle = np.arctan2(area[..., 0], np.sum(following * previous, axis=2))
+    unit = np.divide(across, area, out=np.zeros_like(across), where=area > 0.0)
+    found = np.zeros_like(mesh.vertices)
+    np.add.at(found, mesh.faces, angle[..., None] * unit)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    return np.divide(found, length, out=np.zeros_like(found), where=length > 0.0)
+
+
+def moved(mesh: Mesh, R: np.ndarray, r: np.ndarray) -> Mesh:
+    """The mesh turned by R (3, 3), its columns possibly of other lengths, and shifted by r [m]."""
+    return mesh._replace(vertices=mesh.vertices @ R.T + r)
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several meshes as one."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
+    vertices, shade = ([mesh[k] for mesh in meshes] for k in (0, 2))
+    return Mesh(np.concatenate(vertices), np.concatenate(faces), np.concatenate(shade))
+
+
+def revolved(profile: np.ndarray, sections: int) -> Mesh:
+    """What a smooth profile (k, 2) of radius and height [m] sweeps out about z; quarters alternate in shade.
+
+    The outside lies to the right of the profile; a profile that ends where it starts is closed.
+    """
+    radius, height = np.asarray(profile, float).T
+    turn = 2.0 * np.pi * np.arange(sections) / sections
+    points = np.empty((radius.size, sections, 3))
+    points[..., 0], points[..., 1] = np.outer(radius, np.cos(turn)), np.outer(radius, np.sin(turn))
+    points[..., 2] = height[:, None]
+    grid = np.arange(radius.size * sections).reshape(-1, sections)
+    grid[radius == 0.0] = grid[radius == 0.0][:, :1]  # a ring on the axis is one point
+    if np.array_equal(profile[0], profile[-1]):
+        grid[-1] = grid[0]
+    low, high = grid[:-1], grid[1:]
+    low_next, high_next = np.roll(low, -1, axis=1), np.roll(high, -1, axis=1)
+    faces = np.stack([low, low_next, high_next, low, high_next, high], axis=-1).reshape(-1, 3)
+    shade = np.tile(np.repeat(4 * np.arange(sections) // sections % 2, 2), radius.size - 1)
+    solid = np.array([len(set(face)) == 3 for face in faces.tolist()])
+    used, faces = np.unique(faces[solid], return_inverse=True)
+    return Mesh(points.reshape(-1, 3)[used], faces.reshape(-1, 3), shade[solid])
+
+
+@cache
+def ball() -> Mesh:
+    """The unit ball; octants alternate in shade."""
+    polar = np.linspace(0.0, np.pi, BANDS + 1)
+    radius = np.where((polar > 0.0) & (polar < np.pi), np.sin(polar), 0.0)
+    mesh = revolved(np.column_stack([radius, -np.cos(polar)]), ROUND)
+    upper = mesh.vertices[mesh.faces, 2].sum(axis=1) > 0.0
+    return mesh._replace(shade=(mesh.shade + upper) % 2)
+
+
+@cache
+def cylinder(sections: int = TURNS) -> Mesh:
+    """Cylinder of radius 1 and length 1 about z, with sharp rims."""
+    profiles = [(0, -0.5), (1, -0.5)], [(1, -0.5), (1, 0.5)], [(1, 0.5), (0, 0.5)]
+    return joined(*(revolved(np.array(profile, float), sections) for profile in profiles))
+
+
+@cache
+def block() -> Mesh:
+    """Cube with edges 1; every side has its own corners."""
+    vertices = np.empty((6, 4, 3))
+    around = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    for axis in range(3):
+        for side, corners in enumerate((around[::-1], around)):  # below seen from below, above from above
+            vertices[2 * axis + side][:, [axis - 2, axis - 1]] = corners
+            vertices[2 * axis + side][:, axis] = side - 0.5
+    faces = np.arange(0, 24, 4)[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)])
+    return Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), np.zeros(12, int))
+
+
+def torus(radius: float, tube: float, sections: int = 36, around: int = 6) -> Mesh:
+    """Ring about z: a circle of radius ``tube`` whose centre runs along one of ``radius`` [m]."""
+    turn = 2.0 * np.pi * np.arange(around + 1) / around
+    profile = np.column_stack([radius + tube * np.cos(turn), tube * np.sin(turn)])
+    profile[-1] = profile[0]
+    return revolved(profile, sections)
+
+
+def capsule(radius: float, length: float) -> Mesh:
+    """Cylinder about z with half balls on its ends, both beyond ``length`` [m]."""
+    polar = np.linspace(0.0, 0.5 * np.pi, 5)
+    end = radius * np.column_stack([np.where(polar > 0.0, np.sin(polar), 0.0), np.cos(polar)]) + (0.0, 0.5 * length)
+    return revolved(np.concatenate([end * (1, -1), end[::-1]]), ROUND)
+
+
+def read_mesh(path: str, what: str) -> Mesh:
+    """Triangles of a file as they are, edges sharper than 30 degrees with vertices of their own.
+
+    Raises
+    ------
+    ValueError
+        For a file that is missing, too large, no mesh, or has too many triangles, none, or some not finite.
+    """
+    import trimesh
+
+    file, kind = Path(path), Path(path).suffix.lower()[1:]
+    try:
+        state = file.stat()
+        content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > BYTES else file.read_bytes()
+    except OSError as error:
+        raise ValueError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
+    if not content:
+        raise ValueError(f"{what}: is no file, is empty or has more than {BYTES} bytes; give a mesh")
+    options = {"skip_materials": True} if kind in ("obj", "glb") else {}
+    try:  # from memory, so that a mesh cannot name further files
+        found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
+    except Exception as error:  # parsers of foreign data fail in their own ways
+        raise ValueError(
+            f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); save the mesh again"
+        ) from error
+    return checked(found, what)
+
+
+def checked(found: Any, what: str) -> Mesh:
+    """Vertices and faces of a mesh of trimesh."""
+    import trimesh
+
+    count = len(getattr(found, "faces", ()))
+    if count == 0:
+        raise ValueError(f"{what}: has no triangles; give a mesh of a surface")
+    if count > TRIANGLES:
+        raise ValueError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
+    if not np.isfinite(found.vertices).all() or found.faces.min() < 0 or found.faces.max() >= len(found.vertices):
+        raise ValueError(f"{what}: has corners that are not finite or not there; repair it")
+    found.merge_vertices(merge_tex=True, merge_norm=True)
+    smooth = trimesh.graph.smooth_shade(found, angle=SHARP)
+    faces = np.array(smooth.faces, int)
+    return Mesh(np.array(smooth.vertices, float), faces, np.zeros(len(faces), int))

@@ -1,0 +1,185 @@
+// The page: time, controls, switches, legend.
+
+const $ = (id) => document.getElementById(id);
+const data = JSON.parse($("data").textContent);
+const times = data.times, last = times.first + times.step * (times.count - 1);
+const ICONS = {
+  play: "M3 1.5v13l11-6.5z", pause: "M3 2h4v12H3zM9 2h4v12H9z", back: "M2 2h3v12H2zM14 2v12L6 8z", forth: "M11 2h3v12h-3zM2 2v12l8-6z",
+};
+const still = times.count === 1;
+const shown = {};
+let time = times.first, playing = false, dirty = true, speed = data.speed, before = null, scene = null, curves = [];
+
+const icon = (button, name) => (button.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`);
+const placeOf = (t) => (still ? 0 : Math.min(Math.max((t - times.first) / times.step, 0), times.count - 1));
+const say = (text) => (($("message").textContent = text), ($("message").hidden = !text));
+
+// Digits after the point such that a frame's step is seen.
+const digits = still ? 0 : Math.min(9, Math.max(0, Math.ceil(-Math.log10(times.step)) + 1));
+const timeText = (t) => `t = ${t.toFixed(digits)} s`.replace("-", "\u2212");
+
+function seek(t) {
+  (time = Math.min(Math.max(t, times.first), last)), (dirty = true);
+}
+
+function play(on) {
+  if (still) return;
+  if (on && time >= last) seek(times.first);
+  (playing = on), (before = null);
+  icon($("play"), on ? "pause" : "play");
+  $("play").setAttribute("aria-label", on ? "pause" : "play");
+}
+
+const step = (frames) => (play(false), seek(times.first + (Math.round(placeOf(time)) + frames) * times.step));
+
+// One turn of the clock: model time goes on by speed times real time, however slow the drawing is.
+function tick(now) {
+  if (playing) {
+    const passed = before === null ? 0 : Math.min(now - before, 1000) / 1000; // a hidden page stands still
+    before = now;
+    let t = time + passed * speed;
+    if (t >= last) {
+      if ($("loop").checked) t = times.first + ((t - times.first) % (last - times.first));
+      else (t = last), play(false);
+    }
+    seek(t);
+  }
+  if (dirty && (scene === null || scene.idle())) draw();
+  requestAnimationFrame(tick);
+}
+
+function draw() {
+  dirty = false;
+  const place = placeOf(time);
+  if (!still) {
+    $("time").textContent = timeText(time);
+    $("scrub").value = time;
+    $("scrub").setAttribute("aria-valuetext", timeText(time));
+  }
+  if (scene) scene.move(place, shown);
+  for (const curve of curves) curve.draw(place);
+}
+
+function speedText(x) {
+  return x === 1 ? "real time" : `${Number(x.toPrecision(3))} \u00d7`;
+}
+
+function setUpTime() {
+  icon($("play"), "play"), icon($("back"), "back"), icon($("forth"), "forth");
+  Object.assign($("scrub"), {min: times.first, max: last, step: "any", value: times.first});
+  $("scrub").addEventListener("input", () => seek($("scrub").valueAsNumber));
+  const choices = new Set([data.speed]);
+  for (let k = -3; k <= 1; k++) for (const factor of [1, 2, 5]) choices.add(Number((factor * 10 ** k).toPrecision(3)));
+  for (const x of [...choices].sort((a, b) => a - b)) {
+    $("speed").append(element("option", {value: x, textContent: speedText(x), selected: x === data.speed}));
+  }
+  const pace = () => ($("pace").textContent = speed === 1 ? "real time" : `${speedText(speed)} real time`);
+  $("speed").addEventListener("change", () => ((speed = Number($("speed").value)), pace()));
+  pace();
+  $("play").addEventListener("click", () => play(!playing));
+  $("back").addEventListener("click", () => step(-1));
+  $("forth").addEventListener("click", () => step(1));
+}
+
+// Keys are ours: viser's own (space, arrows, letters) would move the camera.
+function onKey(event) {
+  event.stopImmediatePropagation();
+  const {key, target} = event, typing = target.matches?.("select, input[type=range], summary, #divider");
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const does = {
+    " ": () => play(!playing), Home: () => seek(times.first), End: () => (play(false), seek(last)),
+    ArrowLeft: () => step(-1), ArrowRight: () => step(1), c: () => scene?.resetCamera(),
+  }[key];
+  const keeps = key === " " ? target.matches?.("button, input, select, summary") : typing && key !== "c";
+  if (!does || keeps) return;
+  event.preventDefault(), does();
+}
+
+function makeSwitch(name, on, mark, act) {
+  const tick = element("input", {type: "checkbox", checked: on});
+  tick.addEventListener("change", () => act(tick.checked));
+  $("switches").querySelector("fieldset").append(element("label", {}, tick, ...(mark ? [mark] : []), name));
+  return tick;
+}
+
+function arrowMark(kind) {
+  const mark = element("i", {className: "mark arrow", textContent: kind.heads === 2 ? "\u21a0" : "\u2192"});
+  mark.style.color = kind.colour;
+  mark.setAttribute("aria-hidden", "true");
+  return mark;
+}
+
+// What lies inside bodies makes them transparent when it is first shown; a switch of its own undoes that.
+function makeSwitches() {
+  const through = makeSwitch("see through bodies", false, null, (on) => scene?.seeThrough(on));
+  let asked = false;
+  for (const layer of data.layers) {
+    shown[layer.name] = layer.shown;
+    makeSwitch(layer.name, layer.shown, layer.heads ? arrowMark(layer) : null, (on) => {
+      (shown[layer.name] = on), (dirty = true);
+      scene?.show(layer.nodes, on);
+      if (on && layer.inner && !asked) asked = through.checked || (through.click(), true);
+      makeLegend();
+    });
+  }
+  $("switches").open = window.innerWidth > 1000;
+}
+
+function makeLegend() {
+  const rows = data.arrows.filter((kind) => shown[kind.kind]).map((kind) => {
+    const pale = kind.uncertain ? "; pale: not determined by the joints" : "";
+    return element("p", {}, arrowMark(kind), `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
+  });
+  if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid} m`}));
+  $("legend").replaceChildren(...rows);
+}
+
+function setUpCurves(lines) {
+  if (!data.curves.length) return;
+  const colours = data.colours[dark ? "dark" : "light"];
+  const scales = {};
+  data.curves.forEach(({unit}, i) => {
+    for (const {values} of lines[i]) for (const v of values) if (Math.abs(v) > (scales[unit] ?? 0)) scales[unit] = Math.abs(v);
+  });
+  const pick = (t) => (play(false), seek(t));
+  curves = data.curves.map((curve, i) => makeCurve(curve, lines[i], times, colours, scales[curve.unit] ?? 0, pick));
+  $("curves").append(...curves.map((curve) => curve.figure));
+  const again = () => (curves.forEach((curve) => curve.resize()), (dirty = true));
+  new ResizeObserver(again).observe($("curves"));
+  $("show-curves").addEventListener("change", () => $("page").classList.toggle("no-curves", !$("show-curves").checked));
+  const widen = (share) => $("page").style.setProperty("--share", `${Math.min(Math.max(share, 15), 80)}%`);
+  const divider = $("divider");
+  divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
+  divider.addEventListener("pointermove", (event) => {
+    if (event.buttons & 1) widen(100 * (1 - event.clientX / window.innerWidth));
+  });
+  divider.addEventListener("keydown", (event) => event.stopPropagation());
+}
+
+async function start() {
+  if (typeof DecompressionStream === "undefined") return say("This browser is too old to unpack the motion; a newer one shows it.");
+  const all = (list) => Promise.all(list.map(unpack));
+  const arrays = {
+    r: await unpack(data.poses.r), e: await unpack(data.poses.e),
+    arrows: await Promise.all(data.arrows.map(async (kind) => ({points: await unpack(kind.points), vectors: await unpack(kind.vectors)}))),
+  };
+  const lines = await Promise.all(data.curves.map((curve) => all(curve.lines.map((line) => line.values))));
+  if (!still) setUpTime();
+  makeSwitches(), makeLegend(), setUpCurves(lines);
+  window.addEventListener("keydown", onKey, true);
+  $("camera").addEventListener("click", () => scene?.resetCamera());
+  requestAnimationFrame(tick);
+  const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");
+  if (!graphics) return say("This browser shows no WebGL, which the 3D scene needs; switch it on or take another one.");
+  graphics.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!(await made.ready(30))) return say("The 3D scene did not start: reload the page, or take another browser.");
+  scene = made;
+  if (dark) scene.darken();
+  scene.resetCamera();
+  (dirty = true), say("");
+  document.documentElement.dataset.ready = "yes";
+}
+
+// For scripts and tests: the same as the controls do.
+window.mbsd3d = {seek, play, data, get time() { return time; }, get playing() { return playing; }, set speed(x) { speed = x; }};
+start().catch((error) => say(`This page cannot be shown: ${error.message}`));

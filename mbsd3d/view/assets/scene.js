@@ -1,0 +1,103 @@
+// The 3D scene: viser's client draws it, this moves it by the messages a server would send.
+
+function makeScene(data, arrays) {
+  let viewer = null;
+  const tell = (type, name, content) => viewer.messageQueue.push({type, name, owner: "", ...content});
+  const moving = data.moving; // numbers of the bodies that move at all
+
+  // Resolves when the last node is there; false where the client's hook is missing.
+  async function ready(seconds) {
+    const end = performance.now() + 1000 * seconds;
+    while (performance.now() < end) {
+      viewer = window.__viserMutable;
+      if (viewer && viewer.cameraControl && viewer.nodeRefFromName["/ready"]) return true;
+      await new Promise((done) => setTimeout(done, 50));
+    }
+    viewer = null;
+    return false;
+  }
+
+  // Copies of a body of length 1 along z, laid along vectors from points: as wide as long, or of given radii; they turn
+  // from directions `rest` by the smallest rotation, so that coils do not spin (mbsd3d/view/sticks.py).
+  function lay(name, points, vectors, factor, radii, rest) {
+    const count = points.length / 3;
+    const positions = new Float32Array(3 * count), turns = new Float32Array(4 * count), scales = new Float32Array(3 * count);
+    for (let i = 0; i < count; i++) {
+      const v = vectors.subarray(3 * i, 3 * i + 3), length = Math.hypot(...v) || 0;
+      const first = rest ? rest[i] : Z, way = length > 0 ? Array.from(v, (x) => x / length) : Z;
+      for (let k = 0; k < 3; k++) positions[3 * i + k] = points[3 * i + k] * data.scale;
+      turns.set(product(smallestTurn(first, way), smallestTurn(Z, first)), 4 * i);
+      const long = length * factor * data.scale, wide = radii ? radii[i] * data.scale : long;
+      scales.set([wide + 1e-9, wide + 1e-9, long + 1e-9], 3 * i);
+    }
+    const updates = {batched_positions: positions, batched_wxyzs: turns, batched_scales: scales};
+    tell("SceneNodeUpdateMessage", name, {updates});
+  }
+
+  function moveLinks({node, ends, radii, rest}, r, e) {
+    const starts = new Float64Array(3 * ends.length), vectors = new Float64Array(starts.length);
+    ends.forEach(([[a, p], [b, q]], i) => {
+      const start = pointOf(r, e, a, p), end = pointOf(r, e, b, q);
+      for (let k = 0; k < 3; k++) (starts[3 * i + k] = start[k]), (vectors[3 * i + k] = end[k] - start[k]);
+    });
+    lay(node, starts, vectors, 1, radii, rest);
+  }
+
+  // Traces grow by drawing only their first segments.
+  function growTraces(place) {
+    for (const name of data.traces) {
+      viewer.nodeRefFromName[name]?.traverse((part) => {
+        if (part.geometry?.isInstancedBufferGeometry) part.geometry.instanceCount = Math.max(Math.ceil(place), 0);
+      });
+    }
+  }
+
+  // True if the client took the last messages, so that slow machines are not flooded.
+  const idle = () => viewer !== null && viewer.messageQueue.length === 0;
+
+  function move(place, shown) {
+    const r = rowAt(arrays.r, place), e = quaternionsAt(arrays.e, place);
+    for (const i of moving) {
+      const name = `/bodies/${i}`;
+      tell("SetPositionMessage", name, {position: Array.from(r.subarray(3 * i, 3 * i + 3), (x) => x * data.scale)});
+      tell("SetOrientationMessage", name, {wxyz: Array.from(e.subarray(4 * i, 4 * i + 4))});
+    }
+    for (const links of data.links) moveLinks(links, r, e);
+    data.arrows.forEach((kind, i) => {
+      const {points, vectors} = arrays.arrows[i];
+      if (shown[kind.kind]) lay(kind.node, rowAt(points, place), rowAt(vectors, place), kind.factor);
+    });
+    growTraces(place);
+    viewer.requestRender();
+  }
+
+  function show(nodes, visible) {
+    if (viewer === null) return;
+    for (const name of nodes) tell("SetSceneNodeVisibilityMessage", name, {visible});
+    viewer.requestRender();
+  }
+
+  // Arrows and marks inside bodies are seen through them.
+  function seeThrough(on) {
+    if (viewer === null) return;
+    for (const name of data.solids) tell("SceneNodeUpdateMessage", name, {updates: {opacity: on ? 0.4 : null}});
+    viewer.requestRender();
+  }
+
+  // On dark paper the grid stands back too.
+  function darken() {
+    tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color: [52, 52, 52], section_color: [84, 84, 84]}});
+  }
+
+  // The first view; further away on a window that is higher than wide.
+  function resetCamera() {
+    if (viewer === null) return;
+    viewer.resetCameraPose(false);
+    const box = document.getElementById("scene").getBoundingClientRect();
+    const control = viewer.cameraControl, away = Math.max(1, box.height / Math.max(box.width, 1));
+    if (away > 1) control.dollyTo(data.distance * data.scale * away, false);
+    viewer.requestRender();
+  }
+
+  return {ready, move, idle, show, seeThrough, darken, resetCamera};
+}

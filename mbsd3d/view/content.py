@@ -1,0 +1,133 @@
+"""What a page holds: what is drawn, how it moves, and both as numbers the player reads."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..style import DARK, LIGHT
+from .drawing import Drawing, bounds, frame_camera
+from .motion import Arrows, Curve, Frames, Trace
+from .packing import pack
+from .recorder import Recording
+from .stage import FOV, Stage, build_stage, heads_of
+from .sticks import Links
+
+LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
+TURN = 1e-5  # of quaternions
+ARROW = 2e-4  # of arrows, in units of the longest
+VALUE = 1e-6  # of curves, in units of their range
+SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
+
+
+class Content(NamedTuple):
+    """All that a page or a live view shows."""
+
+    drawing: Drawing
+    frames: Frames
+    arrows: list[Arrows]
+    traces: list[Trace]
+    curves: list[Curve]
+    speed: float  # model time per real time
+    title: str
+    shown: tuple[str, ...] = ()  # layers, besides those that always are
+
+
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
+        return 1.0
+    exact = seconds / sensible
+    decade = 10.0 ** np.floor(np.log10(exact))
+    nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
+    return float(f"{nearest * decade:.1g}")
+
+
+def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
+    """The recorded scene (base64) and what the player needs to move it."""
+    recording = Recording(user)
+    stage = build_stage(
+        recording.scene,
+        recording.camera,
+        content.drawing,
+        content.frames,
+        content.arrows,
+        content.traces,
+        content.shown,
+    )
+    return recording.data(), player_data(content, stage)
+
+
+def player_data(content: Content, stage: Stage) -> dict[str, Any]:
+    """Numbers and names for player.js; lengths in metres."""
+    drawing, frames = content.drawing, content.frames
+    t, size = frames.t, drawing.size
+    moving = [
+        i for i in range(frames.r.shape[1]) if np.ptp(frames.r[:, i], axis=0).any() or np.ptp(frames.e[:, i], 0).any()
+    ]
+    return {
+        "times": {"first": float(t[0]), "step": float((t[-1] - t[0]) / max(t.size - 1, 1)), "count": int(t.size)},
+        "speed": content.speed,
+        "scale": stage.scale,
+        "distance": frame_camera(*bounds(drawing, frames.r, frames.e), FOV).distance,
+        "moving": moving,
+        "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
+        "links": [links_data(links) for links in stage.links],
+        "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
+        "traces": [node.name for node in stage.traces],
+        "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
+        "layers": layers_data(content, stage),
+        "curves": [curve_data(curve) for curve in content.curves],
+        "grid": f"{stage.cell:g}",
+        "colours": {"light": LIGHT.lines, "dark": DARK.lines},
+    }
+
+
+def links_data(links: Links) -> dict[str, Any]:
+    """Springs or rods: ends in body axes, radii, and the directions from which they turn."""
+    ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
+    return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
+
+
+def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, Any]:
+    """Arrows of one kind: where, how large, and what the legend says."""
+    longest = float(np.sqrt((kind.vectors**2).sum(axis=-1)).max())
+    return {
+        "kind": kind.kind,
+        "unit": kind.unit.replace("^2", "²"),
+        "heads": heads_of(kind),
+        "colour": kind.colour,
+        "uncertain": any(kind.uncertain),
+        "node": stage.arrows[i].name,
+        "longest": longest,
+        "factor": stage.factors[i],
+        "points": pack(kind.points, ARROW * size),
+        "vectors": pack(kind.vectors, ARROW * longest),
+    }
+
+
+def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
+    """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
+    marks = {kind.kind: {"colour": kind.colour, "heads": heads_of(kind)} for kind in content.arrows}
+    inner = (*marks, "centre of mass", "reference point")
+    return [
+        {
+            "name": name,
+            "inner": name in inner,
+            "nodes": [node.name for node in nodes],
+            "shown": name in stage.shown,
+            **marks.get(name, {}),
+        }
+        for name, nodes in stage.layers.items()
+        if nodes
+    ]
+
+
+def curve_data(curve: Curve) -> dict[str, Any]:
+    """One pair of axes."""
+    lines = []
+    for name, values in curve.lines:
+        values = np.asarray(values, float)
+        finite = values[np.isfinite(values)]
+        span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
+        lines.append({"name": name, "values": pack(values, max(VALUE * span, 1e-9 * largest))})
+    return {"label": curve.label, "unit": curve.unit.replace("^2", "²"), "lines": lines}

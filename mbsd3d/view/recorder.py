@@ -1,0 +1,77 @@
+"""A scene of viser without a server: no port, no thread, nothing on the terminal; the same calls give the same bytes.
+
+viser's scene writes messages to whatever owns it; here they are kept, and its own serializer turns them into the text
+that its client reads. Both are no public part of viser, so the version is checked.
+"""
+
+import base64
+import threading
+from pathlib import Path
+from typing import Any
+
+CLIENT = "1.1."  # the client's build this package's player drives
+NEEDED = "{} needs the package viser; install it: pip install mbsd3d[view]"
+
+
+def import_viser(user: str) -> Any:
+    """The package viser; a ValueError that starts with ``user`` if it is missing or of another version."""
+    try:
+        import viser
+    except ImportError as error:
+        raise ValueError(NEEDED.format(user)) from error
+    if not viser.__version__.startswith(CLIENT):
+        raise ValueError(
+            f"{user} needs viser {CLIENT}x, found {viser.__version__}; install it: pip install 'viser=={CLIENT}*'"
+        )
+    return viser
+
+
+class Recorder:
+    """What viser's scene asks of its owner and of its connection: keep messages, hear nothing."""
+
+    client_id = ""  # the scope of all clients
+
+    def __init__(self) -> None:
+        self._websock_connection = self._viser_server = self
+        self._scene_lifecycle_lock = self._record_lock = threading.RLock()
+        self._record_handles: list[Any] = []
+        self.messages: dict[str, Any] = {}  # by what makes a message replace an older one
+
+    def register_handler(self, *_: Any) -> None:
+        """Nothing is ever received."""
+
+    def queue_message(self, message: Any) -> None:
+        """Keep a message."""
+        self.messages[message.redundancy_key()] = message
+
+
+class Recording:
+    """A scene to draw into with viser's ``add_...``; then ``data()`` is what the client's page holds."""
+
+    def __init__(self, user: str) -> None:
+        viser = import_viser(user)
+        self.recorder = Recorder()
+        self.scene = viser.SceneApi(self.recorder, None, None)
+        self.camera = viser.InitialCameraConfig(self.recorder.queue_message)
+        self.scene.set_up_direction("+z")
+
+    def data(self) -> str:
+        """The scene as base64 text."""
+        from viser.infra import StateSerializer
+
+        serializer = StateSerializer(self.recorder, lambda message: message.include_in_scene_serialization)
+        self.recorder._record_handles.append(serializer)
+        for message in self.recorder.messages.values():
+            serializer._insert_message(message)
+        return base64.b64encode(serializer.serialize()).decode("ascii")
+
+
+def client_head() -> str:
+    """The scripts in the head of viser's client: all of it, in one text."""
+    import viser
+
+    page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
+    start, end = page.find("<script data-p="), page.find("</head>")
+    if start < 0 or end < start:
+        raise ValueError("the client of viser is built in an unknown way; install it anew: pip install 'viser==1.1.*'")
+    return page[start:end]

@@ -1,0 +1,45 @@
+"""Bounds hold all that moves, and the camera sees them."""
+
+import numpy as np
+import pytest
+
+from mbsd3d import GROUND, Body, Revolute, System, simulate
+from mbsd3d.shapes import Lines
+from mbsd3d.view.drawing import bounds, draw_system, frame_camera
+
+
+def test_bounds_hold_all_frames():
+    bar = Body("bar", 1.0, (1, 1, 1), com=(0.3, 0, 0), shape=Lines([(0, 0, 0), (0.7, 0, 0)]), omega=(0, 2.0, 0))
+    system = System([bar], [Revolute(GROUND, bar, at=(0, 0, 0), axis=(0, 1, 0))], gravity=(0, 0, 0))
+    run = simulate(system, np.pi, output=81)  # one turn, a sample at every quarter
+    q = run.arrays["q"]
+    r = np.concatenate([q[:, :, :3], np.zeros((81, 1, 3))], axis=1)
+    e = np.concatenate([q[:, :, 3:], np.tile(GROUND.orientation, (81, 1, 1))], axis=1)
+    drawing = draw_system(system)
+    low, high = bounds(drawing._replace(pieces=[]), r, e)
+    assert np.allclose([low[[0, 2]], high[[0, 2]]], [[-0.7, -0.7], [0.7, 0.7]], atol=1e-6)
+    low, high = bounds(drawing._replace(pieces=[]), r[:1], e[:1])
+    assert np.allclose([low[[0]], high[[0]]], [[0.0], [0.7]], atol=0.06)  # the axis wire is not along x or z
+
+
+FLAT = ((1, 0, 2), (0, 0, 3), (0, 2, 0), (0, 0, 0), (1e-3, 2e-3, 1e-3), (1000, 10, 1))
+
+
+@pytest.mark.parametrize("fov", [0.3, 0.7, 1.4])
+@pytest.mark.parametrize("extent", [*FLAT, *np.random.default_rng(7).uniform(0.0, 3.0, size=(6, 3))])
+def test_the_camera_sees_every_corner(extent, fov):
+    low = np.array([0.3, -0.7, 1.1])
+    high = low + extent
+    camera = frame_camera(low, high, fov)
+    towards = (camera.position - camera.look_at) / camera.distance
+    assert np.linalg.norm(towards) == pytest.approx(1.0) and 0.2 < towards[2] < 0.6
+    assert np.allclose(camera.look_at, 0.5 * (low + high))
+    right = np.cross((0, 0, 1), towards)
+    right /= np.linalg.norm(right)
+    picture = np.array([right, np.cross(towards, right), towards])
+    corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    seen = (corners - camera.position) @ picture.T
+    spots = seen[:, :2] / -seen[:, 2:] / np.tan(0.5 * fov)
+    assert seen[:, 2].max() < 0.0 and np.abs(spots).max() < 0.95
+    if np.any(extent):
+        assert np.abs(spots).max() > 0.85  # and it fills the picture

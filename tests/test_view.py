@@ -1,0 +1,264 @@
+"""Pages of systems and runs: what they hold is what was computed, and nothing in them can break or leave them."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simulate
+from mbsd3d.linearization import linearize
+from mbsd3d.rotations import matrix
+from mbsd3d.view import live, page
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, sensible_speed
+from mbsd3d.view.drawing import draw_system
+from mbsd3d.view.meshes import arrow, creased, linear
+from mbsd3d.view.motion import arrows_of, curves_of, frames_of
+from mbsd3d.view.packing import pack, unpack
+from mbsd3d.view.recorder import Recording, import_viser
+from mbsd3d.view.stage import LONGEST, build_stage, round_length
+from mbsd3d.view.sticks import laid
+
+EVIL = "</script><script>alert(1)</script> <img src=x onerror=alert(2)> \"'\\ /a//b {{ 7 }} \u2028 ü 😀 \ud800"
+
+
+def chain(count: int = 2, size: float = 1.0, first: str = EVIL) -> System:
+    """Bodies in a chain with general axes, centres of mass and inertias, and a spring to the ground."""
+    rng, at, bodies, joints = np.random.default_rng(5), np.zeros(3), [], []
+    for i in range(count):
+        tip = at + 0.4 * size * rng.uniform(0.3, 1.0, 3) * (1, -1, -1)
+        before, inertia = bodies[-1] if bodies else GROUND, size**2 * np.array([0.02, 0.03, 0.025])
+        name, com = first if i == 0 else f"link {i}", 0.05 * size * rng.normal(size=3)
+        bodies.append(
+            Body(
+                name,
+                1.0 + i,
+                inertia,
+                com=com,
+                position=0.5 * (at + tip),
+                orientation=laid(rng.normal(size=(1, 3)))[0],
+            )
+        )
+        kind = {"at": at, "name": f"joint {i}"}
+        joints.append(
+            Spherical(before, bodies[i], **kind) if i % 2 else Revolute(before, bodies[i], axis=(0.2, 1, 0.3), **kind)
+        )
+        at = tip
+    spring = SpringDamper(GROUND, bodies[-1], at_a=(size, 0, 0.1 * size), at_b=at, stiffness=20.0 / size, damping=0.1)
+    return System(bodies, joints, [spring])
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(chain(), 1.5)
+
+
+@pytest.fixture(scope="module")
+def view(run):
+    return run.animate(title=EVIL, frames=201)
+
+
+def data_of(view: page.View) -> dict:
+    """What the player reads."""
+    return json.loads(re.search(r'<script id="data" type="application/json">(.*?)</script>', view.html, re.DOTALL)[1])
+
+
+def test_poses_and_curves_are_those_of_the_run(run, view):
+    data, frames, drawing = data_of(view), frames_of(run, 201), draw_system(run.system)
+    times = data["times"]
+    assert np.allclose(times["first"] + times["step"] * np.arange(times["count"]), frames.t, rtol=1e-13, atol=0)
+    r, e = unpack(data["poses"]["r"]), unpack(data["poses"]["e"])
+    # rounding to the nearest step: half a step, and what doubles of that size leave
+    assert np.abs(r - frames.r).max() <= 0.5001 * LENGTH * drawing.size
+    assert np.abs(e - frames.e).max() <= 0.5001 * TURN
+    assert np.allclose(r[-1, :-1], [run.position(body)[-1] for body in run.system.bodies], atol=LENGTH * drawing.size)
+    assert (r[:, -1] == 0.0).all() and data["moving"] == [0, 1]
+    for curve, packed in zip(curves_of(run, frames), data["curves"], strict=True):
+        assert packed["label"] == curve.label
+        for (name, values), line in zip(curve.lines, packed["lines"], strict=True):
+            assert line["name"] == name
+            bound = max(VALUE * np.ptp(values), 1e-9 * np.abs(values).max())
+            assert np.abs(unpack(line["values"]) - values).max() <= 0.5001 * bound
+
+
+def test_arrows_are_those_of_the_run(run, view):
+    data, frames, size = data_of(view), frames_of(run, 201), draw_system(run.system).size
+    kinds = arrows_of(run, frames)
+    assert [kind["kind"] for kind in data["arrows"]] == [kind.kind for kind in kinds]
+    assert "reaction force" in {kind.kind for kind in kinds}
+    for kind, packed in zip(kinds, data["arrows"], strict=True):
+        longest = np.sqrt((kind.vectors**2).sum(axis=-1)).max()
+        assert np.isclose(packed["longest"], longest) and np.isclose(packed["factor"] * longest, LONGEST * size)
+        assert np.abs(unpack(packed["vectors"]) - kind.vectors).max() <= 0.5001 * ARROW * longest
+        assert np.abs(unpack(packed["points"]) - kind.points).max() <= 0.5001 * ARROW * size
+        assert packed["heads"] == (1 if kind.unit == "N" else 2)
+
+
+def test_links_are_where_the_parts_are(run, view):
+    (ends,), spring = data_of(view)["links"][0]["ends"], run.system.forces[0]
+    assert ends[0] == [2, list(spring.at_a)]
+    body = run.system.bodies[ends[1][0]]
+    assert np.allclose(body.position + body.axes @ ends[1][1], spring.at_b, atol=1e-12)
+
+
+def test_names_can_do_nothing(view):
+    assert view.html.count("<script") == view.html.count("</script>") == 4
+    assert "alert(1)</script>" not in view.html and "<img src=x" not in view.html
+    assert "<h1>&lt;/script&gt;" in view.html and "{{ 7 }}" in view.html
+    view.html.encode("utf-8")
+
+
+def test_the_page_holds_all_it_needs(view):
+    own = re.sub(r'<script data-p=.*?</script>|__VISER_EMBED_DATA__ = ".*?"', "", view.html, flags=re.DOTALL)
+    assert not re.search(r"""(src|href|url)\s*[=(]\s*["']?(?!data:)[a-z]*:?//""", own)
+    assert "import(" not in own and "fetch(" not in own
+
+
+def test_the_same_bytes_twice_and_in_another_process(run):
+    make = "System([Body('stone', 1.0, (1, 2, 2))]).show().html"
+    here = System([Body("stone", 1.0, (1, 2, 2))]).show().html
+    write = f"import sys\nfrom mbsd3d import Body, System\nsys.stdout.buffer.write({make}.encode())"
+    other = {**os.environ, "PYTHONHASHSEED": "7"}
+    there = subprocess.run([sys.executable, "-c", write], capture_output=True, env=other, check=True)
+    assert there.stdout.decode() == here
+    assert run.animate(frames=50).html == run.animate(frames=50).html
+
+
+def test_pages_are_small():
+    run = simulate(chain(10, first="first"), 1.0, output=1000)
+    view = run.animate(frames=1000)
+    assert view.frames == 1000 and view.bodies == 10
+    assert len(view.html.encode()) < 2e6
+
+
+def test_frames_fall_only_if_nobody_asked_for_them(run, monkeypatch):
+    full = run.animate()
+    monkeypatch.setattr(page, "LARGEST", len(full.html) - 1)
+    assert 2 <= run.animate().frames < full.frames
+    assert run.animate(frames=full.frames).html == full.html
+
+
+def test_saved_shown_and_described(view, tmp_path, monkeypatch):
+    path = view.save(tmp_path / "motion.v1")
+    assert path.name == "motion.v1.html" and path.read_text(encoding="utf-8") == view.html
+    assert re.fullmatch(r"<view: 2 bodies, 201 frames of 1.5 s, [\d.]+ MB; .save\(path\) or .open\(\)>", repr(view))
+    frame = view._repr_html_()
+    assert frame.startswith("<iframe srcdoc=") and "<script" not in frame
+    with pytest.raises(ValueError, match="cannot be written"):
+        view.save(tmp_path / "missing" / "motion")
+    monkeypatch.setattr(live, "has_browser", lambda: False)
+    monkeypatch.setattr("tempfile.mkdtemp", lambda prefix: str(tmp_path))
+    with pytest.raises(ValueError, match=r"no browser could be started; open '.*view.html'"):
+        view.open()
+
+
+def test_a_state_is_shown(run):
+    written = run.system.show(state=run.final)
+    r, size = unpack(data_of(written)["poses"]["r"]), draw_system(run.system).size
+    assert np.abs(r[0, :-1] - run.final.q.reshape(-1, 7)[:, :3]).max() <= LENGTH * size
+    assert "frames" not in repr(written) and 'id="play"' not in written.html
+    with pytest.raises(ValueError, match="state has 2 bodies, the system 1"):
+        System([Body("stone", 1.0, (1, 1, 1))]).show(state=run.final)
+
+
+def test_a_mode_is_animated():
+    rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0.1, 0, -0.3))
+    mode = linearize(System([rod], [Revolute(GROUND, rod, at=(0.1, 0, 0), axis=(0, 1, 0))])).mode(0)
+    shown = mode.motion(amplitude=0.1, samples=25).animate(frames=25)
+    assert data_of(shown)["curves"] == [] and 'id="curves"' not in shown.html
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"frames": 1}, "frames = 1; give a whole number >= 2"),
+        ({"frames": True}, "frames = True"),
+        ({"frames": 2.5}, "frames = 2.5"),
+        ({"speed": 0}, "speed: 0.0 is not positive"),
+        ({"title": 3}, "title = 3; give a text"),
+        ({"dark": "yes"}, "dark = 'yes'; give True, False"),
+        ({"curves": ["angles"]}, "curve 'angles' is unknown"),
+        ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
+        ({"traces": [("nobody", (0, 0, 0))]}, "'nobody' is not one of the bodies"),
+    ],
+)
+def test_wrong_options(run, options, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        run.animate(**options)
+
+
+def test_a_missing_or_other_viser(monkeypatch):
+    viser = import_viser("show")
+    monkeypatch.setattr(viser, "__version__", "2.0.1")
+    with pytest.raises(
+        ValueError, match=r"show needs viser 1.1.x, found 2.0.1; install it: pip install 'viser==1.1.\*'"
+    ):
+        import_viser("show")
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(
+        ValueError, match=r"system.show needs the package viser; install it: pip install mbsd3d\[view\]"
+    ):
+        System([Body("stone", 1.0, (1, 1, 1))]).show()
+
+
+def test_no_server_no_thread_no_word(run, capfd):
+    before = threading.active_count()
+    run.animate(frames=10)
+    assert threading.active_count() == before and capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("frames", [1, 2, 57])
+def test_packed_arrays_come_back(frames):
+    values = np.random.default_rng(1).normal(size=(frames, 3, 2)) * [1.0, 1e3]
+    values[0, 0, 0], values[-1, 2, 1] = np.nan, np.inf
+    again, finite = unpack(pack(values, 1e-4)), np.isfinite(values)
+    assert np.isnan(again[~finite]).all()
+    assert np.abs(again - values)[finite].max() <= 0.5001e-4
+    wide = pack(1e9 * values, 1e-4)  # steps too small for 30 bits are made larger
+    assert np.abs(unpack(wide) - 1e9 * values)[finite].max() <= 0.5001 * wide["step"]
+    assert wide["step"] < 3e-9 * np.abs(1e9 * values[finite]).max()
+    assert (unpack(pack(np.zeros((frames, 0)), 0.0)) == 0.0).all()
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 4e3])
+def test_scenes_are_some_units_large(size):
+    run = simulate(chain(size=size), 0.02)
+    drawing, frames, recording = draw_system(run.system), frames_of(run, 3), Recording("show")
+    stage = build_stage(recording.scene, recording.camera, drawing, frames, arrows_of(run, frames))
+    assert 0.5 <= drawing.size * stage.scale < 5.0 and np.isclose(np.log10(stage.scale) % 1.0, 0.0)
+    assert np.allclose([node.position for node in stage.bodies], frames.r[0] * stage.scale)
+    assert np.allclose(matrix(np.array([node.wxyz for node in stage.bodies])), matrix(frames.e[0]))
+
+
+def test_rods_and_arrows_lie_along_vectors():
+    vectors = np.vstack([np.random.default_rng(2).normal(size=(20, 3)), [0, 0, 2], [0, 0, -3], [1e-6, 0, -1]])
+    directions = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    for rest in ([0, 0, 1], np.roll(directions, 1, axis=0), -directions):
+        e = laid(vectors, rest)
+        assert np.allclose(np.linalg.norm(e, axis=1), 1.0)
+        assert np.abs(matrix(e)[:, :, 2] - directions).max() < 1e-9  # opposite to rest a third of the digits is lost
+    assert np.allclose(laid(np.zeros((1, 3))), [[1, 0, 0, 0]])
+
+
+def test_sharp_edges_are_split_and_smooth_ones_kept():
+    import trimesh
+
+    box, ball = trimesh.creation.box((1, 2, 3)), trimesh.creation.icosphere(3)
+    for mesh, corners in ((box, 24), (ball, len(ball.vertices))):
+        vertices, faces = creased(mesh.vertices, mesh.faces)
+        assert len(vertices) == corners
+        assert np.array_equal(vertices[faces], mesh.vertices[mesh.faces])
+    for heads in (1, 2):
+        vertices, faces = arrow(heads)
+        assert np.isclose(vertices[:, 2].max(), 1.0) and np.isclose(vertices[:, 2].min(), 0.0)
+        assert trimesh.Trimesh(vertices, faces).volume > 0.0  # faces look outwards
+
+
+def test_round_numbers():
+    assert [sensible_speed(t) for t in (0.0, 0.628, 1.9, 2.0, 30.0, 31.0, 4e4)] == [1, 0.05, 0.2, 1, 1, 2, 5000]
+    assert [round_length(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.2, 0.5, 10.0, 2e-5]
+    assert linear(np.array([0, 255, 188])).tolist() == [0, 255, 128]  # the middle of light is 188 of 255
