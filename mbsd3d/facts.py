@@ -8,11 +8,10 @@ import numpy as np
 from .certificate import scales_of
 from .drivers import Driver
 from .tables import columns_of_effort
+from .wording import counted, digits, triple
 
 MOST = 40  # rows of a table
 BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
-ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -24,31 +23,6 @@ class Table:
     rows: list[tuple[str, ...]]
     words: int = 1
     note: str = ""
-
-
-def digits(value: float, size: float = 0.0, count: int = 4) -> str:
-    """A number with ``count`` significant digits; 0 if it is rounding of something as large as ``size``."""
-    if not abs(value) > ROUNDING * size:
-        return "0"
-    text = f"{value:.{count}g}"
-    if "e" in text:
-        mantissa, exponent = text.split("e")
-        power = f"10{str(int(exponent)).translate(RAISED)}"
-        text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
-    return text.replace("-", "−")
-
-
-def triple(values: Any, size: float = 0.0) -> str:
-    """Components of a vector; those that are rounding beside its largest are 0."""
-    size = max(size, float(np.abs(values).max()))
-    return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
-
-
-def counted(number: int, word: str) -> str:
-    """``1 body``, ``2 bodies``."""
-    if number != 1:
-        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
-    return f"{number} {word}"
 
 
 def shortened(parts: Any, what: str, count: int = MOST) -> tuple[list, str]:
@@ -63,14 +37,18 @@ def run_facts(solution: Any) -> list[tuple[str, str]]:
     """What was run and how; without the time it took, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
     adaptive = not getattr(record.method, "dt", None) and not record.kinematic
+    first, last = digits(t[0], count=6), digits(t[-1], count=6)
+    span = first if t.size == 1 else f"{first} … {last}"
     facts = [
         ("model", ", ".join([counted(len(system.bodies), "body"), counted(len(system.joints), "joint"),
                              counted(len(system.forces), "force")])),
         ("gravity", f"{triple(system.gravity)} m/s²"),
-        ("time", f"{digits(t[0], count=6)} … {digits(solution.final.t, count=6)} s, {counted(t.size, 'sample')}"),
+        ("time", f"{span} s, {counted(t.size, 'sample')}"),
         ("method", method_text(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
-        ("work", f"{counted(record.steps, 'step')} accepted, {record.rejected} rejected; {record.evaluations} "
-                 f"evaluations; {counted(record.svd_calls, 'choice')} of independent rows"),
+        ("steps", f"{record.steps} accepted, {record.rejected} rejected, with "
+                  f"{counted(record.evaluations, 'evaluation')} of the equations"),
+        ("independent rows", f"chosen {counted(record.svd_calls, 'time')}, "
+                             f"{counted(len(record.rank_events), 'rank event')}"),
     ]  # fmt: skip
     if record.tolerance:
         misfit = record.tolerance * solution.compiled.model.length
@@ -173,7 +151,17 @@ def joint_table(solution: Any, diagnosis: Any) -> Table:
         known = "determined" if reaction.unique else "indeterminate"
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
-    head = ("joint", "type", "between", "reaction", "redundant rows", "force [N]", "at [s]", "moment [N m]", "at [s]")
+    head = (
+        "joint",
+        "type",
+        "between",
+        "reaction",
+        "redundant rows",
+        "force [N]",
+        "at [s]",
+        "moment [N\u00a0m]",
+        "at [s]",
+    )
     text = "Largest reactions on the second body, at the joint's point."
     if any(row[3] == "indeterminate" for row in rows):
         text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
@@ -218,7 +206,7 @@ def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
         ("verdict", d.verdict),
         ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
         ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
-        ("mobility", f"{d.mobility} (free velocities), {d.configuration_freedom} free configurations"),
+        ("mobility", f"{counted(d.mobility, 'freedom')} of velocity, {d.configuration_freedom} of position"),
         ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
     ]
     facts += [("cure", cure.text) for cure in d.cures[:3]]

@@ -95,6 +95,8 @@ def plot_quantity(
             set_range(target, panel, max(float(np.nanmax(np.abs(x), initial=0.0)) for x in alike))
             before = legend
         label_across(targets, across, every=axes is not None)
+        if axes is None:
+            targets[0].figure.align_ylabels()
     return targets[0].figure
 
 

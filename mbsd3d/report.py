@@ -5,8 +5,6 @@ numbers stands in `mbsd3d.facts`. The time the run took is left out, so the same
 """
 
 import html
-import io
-import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -14,32 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from .facts import (
-    body_table,
-    digits,
-    drift_facts,
-    driver_table,
-    force_table,
-    freedom_facts,
-    joint_table,
-    loaded_joints,
-    run_facts,
-    thinned,
-    warnings,
-)  # fmt: skip
+from .exhibits import figure_of, picture_of, wanted_curves
+from .facts import body_table, drift_facts, driver_table, force_table, freedom_facts, joint_table, run_facts, warnings
 from .files import package_version, with_suffix, write_atomically
-from .style import DARK, LIGHT, house
+from .style import DARK, LIGHT
+from .wording import digits
 
-LINES = 6  # of a figure that is chosen here
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
 MEANING = {
     "joint gaps": "the joints stay closed",
     "joint velocities": "the joints are not torn apart",
-    "energy balance": "energy changes by the work done, and by nothing else",
-    "momentum balance": "momentum changes by the impulse of the forces, and by nothing else",
-    "angular momentum": "so does angular momentum",
-    "Newton-Euler": "force = mass × acceleration for each body",
-    "acceleration rows": "the accelerations keep the joints closed",
+    "energy balance": "energy changes by the work done",
+    "momentum balance": "momentum changes by the impulse",
+    "angular momentum": "it changes by the angular impulse",
+    "Newton-Euler": "every body obeys its equations",
+    "acceleration rows": "accelerations keep them closed",
 }
 
 
@@ -120,8 +107,10 @@ def make_report(
     diagnosis = solution.system.check(**as_built)
     title = title if title is not None else title_of(solution.system)
     tables = [body_table(solution), joint_table(solution, diagnosis), driver_table(solution), force_table(solution)]
+    figures = [figure_of(solution, k, *wanted) for k, wanted in enumerate(wanted_curves(solution, curves))]
     page = template().render(
         title=title,
+        solution=solution,
         version=package_version(),
         certificate=certificate,
         checks=[check_row(check) for check in certificate.checks],
@@ -130,7 +119,7 @@ def make_report(
         run=run_facts(solution),
         drift=drift_facts(solution),
         freedoms=freedom_facts(diagnosis),
-        figures=[figure_of(solution, k, *wanted) for k, wanted in enumerate(wanted_curves(solution, curves))],
+        figures=figures,
         tables=[table for table in tables if table.rows],
         digits=digits,
         light=LIGHT,
@@ -179,76 +168,3 @@ def check_row(check: Any) -> dict[str, Any]:
         "bar": place(check.error) if finite else 100.0,
         "mark": place(check.limit),
     }
-
-
-def wanted_curves(solution: Any, curves: Any) -> list[tuple[Any, str]]:
-    """(entry for `plot`, caption) of every figure."""
-    if curves is not None:
-        if isinstance(curves, str):
-            raise ValueError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
-        return [(entry, "") for entry in curves]
-    if solution.t.size == 1:
-        return []
-    system, found = solution.system, [("energy", "Energies, and the work of drivers and of forces that store none.")]
-    for kind, name in (("angle", "Angles"), ("slide", "Displacements")):
-        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
-        moved = {id(joint): float(np.ptp(getattr(solution, kind)(joint))) for joint in joints}
-        chosen = most(joints, moved)
-        if chosen:
-            cut = f" that change most, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
-            found.append(((kind, *chosen), f"{name} of the joints{cut}."))
-    few, _ = thinned(solution, len(system.joints))
-    joints = loaded_joints(solution)[0]
-    loads = {id(joint): float(np.linalg.norm(few.reaction(joint).force, axis=1).max()) for joint in joints}
-    chosen = most(joints, loads)
-    if chosen:
-        cut = f" with the largest forces, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
-        found.append((("reaction", *chosen), f"Reactions of the joints{cut}."))
-    if solution.compiled.drives:
-        found.append(("effort", "Efforts of the drivers."))
-    if not joints:
-        shown = system.bodies[:LINES]
-        found.append((("omega_body", *shown), "Angular velocity in body axes."))
-        found.append((("com", *shown), "Centre of mass."))
-    return found
-
-
-def most(parts: list, sizes: dict[int, float]) -> list:
-    """The parts with the largest sizes, in the order of the model."""
-    kept = sorted(parts, key=lambda part: -sizes[id(part)])[:LINES]
-    return [part for part in parts if part in kept]
-
-
-def figure_of(solution: Any, number: int, entry: Any, caption: str) -> dict[str, Any]:
-    """A figure as inline SVG, with a caption and a text for those who do not see it."""
-    from markupsafe import Markup
-
-    from .plots import plot_quantity
-
-    figure = plot_quantity(solution, [entry])
-    figure.set_size_inches(7.5, 0.85 + 1.75 * len(figure.axes))  # three of one panel go on an A4 page
-    labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
-    return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
-
-
-def inline_svg(figure: Any, prefix: str) -> str:
-    """A figure as an SVG element for a page: ids of its own, colours as variables of the page (see report.html)."""
-    buffer = io.StringIO()
-    with house():
-        figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
-    text = buffer.getvalue()
-    text = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S)
-    text = re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2)
-    text = re.sub(r'\b(id="|href="#|url\(#)', rf"\g<1>{prefix}", text)
-    # a hundredth of a point is enough for the eye
-    text = re.sub(r'\bd="[^"]*"', lambda d: re.sub(r"(\.\d\d)\d+", r"\1", d.group()), text)
-    names = {LIGHT.paper: "paper", LIGHT.ink: "ink", LIGHT.muted: "muted", LIGHT.grid: "grid"}
-    names |= {tint: f"line{k}" for k, tint in enumerate(LIGHT.lines)}
-    for tint, name in names.items():
-        text = re.sub(tint, f"var(--{name})", text, flags=re.I)
-    return re.sub(r"\n\s*", "\n", text)
-
-
-def picture_of(solution: Any, dark: bool | None) -> Any:
-    """The mechanism as an image, or None as long as there is no painter."""
-    return None

@@ -1,15 +1,20 @@
 """Figures: units on every axis, the same bytes twice."""
 
+import os
 import re
+import subprocess
+import sys
 
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, simulate
-from mbsd3d.plots import PANELS, plot_quantity, save_figure
+from mbsd3d.plots import MOST, PANELS, plot_quantity, save_figure
+from mbsd3d.style import DARK
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +84,103 @@ def test_drift_is_logarithmic_and_rounding_is_not_blown_up(solution):
     assert all(axes.get_yscale() == "log" for axes in solution.plot("drift").axes)
     low, high = solution.plot("position", UPPER_ARM, WHEEL).axes[0].get_ylim()
     assert high - low > 0.01  # both stand still
+
+
+def test_several_quantities_share_the_time_axis(solution):
+    figure = solution.plot(["energy", ("angle", "axle"), ("position", UPPER_ARM, WHEEL)])
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels == ["energy [J]", "angle of axle [rad]", *(f"position {k} [m]" for k in "xyz")]
+    assert np.array_equal(figure.axes[1].lines[0].get_ydata(), solution.angle("axle"))
+    assert [bool(axes.get_legend()) for axes in figure.axes] == [True, False, True, False, False]
+
+
+def test_a_quantity_over_another_one(solution):
+    axes = solution.plot("rate", "axle", against="angle").axes[0]
+    assert axes.get_xlabel() == "angle of axle [rad]" and axes.lines[0].get_markevery() is None  # 21 samples: all
+    assert np.array_equal(axes.lines[0].get_xdata(), solution.angle("axle"))
+    assert np.array_equal(axes.lines[0].get_ydata(), solution.rate("axle"))
+    axes = solution.plot("energy", against=("angle", "axle"), degrees=True).axes[0]
+    assert axes.get_xlabel() == "angle of axle [°]" and len(axes.lines) == 4
+    assert np.allclose(axes.lines[2].get_xdata(), np.degrees(solution.angle("axle")), rtol=1e-15)
+    both = solution.plot("velocity", UPPER_ARM, against=("velocity", UPPER_ARM)).axes[0]
+    assert all(np.array_equal(*line.get_data()) for line in both.lines)
+
+
+def test_the_start_of_a_path_is_marked():
+    run = simulate(pendulum(), 0.1, output=60)
+    line = run.plot("rate", "axle", against="angle").axes[0].lines[0]
+    assert (line.get_marker(), line.get_markevery()) == ("o", [0])
+    assert run.plot("rate", "axle").axes[0].lines[0].get_marker() == "None"
+
+
+def test_angles_in_degrees(solution):
+    for quantity, part, unit in (("angle", "axle", "°"), ("omega", WHEEL, "°/s"), ("alpha", WHEEL, "°/s²")):
+        axes = solution.plot(quantity, part, degrees=True).axes[0]
+        assert axes.get_ylabel().replace("\n", " ").endswith(f"[{unit}]")
+        values = np.degrees(getattr(solution, quantity)(part).reshape(solution.t.size, -1))
+        assert np.allclose(np.transpose([line.get_ydata() for line in axes.lines]), values, rtol=1e-15)
+    assert solution.plot("drift", degrees=True).axes[0].get_ylabel() == "position drift [m or rad]"  # rows of both
+
+
+def test_dark_paper(solution):
+    figure = solution.plot("reaction", dark=True)
+    figure.draw_without_rendering()
+    assert to_hex(figure.get_facecolor()) == DARK.paper and figure.axes[0].lines[1].get_color() == DARK.lines[1]
+    texts = [x for axes in figure.axes for x in (axes.yaxis.label, *axes.get_yticklabels(), *axes.get_xticklabels())]
+    texts += [figure.axes[-1].xaxis.label, *figure.axes[0].get_legend().get_texts()]
+    assert {to_hex(text.get_color()) for text in texts} == {DARK.ink}
+
+
+def test_names_are_written_as_they_are():
+    names = ("_hidden", "$x^2$", r"a $\frac$", "ä <b>")
+    bodies = [Body(name, 1.0, (0.1, 0.2, 0.3), position=(k, 0, 0)) for k, name in enumerate(names)]
+    figure = simulate(System(bodies), 0.1, output=3).plot("com")
+    figure.draw_without_rendering()  # where a formula that is none would fail
+    assert tuple(text.get_text() for text in figure.axes[0].get_legend().get_texts()) == names
+
+
+def test_a_long_legend_is_cut():
+    bodies = [Body(f"b{k}", 1.0, (0.1, 0.2, 0.3), position=(k, 0, 0)) for k in range(30)]
+    texts = simulate(System(bodies), 0.1, output=3).plot("com").axes[0].get_legend().get_texts()
+    assert len(texts) == MOST and texts[-1].get_text() == f"and {30 - MOST + 1} more"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s: s.plot(["energy", "speed"]), "quantity 'speed' is unknown"),
+        (lambda s: s.plot([]), "is no quantity; give a name, or a list"),
+        (lambda s: s.plot(3), "3 is no quantity"),
+        (lambda s: s.plot([("angle", "axle"), 3.0]), "is no quantity; give a name"),
+        (lambda s: s.plot(["energy"], WHEEL), "parts of several quantities stand beside them"),
+        (lambda s: s.plot("energy", against="position"), "against 'position' is no single axis; give a scalar"),
+        (lambda s: s.plot("energy", against="reaction"), "against 'reaction' is no single axis"),
+        (lambda s: s.plot("omega", WHEEL, against="energy"), "that of the whole system"),
+        (lambda s: s.plot("omega", WHEEL, against=("energy",)), "has the lines kinetic, .*, none of 'x'; give one"),
+        (lambda s: s.plot("energy", against=3), "3.* is no quantity"),
+    ],
+)
+def test_wrong_wishes(solution, call, message):
+    with pytest.raises(ValueError, match=message):
+        call(solution)
+
+
+FRESH = """
+import sys
+from test_files import pendulum
+from mbsd3d import simulate
+from mbsd3d.plots import save_figure
+save_figure(simulate(pendulum(), 0.1, output=9).plot(["energy", "drift", "reaction"], dark=True), sys.argv[1], pdf=True)
+"""
+
+
+def test_files_are_the_same_bytes_in_another_process(tmp_path):
+    for name, seed in (("one", "1"), ("two", "2")):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
+        subprocess.run([sys.executable, "-c", FRESH, str(tmp_path / name)], env=environment, check=True)
+    for suffix in (".png", ".svg", ".pdf"):
+        first, second = ((tmp_path / f"{name}{suffix}").read_bytes() for name in ("one", "two"))
+        assert first == second and len(first) > 1000
 
 
 def test_files_are_the_same_bytes_twice(solution, tmp_path):

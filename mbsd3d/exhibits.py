@@ -1,0 +1,104 @@
+"""Figures and pictures of a report: which ones, and how they get into its page."""
+
+import base64
+import io
+import re
+from typing import Any
+
+import numpy as np
+
+from .drivers import Driver
+from .facts import loaded_joints, thinned
+from .style import LIGHT, house
+
+LINES = 6  # of a figure that is chosen here
+DRAWN = 200  # bodies of a picture
+PICTURE = (7.2, 3.8)  # [inch]
+
+
+def wanted_curves(solution: Any, curves: Any) -> list[tuple[Any, str]]:
+    """(entry for `plot`, caption) of every figure."""
+    if curves is not None:
+        if isinstance(curves, str):
+            raise ValueError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
+        return [(entry, "") for entry in curves]
+    if solution.t.size == 1:
+        return []
+    system, found = solution.system, [("energy", "Energies, and the work of drivers and of forces that store none.")]
+    for kind, name in (("angle", "Angles"), ("slide", "Displacements")):
+        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
+        moved = {id(joint): float(np.ptp(getattr(solution, kind)(joint))) for joint in joints}
+        chosen = most(joints, moved)
+        if chosen:
+            cut = f" that change most, {len(chosen)} of {len(joints)}" if len(joints) > len(chosen) else ""
+            found.append(((kind, *chosen), f"{name} of the joints{cut}."))
+    few, _ = thinned(solution, len(system.joints))
+    joints, count = loaded_joints(solution)[0], sum(not isinstance(joint, Driver) for joint in system.joints)
+    loads = {id(joint): float(np.linalg.norm(few.reaction(joint).force, axis=1).max()) for joint in joints}
+    chosen = most(joints, loads)
+    if chosen:
+        cut = f" with the largest forces, {len(chosen)} of {count}" if count > len(chosen) else ""
+        found.append((("reaction", *chosen), f"Reactions of the joints{cut}."))
+    if solution.compiled.drives:
+        found.append(("effort", "Efforts of the drivers."))
+    if not joints:
+        shown = system.bodies[:LINES]
+        found.append((("omega_body", *shown), "Angular velocity in body axes."))
+        found.append((("com", *shown), "Centre of mass."))
+    return found
+
+
+def most(parts: list, sizes: dict[int, float]) -> list:
+    """The parts with the largest sizes, in the order of the model."""
+    kept = sorted(parts, key=lambda part: -sizes[id(part)])[:LINES]
+    return [part for part in parts if part in kept]
+
+
+def figure_of(solution: Any, number: int, entry: Any, caption: str) -> dict[str, Any]:
+    """A figure as inline SVG, with a caption and a text for those who do not see it."""
+    from markupsafe import Markup
+
+    from .plots import plot_quantity
+
+    figure = plot_quantity(solution, [entry])
+    figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
+    labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
+    return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
+
+
+def inline_svg(figure: Any, prefix: str) -> str:
+    """A figure as an SVG element for a page: ids of its own, colours as variables of the page (see report.html)."""
+    buffer = io.StringIO()
+    with house():
+        figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
+    text = buffer.getvalue()
+    text = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.S)
+    text = re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2)
+    text = re.sub(r'\b(id="|href="#|url\(#)', rf"\g<1>{prefix}", text)
+    # a hundredth of a point is enough for the eye
+    text = re.sub(r'\bd="[^"]*"', lambda d: re.sub(r"(\.\d\d)\d+", r"\1", d.group()), text)
+    names = {LIGHT.paper: "paper", LIGHT.ink: "ink", LIGHT.muted: "muted", LIGHT.grid: "grid"}
+    names |= {tint: f"line{k}" for k, tint in enumerate(LIGHT.lines)}
+    for tint, name in names.items():
+        text = re.sub(tint, f"var(--{name})", text, flags=re.I)
+    return re.sub(r"\n\s*", "\n", text)
+
+
+def picture_of(solution: Any, dark: bool | None) -> list[dict[str, str]]:
+    """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
+    from .view.picture import picture_of_solution, picture_of_system
+
+    if len(solution.system.bodies) > DRAWN:
+        return []
+    images = []
+    for sheet in (False, True) if dark is None else (bool(dark),):
+        if solution.t.size > 1:
+            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
+        else:
+            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
+        buffer = io.BytesIO()
+        with house():
+            figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})
+        source = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+        images.append({"paper": "dark" if sheet else "light", "source": source})
+    return images

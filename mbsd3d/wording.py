@@ -1,0 +1,33 @@
+"""Numbers and counts as a person writes them."""
+
+from typing import Any
+
+import numpy as np
+
+ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def digits(value: float, size: float = 0.0, count: int = 4) -> str:
+    """A number with ``count`` significant digits; 0 if it is rounding of something as large as ``size``."""
+    if abs(value) <= ROUNDING * size:
+        return "0"
+    text = f"{value:.{count}g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        power = f"10{str(int(exponent)).translate(RAISED)}"
+        text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
+    return text.replace("-", "−")
+
+
+def triple(values: Any, size: float = 0.0) -> str:
+    """Components of a vector; those that are rounding beside its largest are 0."""
+    size = max(size, float(np.abs(values).max()))
+    return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
+
+
+def counted(number: int, word: str) -> str:
+    """``1 body``, ``2 bodies``."""
+    if number != 1:
+        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
+    return f"{number} {word}"
