@@ -59,6 +59,11 @@ class Mechanism:
     rate: float
     gravity: tuple = (0.0, -9.81)
 
+    @property
+    def turn(self) -> float:
+        """Time of a turn of the first link at its first speed [s]."""
+        return 2 * np.pi / abs(self.rate)
+
     def plane(self, *, driven: bool = False, centroidal: bool = False) -> planar.System:
         """For the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
         bodies = {None: planar.GROUND}
