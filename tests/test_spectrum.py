@@ -77,7 +77,7 @@ def test_errors_name_sample_and_remedy():
         ((t**2, t), {}, "stands .* off even steps"),
         ((t, np.where(t > 0.5, np.nan, t)), {}, "values is not finite at sample 19"),
         ((t, t[:-1]), {}, "n >= 3"),
-        ((t, t), {"rate": 1.1 * RATE}, "is 1.1 periods long, 1.13\\d* if .* whole periods, at least one, or a window"),
+        ((t, t), {"rate": 1.1 * RATE}, r"is 1.1 periods long, 1.13\d* if .* whole periods, at least one, or a window"),
         ((t, t), {"rate": 0.4 * RATE}, "is 0.4 periods long"),
         ((t, t), {"rate": RATE, "turns": 2}, "1 periods long instead of 2"),
         ((t, t), {"rate": RATE, "period": 1.0}, "both given"),

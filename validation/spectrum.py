@@ -5,7 +5,7 @@ A cos(w t + phase), a cosine has a real and a sine a negative imaginary amplitud
 
 Over whole periods without a window this holds to rounding for every signal without content above half the sampling
 rate. A window w (sum of cosines a_j, period N) divides by its mean: a tone d bins off a bin is then seen with the gain
-``W(d) / W(0)``, W(d) = sum_j (-1)^j a_j / 2 (D(d - j) + D(d + j)), D(d) = exp(i pi d (1 - 1/N)) sin(pi d) / sin(pi d / N).
+``W(d) / W(0)``, W(d) = sum_j (-1)^j a_j / 2 (D(d - j) + D(d + j)), D(d) = sum_n exp(2 pi i d n / N).
 Largest loss (scalloping, d = 1/2): "none" 36.3 %, "hann" 15.1 %, "flat top" 0.11 %. Neighbours leak into a bin unless
 they are more than 0, 1, 4 bins away.
 """
@@ -193,6 +193,6 @@ def _extent(
         return n, period
     asked = "" if turns is None else f" instead of {turns}"
     raise ValueError(
-        f"spectrum: the record is {(n - 1) * step / period:.9g} periods long{asked}, {n * step / period:.9g} if its last "
-        "sample does not repeat the first; give whole periods, at least one, or a window"
+        f"spectrum: the record is {(n - 1) * step / period:.9g} periods long{asked}, {n * step / period:.9g} if its "
+        "last sample does not repeat the first; give whole periods, at least one, or a window"
     )

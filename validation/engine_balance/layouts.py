@@ -1,0 +1,224 @@
+"""Layouts of reciprocating engines, and the engine that a layout and the masses of its cylinders make.
+
+The crankshaft turns about z by ``q = w t``. At q = 0 crankpin i points along ``pins[i]`` and bore i along ``bores[i]``,
+angles from x towards y; cylinder i works in the plane z = ``stations[i]``. The 24 layouts of references/engine.json:
+
+>>> layout("I4").pins
+(0.0, 180.0, 180.0, 0.0)
+>>> len(names())
+24
+"""
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mbsd3d.parts import number
+
+DATA = Path(__file__).parents[1] / "references" / "engine.json"
+FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the cylinders of an engine stand and how its crank is bent.
+
+    Parameters
+    ----------
+    name, title : str
+        Short name, and what it is.
+    pins, bores : (n,) floats
+        Directions of crankpins at q = 0 and of bores [degrees], from x towards y.
+    stations : (n,) floats
+        z of the cylinders [m].
+    bank_angle : float or None
+        Between the banks [degrees].
+    spacing : float
+        Bore spacing for which the stations hold [m].
+    firing_order : str or None
+        As the source gives it, "1-3-4-2".
+    note : str
+
+    Raises
+    ------
+    ValueError
+        If pins, bores and stations are not equally many, or a number is none.
+
+    Examples
+    --------
+    >>> Layout("twin", "parallel twin", pins=(0, 360), bores=(0, 0), stations=(-0.05, 0.05)).phases
+    (0.0, 0.0)
+    """
+
+    name: str
+    title: str
+    pins: tuple[float, ...]
+    bores: tuple[float, ...]
+    stations: tuple[float, ...]
+    bank_angle: float | None = None
+    spacing: float = 0.1
+    firing_order: str | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        what = f"layout '{self.name}'"
+        for field in ("pins", "bores", "stations"):
+            values = tuple(number(x, f"{what}: {field}[{i}]") for i, x in enumerate(getattr(self, field)))
+            object.__setattr__(self, field, values)
+        counts = {field: len(getattr(self, field)) for field in ("pins", "bores", "stations")}
+        if len(set(counts.values())) > 1 or not self.pins:
+            listed = ", ".join(f"{n} {field}" for field, n in counts.items())
+            raise ValueError(f"{what}: {listed}; give one of each per cylinder")
+        object.__setattr__(self, "spacing", number(self.spacing, f"{what}: spacing", positive=True))
+
+    @property
+    def phases(self) -> tuple[float, ...]:
+        """Crank angle of each cylinder from its own bore at q = 0, pin - bore, in [0, 360) [degrees]."""
+        return tuple((pin - bore) % 360.0 for pin, bore in zip(self.pins, self.bores, strict=True))
+
+
+@cache
+def data() -> dict[str, Any]:
+    """The file of toy engines and published figures."""
+    return json.loads(DATA.read_text(encoding="utf-8"))
+
+
+def names() -> tuple[str, ...]:
+    """Of all layouts of the data file."""
+    return tuple(data()["configurations"])
+
+
+def layout(name: str) -> Layout:
+    """A layout of the data file.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name, listing the names.
+    """
+    if name not in names():
+        raise ValueError(f"layout '{name}' is unknown; there are {', '.join(names())}")
+    record = data()["configurations"][name]
+    return Layout(
+        name=name,
+        title=record["name"],
+        pins=record["pin_deg"],
+        bores=record["bore_deg"],
+        stations=record["z"],
+        bank_angle=record["bank_angle_deg"],
+        spacing=record["bore_spacing_m"],
+        firing_order=record["firing_order"],
+        note=record["note"],
+    )
+
+
+def layouts() -> tuple[Layout, ...]:
+    """All layouts of the data file."""
+    return tuple(layout(name) for name in names())
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A layout with dimensions, masses and speed; the numbers unless given are those of the toy engine (toy_set_1).
+
+    Parameters
+    ----------
+    layout : Layout or str
+        Str: a name of the data file.
+    rpm : float
+        Crank speed [1/min] >= 0; harmonics need one above 0.
+    radius, rod_length : float
+        Crank radius R and rod length L > R [m].
+    crank_mass, crank_centre : float
+        Of the throw of one cylinder [kg], and how far from the axis, towards the pin, its centre of mass lies [m].
+    rod_mass, rod_fraction, rod_inertia : float
+        [kg]; centre of mass from the crankpin over L [-]; inertia about it, across the rod [kg m^2].
+    piston_mass : float or (n,) floats
+        [kg].
+    spacing : float or None
+        Bore spacing [m] to which the stations are scaled; None = that of the layout.
+    offset : float
+        Of the bore axes from the crank axis, at right angles to the bore in the direction of rotation [m].
+
+    Raises
+    ------
+    ValueError
+        Naming value and remedy, above all where the rod is too short.
+    """
+
+    layout: Layout
+    rpm: float = 10.0
+    radius: float = 1.0
+    rod_length: float = 2.0
+    crank_mass: float = 2.0
+    crank_centre: float = 0.5
+    rod_mass: float = 4.0
+    rod_fraction: float = 0.5
+    rod_inertia: float = 1.0 / 3.0
+    piston_mass: Any = 5.0
+    spacing: float | None = None
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.layout, str):
+            object.__setattr__(self, "layout", layout(self.layout))
+        what = f"engine '{self.layout.name}'"
+        for field in ("radius", "rod_length", "crank_mass", "rod_mass", "rod_inertia"):
+            object.__setattr__(self, field, number(getattr(self, field), f"{what}: {field}", positive=True))
+        for field in ("crank_centre", "rod_fraction", "offset"):
+            object.__setattr__(self, field, number(getattr(self, field), f"{what}: {field}"))
+        object.__setattr__(self, "rpm", number(self.rpm, f"{what}: rpm", minimum=0.0))
+        spacing = self.layout.spacing if self.spacing is None else self.spacing
+        object.__setattr__(self, "spacing", number(spacing, f"{what}: spacing", positive=True))
+        if np.ndim(self.piston_mass) and len(self.piston_mass) != len(self.layout.pins):
+            n = len(self.layout.pins)
+            raise ValueError(f"{what}: {len(self.piston_mass)} piston masses for {n} cylinders; give one or {n}")
+        for i, mass in enumerate(self.pistons, start=1):
+            number(mass, f"{what}: piston_mass {i}", positive=True)
+        if self.radius + abs(self.offset) >= self.rod_length:
+            raise ValueError(
+                f"{what}: rod_length {self.rod_length:g} m must exceed radius {self.radius:g} m and offset "
+                f"{abs(self.offset):g} m together, or the crank cannot turn"
+            )
+
+    @property
+    def pistons(self) -> tuple[float, ...]:
+        """Mass of each piston [kg]."""
+        return tuple(np.broadcast_to(np.asarray(self.piston_mass, dtype=float), len(self.layout.pins)).tolist())
+
+    @property
+    def stations(self) -> np.ndarray:
+        """(n,) z of the cylinders [m]."""
+        return np.array(self.layout.stations) * (self.spacing / self.layout.spacing)
+
+    @property
+    def rate(self) -> float:
+        """Crank speed w [rad/s], above 0.
+
+        Raises
+        ------
+        ValueError
+            If the engine stands still: nothing is periodic then.
+        """
+        if self.rpm == 0.0:
+            raise ValueError(f"engine '{self.layout.name}': rpm 0 has no harmonics; give a speed above 0")
+        return 2 * np.pi * self.rpm / 60.0
+
+    @property
+    def single(self) -> float:
+        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c r_c + (m_r + m_p) R)`` [N]."""
+        swung = self.crank_mass * self.crank_centre + (self.rod_mass + max(self.pistons)) * self.radius
+        return self.rate**2 * swung
+
+    def samples(self, orders: int = 6) -> int:
+        """Samples of a turn, a multiple of 12, that fold nothing above FOLD onto the orders up to ``orders``.
+
+        The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
+        """
+        lam = (self.radius + abs(self.offset)) / self.rod_length
+        last = np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2)))
+        return 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
