@@ -58,8 +58,13 @@ def plane_load(solution: planar.Solution) -> PlaneLoad:
 
 
 def harmonics(
-    engine: Engine, orders: int = 6, *, article: bool = False, gravity: tuple[float, float] = (0.0, 0.0), dyno: bool = False
-) -> Harmonics:  # fmt: skip
+    engine: Engine,
+    orders: int = 6,
+    *,
+    article: bool = False,
+    gravity: tuple[float, float] = (0.0, 0.0),
+    dyno: bool = False,
+) -> Harmonics:
     """Harmonics 0 ... ``orders`` of the sum of planes.
 
     Parameters

@@ -1,0 +1,65 @@
+"""One engine three ways: closed form, sum of planar models, whole engine in space."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from . import phasor, planar_sum, spatial
+from .harmonics import Harmonics
+from .layouts import Engine
+
+LIMIT = 1e-9  # of F_single: rounding of models with up to 26 bodies stays below 1e-12
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Harmonics of one engine by three methods that share no equation."""
+
+    engine: Engine
+    ways: dict[str, Harmonics]
+    """"phasor", "planar", "spatial"."""
+
+    @property
+    def disagreement(self) -> float:
+        """Largest difference of two ways in any order and component, over F_single; moments over the spacing."""
+        first, *others = self.ways.values()
+        differences = [first.difference(other, self.engine.spacing) for other in others]
+        differences.append(others[0].difference(others[1], self.engine.spacing))
+        return max(differences) / self.engine.single
+
+    @property
+    def agrees(self) -> bool:
+        """All three within LIMIT."""
+        return self.disagreement <= LIMIT
+
+
+def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), driver: str = "block") -> Comparison:
+    """Harmonics 0 ... ``orders`` of block load and driving torque three ways.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of identical, centred cylinders.
+    orders : int
+    gravity : (2,) array_like
+        In the plane of the cylinders [m/s^2].
+    driver : str
+        Where the driving torque reacts, "block" or "dyno".
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ValueError
+        For an engine without the closed form, or at rpm 0.
+    """
+    dyno = driver == "dyno"
+    system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))
+    turn = spatial.turn(system, engine, count=engine.samples(orders))
+    ways = {
+        "phasor": Harmonics(*phasor.block_load(engine, orders, gravity=gravity, dyno=dyno)),
+        "planar": planar_sum.harmonics(engine, orders, gravity=gravity, dyno=dyno),
+        "spatial": spatial.harmonics(turn, engine, orders),
+    }
+    return Comparison(engine, ways)

@@ -1,0 +1,97 @@
+"""Command line of engine balance: ``python -m validation.engine_balance``."""
+
+from typing import Any
+
+import click
+
+MASSES = {
+    "crank": "crank_mass",
+    "centre": "crank_centre",
+    "rod": "rod_mass",
+    "fraction": "rod_fraction",
+    "inertia": "rod_inertia",
+    "piston": "piston_mass",
+}
+DISAGREE = 1  # exit code
+
+
+class Failure(click.ClickException):
+    """Bad input: one line, exit code 2."""
+
+    exit_code = 2
+
+
+def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
+    """``crank=2,rod=4`` as fields of `Engine`."""
+    found = {}
+    for item in (text or "").split(","):
+        name, _, number = item.partition("=")
+        if not item:
+            continue
+        if name not in MASSES:
+            raise click.BadParameter(f"{name!r} is unknown; give {', '.join(MASSES)}, such as piston=5,rod=4")
+        try:
+            found[MASSES[name]] = float(number)
+        except ValueError:
+            raise click.BadParameter(f"{name}={number!r} is no number; give one [kg, m, -, kg m^2]") from None
+    return found
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("layout", required=False)
+@click.option("--rpm", type=float, default=10.0, show_default=True, help="Crank speed [1/min].")
+@click.option("--R", "radius", type=float, default=1.0, show_default=True, help="Crank radius [m].")
+@click.option("--L", "rod_length", type=float, default=2.0, show_default=True, help="Rod length [m].")
+@click.option("--spacing", type=float, help="Bore spacing [m]; default: that of the layout.")
+@click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
+@click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
+@click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
+@click.option("--ways", is_flag=True, help="All layouts: every harmonic by phasor, planar sum and spatial model.")
+@click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
+def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool, truth: bool, **sizes: Any) -> None:
+    """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
+
+    Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
+    engine in space. The exit code is 1 if they disagree.
+    """
+    from . import report
+    from .balance import compare
+    from .layouts import Engine, names
+
+    try:
+        if truth:
+            from .truth import rows
+
+            click.echo(report.truth(rows()))
+            return
+        wanted = names() if layout is None else [layout]
+        engines = [Engine(name, **sizes, **masses) for name in wanted]
+        comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
+    except ValueError as error:
+        raise Failure(str(error)) from error
+    if layout is not None:
+        show(comparisons[0])
+    elif ways:
+        tables = [report.ways(comparison) for comparison in comparisons]
+        click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
+    else:
+        click.echo(report.overview(comparisons))
+        click.echo("F [N] and M [N m]: force and couple on the block; fwd, bwd turn with and against the crank;")
+        click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
+    if not all(comparison.agrees for comparison in comparisons):
+        wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
+        click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
+        raise click.exceptions.Exit(DISAGREE)
+
+
+def show(comparison: Any) -> None:
+    """One engine: components three ways, turning vectors, and how well the ways agree."""
+    from . import report
+    from .gas import firing_order
+
+    plan = comparison.engine.layout
+    click.echo(f"{plan.title}; {len(plan.pins)} cylinders, fires {firing_order(plan)}")
+    click.echo(f"F_single 1x = {comparison.engine.single:.6g} N\n")
+    click.echo(f"{report.components(comparison)}\n")
+    click.echo(f"{report.turning(comparison)}\n")
+    click.echo(f"largest difference {comparison.disagreement:.1e} of F_single")

@@ -1,0 +1,146 @@
+"""Tables of engine balance as header and rows of text, for the command line and for pages."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .balance import Comparison
+from .claims import Row
+from .harmonics import Harmonics, half_axes
+from .layouts import Engine, names
+
+NOISE = 1e-9  # of F_single: smaller amplitudes are rounding and shown as 0
+WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict"}
+PUBLISHED = {
+    ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
+    ("I3", "couple", 1): 1.71, ("I4", "force", 2): 16.44, ("I4", "force", 4): 1.18,
+    ("V8_flat", "force", 2): 23.26, ("V8_flat", "force", 4): 1.67, ("V8_cross_article", "force", 4): 1.67,
+    ("V8_cross_article", "couple", 1): 2.79, ("V8_cross_article", "couple", 2): 1.16,
+    ("flat4_nonboxer_article", "couple", 1): 3.95, ("flat4_nonboxer_article", "couple", 2): 0.0,
+    ("boxer4_article", "couple", 1): 0.0, ("boxer4_article", "couple", 2): 0.0,
+}  # fmt: skip
+"""Published amplitudes of the toy engine; what is wrong with some of them stands in the truth table."""
+
+
+class Table(NamedTuple):
+    """Header and rows, all text."""
+
+    header: list[str]
+    rows: list[list[str]]
+
+    def __str__(self) -> str:
+        """Columns side by side; words to the left, numbers to the right."""
+        lines = [self.header, *self.rows]
+        widths = [max(len(line[k]) for line in lines) for k in range(len(self.header))]
+        sides = [str.ljust if name in WORDS else str.rjust for name in self.header]
+        return "\n".join(
+            "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
+            for line in lines
+        )
+
+
+def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
+    """Of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""
+    turned = [half_axes(h.forward[:, k], h.backward[:, k])[0] for k in (0, 1)]
+    return {
+        "force": turned[0],
+        "couple": turned[1],
+        "reaction": np.abs(h.moment[:, 2]),
+        "torque": np.abs(h.torque),
+    }
+
+
+def value(x: float, noise: float) -> str:
+    """Six digits; 0 for rounding."""
+    return "0" if abs(x) < noise else f"{x:.6g}"
+
+
+def ways(comparison: Comparison) -> Table:
+    """Every order and quantity three ways and as published; what is 0 all ways and not published is left out.
+
+    Force and couple are long half axes; figures were published for the toy engine only.
+    """
+    engine = comparison.engine
+    toy = engine == Engine(engine.layout.name) if engine.layout.name in names() else False
+    found, noise = [], NOISE * engine.single
+    every = {way: amplitudes(h) for way, h in comparison.ways.items()}
+    for quantity, unit in (("force", "N"), ("couple", "N m"), ("reaction", "N m"), ("torque", "N m")):
+        for order in range(1, every["phasor"][quantity].size):
+            cells = [value(parts[quantity][order], noise) for parts in every.values()]
+            figure = PUBLISHED.get((engine.layout.name, quantity, order)) if toy else None
+            if set(cells) != {"0"} or figure is not None:
+                known = "" if figure is None else f"{figure:g}"
+                found.append([engine.layout.name, f"{order}x {quantity}", unit, *cells, known])
+    return Table(["layout", "harmonic", "unit", *every, "published"], found)
+
+
+def components(comparison: Comparison) -> Table:
+    """Amplitudes of the components of the block load, three ways, and their largest difference."""
+    noise, found = NOISE * comparison.engine.single, []
+    names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z", "T")
+    for order in range(1, len(comparison.ways["phasor"].torque)):
+        stacked = [np.array([*h.force[order], *h.moment[order], h.torque[order]]) for h in comparison.ways.values()]
+        for k, name in enumerate(names):
+            cells = [value(abs(c[k]), noise) for c in stacked]
+            spread = max(abs(a[k] - b[k]) for a in stacked for b in stacked)
+            found.append([f"{order}x {name}", "N" if name[0] == "F" else "N m", *cells, f"{spread:.1e}"])
+    return Table(["harmonic", "unit", *comparison.ways, "spread"], found)
+
+
+def turning(comparison: Comparison) -> Table:
+    """Forces and couples as vectors that turn with the crank and against it, and the ellipse they draw."""
+    noise, h, found = NOISE * comparison.engine.single, comparison.ways["spatial"], []
+    for order in range(1, len(h.torque)):
+        for k, (name, unit) in enumerate((("force", "N"), ("couple", "N m"))):
+            forward, backward = np.abs(h.forward[order, k]), np.abs(h.backward[order, k])
+            parts = (forward, backward, *half_axes(forward, backward))
+            found.append([f"{order}x {name}", unit, *(value(float(x), noise) for x in parts)])
+    return Table(["turning", "unit", "forward", "backward", "long axis", "short axis"], found)
+
+
+def overview(comparisons: Sequence[Comparison]) -> Table:
+    """One line per layout: what is not balanced."""
+    header = [
+        "layout",
+        "F 1x",
+        "F 2x",
+        "F 4x",
+        "F 6x",
+        "M 1x fwd",
+        "M 1x bwd",
+        "M 2x fwd",
+        "M 2x bwd",
+        "T ripple",
+        "spread",
+    ]
+    found = []
+    for comparison in comparisons:
+        h, noise = comparison.ways["spatial"], NOISE * comparison.engine.single
+        size = amplitudes(h)
+        order = 1 + int(np.argmax(np.round(size["torque"][1:], 9)))
+        parts = [size["force"][n] for n in (1, 2, 4, 6)]
+        parts += [np.abs(part[n, 1]) for n in (1, 2) for part in (h.forward, h.backward)]
+        ripple = value(size["torque"][order], noise)
+        cells = [value(float(x), noise) for x in parts]
+        ripple = ripple if ripple == "0" else f"{ripple} ({order}x)"
+        found.append([comparison.engine.layout.name, *cells, ripple, f"{comparison.disagreement:.0e}"])
+    return Table(header, found)
+
+
+def truth(rows: Sequence[Row]) -> Table:
+    """Published beside assumed and actual, under a heading for each source."""
+    found, source = [], None
+    for row in rows:
+        if row.source != source:
+            source = row.source
+            found.append([source, *5 * [""]])
+        pair = row.actual if isinstance(row.actual, tuple) else (row.actual,)
+        actual = " ... ".join(number(x) for x in pair)
+        found.append([f"  {row.what}", row.unit, number(row.published), number(row.assumed), actual, row.verdict])
+    return Table(["figure", "unit", "published", "assumed", "actual", "verdict"], found)
+
+
+def number(x: float | None) -> str:
+    """Six digits, nothing for None, 0 for rounding."""
+    return "" if x is None else "0" if abs(x) < NOISE else f"{x:.6g}"
