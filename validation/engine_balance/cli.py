@@ -48,7 +48,19 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
 @click.option("--ways", is_flag=True, help="All layouts: every harmonic by phasor, planar sum and spatial model.")
 @click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
-def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool, truth: bool, **sizes: Any) -> None:
+@click.option(
+    "--pages", type=click.Path(file_okay=False), help="Write pages to this folder: index.html and the engines."
+)
+def main(
+    layout: str | None,
+    masses: dict,
+    gravity: Any,
+    driver: str,
+    ways: bool,
+    truth: bool,
+    pages: str | None,
+    **sizes: Any,
+) -> None:
     """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
@@ -66,6 +78,11 @@ def main(layout: str | None, masses: dict, gravity: Any, driver: str, ways: bool
             return
         wanted = names() if layout is None else [layout]
         engines = [Engine(name, **sizes, **masses) for name in wanted]
+        if pages is not None:
+            from .pages import write_pages
+
+            click.echo(write_pages(pages, engines))
+            return
         comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
     except ValueError as error:
         raise Failure(str(error)) from error
