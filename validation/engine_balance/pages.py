@@ -18,7 +18,7 @@ from mbsd3d.progress import Progress
 from mbsd3d.style import DARK, LIGHT
 from mbsd3d.wording import digits
 
-from . import drawings, report, spatial, upright
+from . import drawings, report, sketch, spatial, upright
 from .balance import compare
 from .claims import Row
 from .layouts import Engine, names
@@ -95,7 +95,9 @@ def make_sheet(engine: Engine) -> Sheet:
 
 
 def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
-    """(file, name) of the pages before and after page k, round and round."""
+    """(file, name) of the pages before and after page k, round and round; none if it is the only one."""
+    if len(files) == 1:
+        return []
     return [(files[i % len(files)], sheets[i % len(files)].engine.layout.name) for i in (k - 1, k + 1)]
 
 
@@ -150,8 +152,9 @@ def environment() -> Any:
     )  # fmt: skip
     found.filters |= {"digits": digits, "figure": figure, "link": quote, "mark": mark}
     found.globals |= {
-        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "ways": report.ways,
+        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": sketch.sketch,
         "relative": relative, "shade": shade, "quantities": QUANTITIES, "mark": mark, "sources": SOURCES,
+        "ways": report.ways,
     }  # fmt: skip
     return found
 

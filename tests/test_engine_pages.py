@@ -1,0 +1,208 @@
+"""Pages of the engines: there for every layout, offline, with the numbers of the functions, the same bytes twice."""
+
+import html
+import re
+from dataclasses import replace
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mbsd3d.wording import digits
+from validation.engine_balance import cli, drawings, pages, spatial, truth, upright
+from validation.engine_balance.layouts import Engine, Layout, layout, names
+from validation.engine_balance.sheets import Harmonic
+
+HOSTILE = '<i>"my & twin"</i>'
+RNG = np.random.default_rng(7)
+
+
+def engines():
+    """Inline, V with a plus in its name, and one of a user, with masses of its own and a name that is markup."""
+    twin = Layout(HOSTILE, f"{HOSTILE} {{{{ 7 * 7 }}}}", pins=(20, 130), bores=(75, 15), stations=(-0.04, 0.07))
+    own = Engine(twin, rpm=900, radius=0.04, rod_length=0.13, crank_mass=1.2, crank_centre=0.01, rod_mass=0.5,
+                 rod_fraction=0.3, rod_inertia=1e-3, piston_mass=0.4)  # fmt: skip
+    return [Engine("I4"), Engine("V6_60_offset+60"), own]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pages") / "new" / "folder"
+    assert pages.write_pages(folder, engines(), progress=False) == folder / "index.html"
+    return folder
+
+
+def words(path):
+    """Text of a page without tags, spaces normal."""
+    text = re.sub(r"<style>.*?</style>", "", path.read_text(encoding="utf-8"), flags=re.S)
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]*>", " ", text)))
+
+
+def test_a_page_and_a_view_for_every_engine(folder):
+    files = pages.file_names(engines())
+    assert files[:2] == ["I4.html", "V6_60_offset+60.html"]
+    assert {p.name for p in folder.iterdir()} == {"index.html", "views", *files}
+    assert {p.name for p in (folder / "views").iterdir()} == set(files)
+    assert len({file.lower() for file in pages.file_names([Engine(name) for name in names()])}) == 24
+
+
+def test_links_lead_to_files_and_nothing_comes_from_outside(folder):
+    for path in folder.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        links = re.findall(r'(?:href|src)="([^"]*)"', text)
+        assert links and not re.search(r"https?:|url\(|@import|<script|<link", text)
+        for link in links:
+            assert (path.parent / unquote(link)).is_file(), (path.name, link)
+
+
+def test_numbers_of_a_page_are_those_of_the_functions(folder):
+    for engine, file in zip(engines(), pages.file_names(engines()), strict=True):
+        sheet, text = pages.make_sheet(engine), words(folder / file)
+        assert sheet.left
+        for h in sheet.left:
+            unit = "N" if h.kind == "force" else "N m"
+            assert f"{h.order}x {h.kind} {digits(h.axes[0])} {unit}" in text
+            assert (
+                f"{h.order}x {h.kind} [{unit}] {digits(abs(h.forward), h.axes[0])} {digits(abs(h.backward), h.axes[0])}"
+                in text
+            )
+        for order in (n for n in sheet.orders if sheet.torque(n) > sheet.noise):
+            assert f"{order}x torque N m {sheet.torque(order):.6g}" in text
+        assert f"largest {digits(sheet.peak)} N m" in text
+    assert "2x force 16.44 N" in words(folder / "I4.html")  # the published figure, which is true
+
+
+def test_the_index_holds_every_harmonic_and_the_whole_truth_table(folder):
+    text, sheets = words(folder / "index.html"), [pages.make_sheet(engine) for engine in engines()]
+    for sheet in sheets:
+        row = text[text.index(sheet.engine.layout.name) :]
+        values = [pages.relative(sheet, kind, n) for kind, n in pages.shades(sheets)["columns"]]
+        shown = [f"{x:.3f}" for x in values if x >= 0.0095]
+        cells = re.findall(r"\d+\.\d{3}\b", row)[: len(shown)]
+        assert cells == shown
+    for row in truth.rows():
+        assert re.sub(r"\s+", " ", f"{row.what} {pages.figure(row.published)}").strip() in text
+    assert pages.relative(sheets[0], "force", 2) == pytest.approx(4 * 4.111095986 / 10.966227112, rel=1e-9)
+
+
+def test_published_figures_stand_on_the_page_of_their_layout():
+    table = truth.rows()
+    shown = {name: pages.Sheet(FakeComparison(Engine(name)), ()).claims(table) for name in names()}
+    whats = {name: {row.what for row in rows} for name, rows in shown.items()}
+    assert "flat4 1x moment [N.m] (flat-vs-boxer article)" in whats["flat4_nonboxer_staggered"]
+    assert "peak moment V10_72_article" in whats["V10_72_real"] and "6x force, V12" in whats["V12_60"]
+    assert not any("V12" in what or "V10" in what for what in whats["I4"] | whats["V8_flat"])
+    placed = {id(row) for rows in shown.values() for row in rows}
+    lost = [row for row in table if row.published is not None and id(row) not in placed]
+    assert {row.source for row in lost} <= {"V engines, rotating mass", '"odd harmonics >= 3 are exactly zero"'}
+
+
+class FakeComparison:
+    """What `Sheet.claims` asks for."""
+
+    def __init__(self, engine):
+        self.engine = engine
+
+
+def test_names_are_escaped_and_no_template(folder):
+    for path in folder.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert "<i>" not in text
+    assert f"<h1>{html.escape(HOSTILE, quote=True).replace('&quot;', '&#34;')} {{{{ 7 * 7 }}}}</h1>" in (
+        folder / pages.file_names(engines())[2]
+    ).read_text(encoding="utf-8")
+
+
+def test_the_same_bytes_twice(folder, tmp_path):
+    pages.write_pages(tmp_path, engines(), progress=False)
+    files = sorted(p.relative_to(folder) for p in folder.rglob("*.html"))
+    assert files == sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*.html"))
+    for file in files:
+        assert (folder / file).read_bytes() == (tmp_path / file).read_bytes(), file
+
+
+@pytest.mark.parametrize(
+    ("forward", "backward", "motion", "cure"),
+    [
+        (2 - 1j, 0, "turns with the crank, constant size", "counterweights on the crank"),
+        (0, 1j, "turns against the crank, constant size", "a shaft at 1x against the crank"),
+        (
+            1 + 1j,
+            1 - 1j,
+            "swings at 45\u00b0 from x",
+            "counterweights on the crank and a shaft at 1x against the crank",
+        ),
+        (1j, 1j, "swings along x", "counterweights on the crank and a shaft at 1x against the crank"),
+        (1j, -1j, "swings along y", "counterweights on the crank and a shaft at 1x against the crank"),
+        (1, 3j, "ellipse, against the crank", "counterweights on the crank and a shaft at 1x against the crank"),
+        (1e-12, 1e-13, "balanced", ""),
+    ],
+)
+def test_harmonics_in_words(forward, backward, motion, cure):
+    h = Harmonic(1, "couple", complex(forward), complex(backward), noise=1e-9)
+    assert (h.motion, h.cure) == (motion, cure)
+
+
+def test_the_ellipse_is_the_path_of_the_sum():
+    """Points of the turning sum, seen along the drawn half axes, fulfil (x/a)^2 + (y/b)^2 = 1."""
+    for forward, backward in RNG.normal(size=(20, 4)).view(complex):
+        found = re.search(
+            r'rx="([\d.]+)" ry="([\d.]+)" transform="rotate\((.*?)\)"', drawings.ellipse(forward, backward, 88)
+        )
+        long, short, turn = map(float, found.groups())
+        q = np.linspace(0, 2 * np.pi, 37)
+        z = forward * np.exp(3j * q) + np.conj(backward) * np.exp(-3j * q)
+        z *= (
+            88 / (abs(forward) + abs(backward)) * np.exp(1j * np.radians(turn))
+        )  # y of the page is down, so is its turn
+        # numbers on the page have two decimals: 0.005 of half axes of 2 and more
+        assert np.abs((z.real / long) ** 2 + (z.imag / short) ** 2 - 1).max() < 0.02 or short < 2
+
+
+@pytest.mark.parametrize("low,high", [(-17.98, 17.98), (-0.003, 0.0451), (0.0, 1.0), (-2e5, 0.0)])
+def test_ticks_are_round_and_within(low, high):
+    found = drawings.ticks(low, high)
+    assert 2 <= found.size <= 6 and low <= found[0] and found[-1] <= high + 1e-12
+    assert {f"{step:e}"[0] for step in np.diff(found)} <= set("125")
+
+
+@pytest.mark.parametrize("name", ["I5_real", "V8_cross_real", "boxer4_staggered"])
+def test_an_upright_engine_is_the_engine_turned(name):
+    """The reaction of the mount turns with the world; the crank lies along x and the middle of the bores is up."""
+    engine = replace(Engine(name), rpm=130.0)
+    R = upright.upright(engine.layout)
+    assert np.abs(R @ R.T - np.eye(3)).max() < 1e-15 and np.linalg.det(R) == pytest.approx(1.0)
+    assert np.abs(R @ (0, 0, 1) - (1, 0, 0)).max() < 1e-15
+    beta = np.radians(engine.layout.bores)
+    bores = R @ np.array([np.cos(beta), np.sin(beta), 0 * beta])
+    assert bores[2].min() > -1e-15 and abs(bores[1].sum()) < 1e-12
+    flat = spatial.build(engine, gravity=(1.0, -3.0, 2.0))
+    here, there = spatial.turn(flat, engine), spatial.turn(upright.turned(flat, R), engine)
+    for part in ("force", "moment"):
+        a, b = getattr(here.reaction("mount"), part), getattr(there.reaction("mount"), part)
+        assert np.abs(b - a @ R.T).max() < 1e-12 * np.abs(a).max()
+
+
+def test_pages_by_the_command_line(tmp_path):
+    result = CliRunner().invoke(cli.main, ["I3", "--rpm", "20", "--pages", str(tmp_path / "out")])
+    assert result.exit_code == 0 and result.output.strip() == str(tmp_path / "out" / "index.html")
+    assert "20 rpm" in words(tmp_path / "out" / "I3.html")
+
+
+def test_errors_are_named(tmp_path):
+    with pytest.raises(ValueError, match="engine 'I4' would share 'I4.html' with another page; rename it"):
+        pages.write_pages(tmp_path, [Engine("I4"), Engine("I4")])
+    with pytest.raises(ValueError, match="'Index' would share 'Index.html'"):
+        pages.file_names([Engine(replace(layout("I3"), name="Index"))])
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="cannot be made .*; give another one"):
+        pages.write_pages(tmp_path / "file" / "below", [Engine("I3")])
+    with pytest.raises(ValueError, match="rpm 0"):
+        pages.write_pages(tmp_path, [Engine("I3", rpm=0)])
+
+
+@pytest.mark.slow
+def test_pages_of_all_layouts(tmp_path):
+    pages.write_pages(tmp_path)
+    assert len(list(tmp_path.glob("*.html"))) == 25 and len(list(tmp_path.glob("views/*.html"))) == 24
