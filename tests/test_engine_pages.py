@@ -190,6 +190,16 @@ def test_pages_by_the_command_line(tmp_path):
     assert "20 rpm" in words(tmp_path / "out" / "I3.html")
 
 
+def test_ways_that_disagree_are_not_called_agreed():
+    sheet = pages.make_sheet(Engine("I3"))
+    wrong = replace(sheet.comparison.ways["planar"], force=1.001 * sheet.comparison.ways["planar"].force)
+    ways = {**sheet.comparison.ways, "planar": wrong}
+    bad = replace(sheet, comparison=replace(sheet.comparison, ways=ways))
+    for each, word, verdict in ((sheet, "agree to", "good"), (bad, "DISAGREE: up to", "bad")):
+        text = pages.render("index.html", sheets=[(each, "I3.html")], truth=[], shades=pages.shades([each]))
+        assert word in text and f'class="verdict {verdict}"' in text
+
+
 def test_errors_are_named(tmp_path):
     with pytest.raises(ValueError, match="engine 'I4' would share 'I4.html' with another page; rename it"):
         pages.write_pages(tmp_path, [Engine("I4"), Engine("I4")])

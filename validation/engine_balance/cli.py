@@ -46,35 +46,33 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
 @click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
-@click.option("--ways", is_flag=True, help="All layouts: every harmonic by phasor, planar sum and spatial model.")
+@click.option("--gas", type=float, metavar="PEAK", help="LAYOUT: half sines of this peak [N] over the power strokes.")
+@click.option("--shafts", is_flag=True, help="LAYOUT: counterweights and balance shafts for 1x and 2x.")
+@click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
+@click.option("--ways", is_flag=True, help="Every harmonic by phasor, planar sum and spatial model, and as published.")
 @click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
-@click.option(
-    "--pages", type=click.Path(file_okay=False), help="Write pages to this folder: index.html and the engines."
-)
+@click.option("--pages", type=click.Path(), metavar="FOLDER", help="Write pages there: index.html and the engines.")
 def main(
-    layout: str | None,
-    masses: dict,
-    gravity: Any,
-    driver: str,
-    ways: bool,
-    truth: bool,
-    pages: str | None,
-    **sizes: Any,
-) -> None:
+    layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
+    ways: bool, truth: bool, pages: str | None, **sizes: Any,
+) -> None:  # fmt: skip
     """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
     engine in space. The exit code is 1 if they disagree.
     """
+    from mbsd3d.errors import Mbsd3dError
+
     from . import report
     from .balance import compare
     from .layouts import Engine, names
 
     try:
         if truth:
+            from .studies import single_cylinder
             from .truth import rows
 
-            click.echo(report.truth(rows()))
+            click.echo(f"{report.truth(rows())}\n\n{single_cylinder()}")
             return
         wanted = names() if layout is None else [layout]
         engines = [Engine(name, **sizes, **masses) for name in wanted]
@@ -84,21 +82,40 @@ def main(
             click.echo(write_pages(pages, engines))
             return
         comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-    except ValueError as error:
-        raise Failure(str(error)) from error
-    if layout is not None:
-        show(comparisons[0])
-    elif ways:
+        extra = studied(engines, gas, shafts, sweep)
+    except (ValueError, Mbsd3dError) as error:
+        raise Failure(" ".join(str(error).split())) from error
+    if ways:
         tables = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
+    elif layout is not None:
+        show(comparisons[0])
     else:
         click.echo(report.overview(comparisons))
         click.echo("F [N] and M [N m]: force and couple on the block; fwd, bwd turn with and against the crank;")
         click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
+    for table in extra:
+        click.echo(f"\n{table}")
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
         click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
         raise click.exceptions.Exit(DISAGREE)
+
+
+def studied(engines: list, gas: float | None, shafts: bool, sweep: bool) -> list:
+    """Tables of the studies asked for, of a single engine."""
+    if not (gas is not None or shafts or sweep):
+        return []
+    if len(engines) > 1:
+        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+    from . import studies
+
+    wanted = (
+        (gas is not None, lambda: studies.gas_harmonics(engines[0], gas)),
+        (shafts, lambda: studies.balance_shafts(engines[0])),
+        (sweep, lambda: studies.rod_ratios(engines[0])),
+    )
+    return [table() for asked, table in wanted if asked]
 
 
 def show(comparison: Any) -> None:

@@ -24,6 +24,7 @@ from mbsd3d import Force, System, Table
 from .layouts import Engine, Layout
 
 CYCLE = 4 * np.pi
+SEARCHED = 16  # cylinders: each doubles the number of firing orders
 Gas = Callable[[np.ndarray], np.ndarray]
 
 
@@ -54,12 +55,21 @@ def firing_angles(layout: Layout) -> np.ndarray:
     The firing order of the layout, if the crank can do it and no other is more even; else the most even one. (Of the
     data file, the orders of I3 and I6 belong to cranks that turn the other way; those of V8_cross_real and
     V6_60_offset+60 number the cylinders from bank to bank, 1, 3, 5 ... opposite 2, 4, 6 ...)
+
+    Raises
+    ------
+    ValueError
+        For too many cylinders to search, without a firing order.
     """
     top = -np.array(layout.phases) % 360.0
+    given = ordered(layout, top)
+    if top.size > SEARCHED:
+        if given is None:
+            raise ValueError(f"layout '{layout.name}': {top.size} cylinders; give a firing_order that its crank can do")
+        return given
     turns = np.arange(2 ** (top.size - 1))[:, None] >> np.arange(top.size - 1) & 1
     choices = np.column_stack([np.full(len(turns), top[0]), top[1:] + 360.0 * turns])
     best = choices[np.argmin(np.round(unevenness(choices), 6))]
-    given = ordered(layout, top)
     use_given = given is not None and unevenness(given[None])[0] <= unevenness(best[None])[0] + 1e-6
     return given if use_given else best
 

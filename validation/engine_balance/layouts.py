@@ -196,6 +196,11 @@ class Engine:
         return np.array(self.layout.stations) * (self.spacing / self.layout.spacing)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """z of the first and the last main bearing [m], half a spacing beyond the cylinders."""
+        return float(self.stations.min() - self.spacing / 2), float(self.stations.max() + self.spacing / 2)
+
+    @property
     def rate(self) -> float:
         """Crank speed w [rad/s], above 0.
 
@@ -210,8 +215,11 @@ class Engine:
 
     @property
     def single(self) -> float:
-        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c r_c + (m_r + m_p) R)`` [N]."""
-        swung = self.crank_mass * self.crank_centre + (self.rod_mass + max(self.pistons)) * self.radius
+        """F_single, the 1x force along the bore of one cylinder, ``w^2 (m_c |r_c| + (m_r + m_p) R)`` [N].
+
+        (A throw with a counterweight, r_c < 0, counts as if it had none: this is the scale of rounding.)
+        """
+        swung = self.crank_mass * abs(self.crank_centre) + (self.rod_mass + max(self.pistons)) * self.radius
         return self.rate**2 * swung
 
     def samples(self, orders: int = 6) -> int:

@@ -1,5 +1,6 @@
 """What the parts of an engine look like; drawn only, never computed with. Lengths follow crank radius and spacing."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,6 @@ from mbsd3d import shapes
 from .layouts import Engine
 
 STEEL, ROD, PISTON, CASE = "#8a939c", "#c46a2b", "#2f6f9f", "#9aa3ab"
-
-
-def ends(engine: Engine) -> tuple[float, float]:
-    """z of the first and the last main bearing [m]."""
-    return float(engine.stations.min() - engine.spacing / 2), float(engine.stations.max() + engine.spacing / 2)
 
 
 def width(engine: Engine) -> float:
@@ -33,11 +29,23 @@ def bore_radius(engine: Engine) -> float:
     return 0.44 * float(min([2.0 * engine.radius, *same]))
 
 
+def pictured(engine: Engine) -> Engine:
+    """The engine with bores as far apart as its pistons need; the toy engine has a stroke of 20 bore spacings."""
+    gaps = np.diff(np.unique(np.round(engine.stations, 9)))
+    closest = float(gaps.min()) if gaps.size else engine.spacing
+    return replace(engine, spacing=engine.spacing * 1.4 * engine.radius / closest)
+
+
 def crank(engine: Engine, places: list[Any]) -> list[shapes.Shape]:
-    """Main journal along z; of each throw two webs and a pin."""
-    low, high = ends(engine)
+    """Main journals along z between the throws; of each throw two webs and a pin."""
     thick, wide = 0.09 * engine.radius, width(engine)
-    parts = [shapes.Cylinder(thick, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
+    low, high = engine.ends
+    stations = np.unique(np.round(engine.stations, 9))
+    starts, stops = [low, *(stations + 0.32 * wide)], [*(stations - 0.32 * wide), high]
+    parts = [
+        shapes.Cylinder(thick, b - a, "z", at=(0, 0, (a + b) / 2), colour=STEEL)
+        for a, b in zip(starts, stops, strict=True)
+    ]
     for where in places:
         x, z = where.pin * (1, 1, 0) / engine.radius, where.pin[2]
         turn = np.column_stack([x, np.cross((0, 0, 1), x), (0, 0, 1)])
@@ -69,7 +77,7 @@ def piston(engine: Engine, bore: np.ndarray) -> shapes.Shape:
 def block(engine: Engine, places: list[Any]) -> shapes.Shape:
     """Lines: the bores as two rings each, and the crank axis; axes of the bores pass the crank at the offset."""
     angle, radius = np.linspace(0, 2 * np.pi, 33), bore_radius(engine)
-    low, high = ends(engine)
+    low, high = engine.ends
     strokes = [np.array([(0, 0, low - 0.3 * engine.radius), (0, 0, high + 0.3 * engine.radius)])]
     for where in places:
         v = np.cross((0, 0, 1), where.bore)
@@ -88,7 +96,7 @@ def dyno(engine: Engine) -> shapes.Shape:
 
 def shaft(engine: Engine, planes: np.ndarray, angles: np.ndarray) -> list[shapes.Shape]:
     """A thin shaft along z with a weight in each plane, on the side of its angle [rad]; O on the shaft's axis."""
-    low, high = ends(engine)
+    low, high = engine.ends
     parts = [shapes.Cylinder(0.05 * engine.radius, high - low, "z", at=(0, 0, (low + high) / 2), colour=STEEL)]
     for z, angle in zip(planes, angles, strict=True):
         side = 0.12 * engine.radius * np.array([np.cos(angle), np.sin(angle), 0.0])

@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbsd3d import System
 from validation.engines import planar
+from validation.reduction import reduce_to_planes
 
 from .harmonics import Harmonics
 from .layouts import Engine
@@ -93,6 +95,34 @@ def harmonics(
         moment += np.column_stack([-z * load.force[:, 1], z * load.force[:, 0], load.couple + dyno * load.torque])
         torque += load.torque
     return Harmonics(*(projected(values, orders) for values in (force, moment, torque)))
+
+
+def reduced(system: System, engine: Engine, orders: int = 6) -> tuple[np.ndarray, np.ndarray]:
+    """Harmonics of force and moment of the planar models that `validation.reduce_to_planes` finds in a spatial engine.
+
+    Parameters
+    ----------
+    system : System
+        Of `spatial.build`, the driver on the block.
+    engine : Engine
+    orders : int
+
+    Returns
+    -------
+    force, moment : (orders + 1, 3) complex ndarray
+        [N], [N m].
+
+    Raises
+    ------
+    ValueError
+        If a hypothesis of the reduction fails, with all failures.
+    """
+    found = reduce_to_planes(system)
+    if not found.holds:
+        raise ValueError(f"engine '{engine.layout.name}': {found}")
+    n = engine.samples(orders)
+    load = found.block_load(2 * np.pi / engine.rate * np.arange(n) / n)
+    return projected(load.force, orders), projected(load.moment, orders)
 
 
 def projected(values: np.ndarray, orders: int) -> np.ndarray:

@@ -11,7 +11,7 @@ from .harmonics import Harmonics, half_axes
 from .layouts import Engine, names
 
 NOISE = 1e-9  # of F_single: smaller amplitudes are rounding and shown as 0
-WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict"}
+WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict", "shafts", "single cylinder", "unbalances [kg m]"}
 PUBLISHED = {
     ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
     ("I3", "couple", 1): 1.71, ("I4", "force", 2): 16.44, ("I4", "force", 4): 1.18,

@@ -71,7 +71,8 @@ def build(
     engine : Engine
     pins : str
         "spherical": the rods stand on a ball and a universal joint, all their rows are independent; "revolute": on two
-        hinges, three rows of each cylinder repeat others.
+        hinges, three rows of each cylinder repeat others. (Kinematic() keeps the rows it chose at q = 0 until a pose
+        shows that they are dependent; with hinges some layouts stop where they are, at a multiple of 90 degrees.)
     driver : str
         "block": the driving torque reacts on the block; "dyno": on the ground, through a coupling of torque only.
     gravity : (3,) array_like
@@ -101,7 +102,7 @@ def build(
     block = Body("block", BLOCK_MASS, 3 * (BLOCK_MASS,), shape=looks.block(engine, places))
     crank = crankshaft(engine, places)
     mount = Fixed(GROUND, block, at=(0, 0, 0), name="mount")
-    seats = np.linspace(*looks.ends(engine), bearings) if bearings > 1 else [0.0]
+    seats = np.linspace(*engine.ends, bearings) if bearings > 1 else [0.0]
     mains = [Revolute(block, crank, at=(0, 0, z), axis=Z, name=f"main {k}") for k, z in enumerate(seats, start=1)]
     parts = [cylinder(engine, i, where, crank, block, pins) for i, where in enumerate(places)]
     parts.append(motor(engine, crank, mains[0], driver))
@@ -144,7 +145,7 @@ def motor(engine: Engine, crank: Body, main: Revolute, driver: str) -> tuple[lis
     """
     if driver == "block":
         return [], [AngleDriver(main, Ramp(engine.rate), name="motor")]
-    end = looks.ends(engine)[1] + engine.spacing
+    end = engine.ends[1] + engine.spacing
     rotor = Body("dyno", 1.0, (0.1, 0.1, 0.2), position=(0, 0, end), shape=looks.dyno(engine))
     shaft = Revolute(GROUND, rotor, at=(0, 0, end), axis=Z, name="dyno bearing")
     coupling = Perpendicular(rotor, crank, axis_a=(1, 0, 0), axis_b=(0, 1, 0), name="coupling")

@@ -25,6 +25,7 @@ class Model(NamedTuple):
     kind: np.ndarray  # (m,)
     slot: np.ndarray  # (m, 4) bodies; n is the ground
     value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of planar_parts
+    driven: np.ndarray  # (m,) whether a row has a motion
     motion: np.ndarray  # (m, 9): f(t) = sum c_k t^k (6) + A sin(w t + phase)
     entry: np.ndarray  # (e, 3): place in J (4 row + slot), place of the row in S, body
     product: np.ndarray  # (p, 4): line and column of S, the two places in J
@@ -46,7 +47,7 @@ class Work(NamedTuple):
     c: np.ndarray  # (m,) residual
     rate: np.ndarray  # (m,) f_dot: J v = f_dot
     gamma: np.ndarray  # (m,)
-    S: np.ndarray  # (m, m) lower triangle; after `factor` L with 1 / L_ii on the diagonal
+    S: np.ndarray  # (m, m) lower triangle; after `factor` L of S = L D L', with 1 / D on the diagonal
     lam: np.ndarray  # (m,) in the order of S
     top: np.ndarray  # (n + 1, 3)
     x: np.ndarray  # (n + 1, 3) solution: acceleration, or a correction of q or v
@@ -99,7 +100,7 @@ def rows(m, w, t, q):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
         if kind == SECOND:
             continue
-        f = motion(m.motion[i], t)[0]
+        f = motion(m.motion[i], t)[0] if m.driven[i] else 0.0
         if kind == ANGLE:  # sum f_k theta_k + offset = f(t)
             total = p[4] - f
             for k in range(4):
@@ -136,7 +137,9 @@ def rates(m, w, t, q, v):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
         if kind == SECOND:
             continue
-        _, w.rate[i], w.gamma[i] = motion(m.motion[i], t)
+        w.rate[i], w.gamma[i] = 0.0, 0.0
+        if m.driven[i]:
+            _, w.rate[i], w.gamma[i] = motion(m.motion[i], t)
         if kind == ANGLE:
             continue
         Ax, Ay = arm(w.frame[a], p[0], p[1])

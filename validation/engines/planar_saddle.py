@@ -4,7 +4,7 @@ M = U'U with U v = (sqrt(m) v_G, sqrt(I_G) w), v_G = v_O + w k x s. With Y = J U
 
     Y Y' lam = Y U^-T (Q - h) - gamma,      v_dot = U^-1 (U^-T (Q - h) - Y' lam)
 
-and S = Y Y' is factored by Cholesky within the profile of its ordered lines.
+and S = Y Y' = L D L' is factored by Cholesky within the profile of its ordered lines.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ LEAST_PIVOT = 1e-13  # of a row, over its diagonal
 
 @inner
 def factor(m, w):
-    """Y = J U^-1, S = Y Y' and its Cholesky factor; the first place whose pivot vanishes, or -1."""
+    """Y = J U^-1, S = Y Y' and its factors L D L'; the first place whose pivot vanishes, or -1."""
     for e in range(m.entry.shape[0]):
         k, i = m.entry[e, 0], m.entry[e, 2]
         J, Y, frame = w.J[k], w.Y[k], w.frame[i]
@@ -31,18 +31,20 @@ def factor(m, w):
         w.S[m.product[k, 0], m.product[k, 1]] += Y[0] * Z[0] + Y[1] * Z[1] + Y[2] * Z[2]
     for i in range(m.first.shape[0]):
         L = w.S[i]
-        pivot = L[i]
+        pivot, start = L[i], m.first[i]
         least = LEAST_PIVOT * pivot
-        for j in range(m.first[i], i):
+        for j in range(start, i):  # D_j L_ij first
             K, total = w.S[j], L[j]
-            for k in range(max(m.first[i], m.first[j]), j):
+            for k in range(max(start, m.first[j]), j):
                 total -= L[k] * K[k]
-            total *= K[j]
-            pivot -= total * total
+            L[j] = total
+        for j in range(start, i):
+            total = L[j] * w.S[j, j]
+            pivot -= L[j] * total
             L[j] = total
         if not pivot > least:
             return i
-        L[i] = 1.0 / np.sqrt(pivot)
+        L[i] = 1.0 / pivot
     return -1
 
 
@@ -62,11 +64,11 @@ def solve(m, w):
         total, L = w.lam[i], w.S[i]
         for k in range(m.first[i], i):
             total -= L[k] * w.lam[k]
-        w.lam[i] = total * L[i]
+        w.lam[i] = total
+    for i in range(w.lam.shape[0]):
+        w.lam[i] *= w.S[i, i]
     for i in range(w.lam.shape[0] - 1, -1, -1):
-        L = w.S[i]
-        x = w.lam[i] * L[i]
-        w.lam[i] = x
+        L, x = w.S[i], w.lam[i]
         for k in range(m.first[i], i):
             w.lam[k] -= L[k] * x
     for e in range(m.entry.shape[0]):

@@ -138,7 +138,7 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
     poses = np.array([(*body.position, body.angle) for body in (*system.bodies, GROUND)])
     model = Model(
         np.array([body_row(body) for body in (*system.bodies, GROUND)]), integers([row.kind for row in rows]), slot,
-        value, motion, entry, product, place, first, load, load_value, load_motion,
+        value, motion.any(axis=1), motion, entry, product, place, first, load, load_value, load_motion,
         np.array(system.gravity), np.array([float(centripetal), max(1.0, np.abs(poses[:, :2]).max())]),
     )  # fmt: skip
     lowered = Lowered(model, integers(joint_of), poses)

@@ -1,0 +1,1 @@
+"""How a spatial engine falls into planes, hypothesis by hypothesis; see ``validation.reduction``."""

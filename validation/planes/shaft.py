@@ -1,0 +1,150 @@
+"""Hypothesis H1 of the reduction to planes: one rigid shaft about a fixed axis at a prescribed constant speed."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbsd3d import GROUND, System
+from mbsd3d.kernels import kinds
+from validation.planes.mirror import Rows, row_space
+
+EXACT = 1e-9
+"""Relative to the size of the model [m], its speed [rad/s], its moments of inertia; angles in rad."""
+
+
+class Failure(NamedTuple):
+    """A hypothesis that does not hold."""
+
+    hypothesis: str
+    """"H1" to "H4"."""
+    part: str
+    text: str
+    amount: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.hypothesis}: '{self.part}' {self.text} ({self.amount:.6g} {self.unit})"
+
+
+class Shaft(NamedTuple):
+    """The shaft and what is at rest around it."""
+
+    body: Any
+    driver: Any
+    rows: Rows
+    """With the axis as normal."""
+    point: np.ndarray
+    """(2,) of the axis, components along e1, e2 [m]."""
+    speed: float
+    """[rad/s] about the normal."""
+    frame: tuple
+    """Bodies at rest, the ground among them."""
+
+    def moves(self, body: Any) -> bool:
+        """Whether a body is not part of the frame."""
+        return not contains(self.frame, body)
+
+
+def contains(bodies: Sequence[Any], body: Any) -> bool:
+    """Whether it is one of them."""
+    return any(body is other for other in bodies)
+
+
+def turning_rows(joint: Any) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
+    """(a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
+    found = []
+    for row in joint.primitives:
+        if row.signal is not None and row.kind == kinds.RATIO and row.coordinates[0].kind == "angle":
+            x = row.coordinates[0]
+            found.append((x.a, x.b, x.axis, row.signal, 0))
+        elif row.signal is not None and row.kind == kinds.TURN_RATE:
+            found.append((*row.bodies, row.axes[0], row.signal, 1))
+    return found
+
+
+def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
+    """The shaft, or None, and what contradicts H1."""
+    drivers = [joint for joint in system.joints if any(row.signal is not None for row in joint.primitives)]
+    turning = [(joint, *row) for joint in drivers for row in turning_rows(joint)]
+    if not turning:
+        return None, [Failure("H1", "system", "has no driver that turns a body about an axis", 0, "drivers")]
+    rows = Rows(system, np.eye(3)[2])
+    frame = welded(rows)
+    loose = [x for x in turning if not (contains(frame, x[1]) or contains(frame, x[2]))]
+    joint, a, b, axis, signal, order = (loose or turning)[0]
+    others = [system.name(other) for other in drivers if other is not joint]
+    failures = [Failure("H1", other, "prescribes a second motion", len(drivers), "drivers") for other in others]
+    if loose:
+        speed, turn = np.linalg.norm(rows.velocity[rows.index[id(a)]], axis=1)
+        text = f"carries the axis of '{b.name}' and is not at rest"
+        size, unit = (turn, "rad/s") if turn > EXACT else (speed, "m/s")
+        return None, [Failure("H1", a.name, text, float(size), unit), *failures]
+    body = b if contains(frame, a) else a
+    rows = Rows(system, np.asarray(axis, float))
+    if body is not b:
+        axis = -np.asarray(axis)
+        rows = Rows(system, axis)
+    v, w = rows.velocity[rows.index[id(body)]]
+    speed = float(w @ rows.axes[2])
+    if abs(speed) < EXACT:
+        return None, [*failures, Failure("H1", body.name, "does not turn", speed, "rad/s")]
+    failures += unsteady(system, joint, signal, order, speed)
+    point = rows.flat(body.position) + np.array([-1, 1]) * rows.flat(v)[::-1] / speed
+    shaft = Shaft(body, joint, rows, point, speed, frame)
+    return shaft, failures + loose_axis(system, shaft)
+
+
+def welded(rows: Rows) -> tuple:
+    """The ground and all bodies that hang rigidly on it, one after the other (a piston at a dead centre does not)."""
+    frame = [GROUND]
+    joints = [joint for joint in rows.system.joints if all(row.signal is None for row in joint.primitives)]
+    for fixed in frame:
+        for body in rows.system.bodies:
+            own = [x for x in joints if {id(e) for e in x.bodies()} == {id(fixed), id(body)}]
+            if own and not contains(frame, body):
+                if len(row_space(rows.twists(own, body, 0.0, rows.poses[0]))) == 6:
+                    frame.append(body)
+    return tuple(frame)
+
+
+def unsteady(system: System, joint: Any, signal: Any, order: int, speed: float) -> list[Failure]:
+    """A speed that changes within a turn."""
+    low, high = signal.interval
+    t = np.clip(np.linspace(0, 2 * np.pi / abs(speed), 73), low, high)
+    change = np.abs(signal.derivative(t) if order else signal.second_derivative(t)).max()
+    if change <= EXACT * speed**2:
+        return []
+    return [Failure("H1", system.name(joint), "does not turn at a constant speed", float(change), "rad/s^2")]
+
+
+def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
+    """Freedoms that the joints between shaft and frame leave besides the turn, or a turn about another axis."""
+    bearings = [joint for joint in system.joints if joint is not shaft.driver and between(shaft, joint)]
+    name, rows = shaft.body.name, shaft.rows
+    if not bearings:
+        return [Failure("H1", name, "has no bearing in the frame", 5, "freedoms")]
+    for pose in rows.poses:
+        held = row_space(rows.twists(bearings, shaft.body, 0.0, pose))
+        if len(held) != 5:
+            text = "is not held on a fixed axis by its bearings alone: freedoms besides the turn"
+            return [Failure("H1", name, text, 5 - len(held), "freedoms")]
+    arm = rows.flat(shaft.body.position) - shaft.point
+    turn = np.array([-arm[1], arm[0], 0.0, 0.0, 0.0, rows.length])  # v and w length of a unit turn about the axis
+    held = row_space(rows.twists(bearings, shaft.body, 0.0, rows.poses[0]))
+    off = np.linalg.norm(held @ turn) / np.linalg.norm(turn)
+    if off <= EXACT:
+        return []
+    return [Failure("H1", name, "turns about another axis than it is driven", np.degrees(off), "deg")]
+
+
+def between(shaft: Shaft, joint: Any) -> bool:
+    """Whether a joint connects the shaft with the frame and nothing else."""
+    moving = [body for body in joint.bodies() if shaft.moves(body)]
+    return len(moving) == 1 and moving[0] is shaft.body
+
+
+def tensor(shaft: Shaft, body: Any) -> np.ndarray:
+    """(3, 3) moments of inertia of a body about its centre of mass along e1, e2, n [kg m^2]."""
+    R = shaft.rows.axes @ body.axes
+    return R @ body.inertia @ R.T
