@@ -1,8 +1,5 @@
 """The engine as a drawing in parallel perspective, for paper: crank, rods and pistons at q = 0, from back to front."""
 
-from dataclasses import replace
-from itertools import pairwise
-
 import numpy as np
 from markupsafe import Markup
 from scipy.spatial import ConvexHull
@@ -18,11 +15,12 @@ ROUND = np.linspace(0, 2 * np.pi, 37)[:-1]
 
 def sketch(engine: Engine) -> Markup:
     """The engine upright and with its cylinders apart, as `upright.shown` animates it."""
-    engine = replace(engine, spacing=upright.SPACING * engine.radius)
+    engine = looks.pictured(engine)
     to_paper = VIEW @ upright.upright(engine.layout)  # towards the reader, right, up
     items = [item for i in range(len(engine.stations)) for item in cylinder(engine, spatial.place(engine, i))]
-    stations = sorted({*looks.ends(engine), *engine.stations})
-    items += [("crank", np.array([(0, 0, a), (0, 0, b)])) for a, b in pairwise(stations)]
+    stations, half, (low, high) = np.unique(np.round(engine.stations, 9)), 0.38 * looks.width(engine), engine.ends
+    journals = zip([low, *(stations + half)], [*(stations - half), high], strict=True)
+    items += [("crank", np.array([(0, 0, a), (0, 0, b)])) for a, b in journals]
     seen = [(kind, points @ to_paper.T) for kind, points in items]
     seen.sort(key=lambda item: round(float(item[1][:, 0].mean()), 9))
     flat = np.concatenate([points[:, 1:] for _, points in seen])

@@ -11,10 +11,8 @@ import numpy as np
 from mbsd3d import GROUND, Body, Joint, Solution, System
 from mbsd3d.rotations import matrix
 
-from . import spatial
+from . import looks, spatial
 from .layouts import Engine, Layout
-
-SPACING = 1.3  # crank radii between neighbouring cylinders of a bank
 
 
 def upright(layout: Layout) -> np.ndarray:
@@ -65,5 +63,5 @@ def turned(system: System, R: np.ndarray) -> System:
 
 def shown(engine: Engine) -> Solution:
     """One turn of the engine, upright and with its cylinders apart."""
-    apart = replace(engine, spacing=SPACING * engine.radius)
+    apart = looks.pictured(engine)
     return spatial.turn(turned(spatial.build(apart), upright(engine.layout)), apart)
