@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from mbsd3d.wording import digits
-from validation.engine_balance import cli, drawings, pages, spatial, truth, upright
+from validation.engine_balance import cli, drawings, pages, sketch, spatial, truth, upright
 from validation.engine_balance.layouts import Engine, Layout, layout, names
 from validation.engine_balance.sheets import Harmonic
 
@@ -160,6 +160,29 @@ def test_the_ellipse_is_the_path_of_the_sum():
         assert np.abs((z.real / long) ** 2 + (z.imag / short) ** 2 - 1).max() < 0.02 or short < 2
 
 
+def test_bars_are_as_high_as_the_amplitudes():
+    values = {way: RNG.uniform(0.1, 3.0, 6) for way in ("phasor", "planar", "spatial")}
+    found = re.findall(
+        r'fill t(\d)" x="[\d.]+" y="([\d.]+)" width="12.5" height="([\d.]+)"', drawings.bars(values, 6 * [""], "")
+    )
+    heights = np.array([float(height) for *_, height in found]).reshape(6, 3).T
+    wanted = np.array(list(values.values()))
+    assert np.abs(heights / 108 - wanted / wanted.max()).max() < 1e-4  # two decimals of 108
+    assert [float(y) + float(h) for _, y, h in found] == pytest.approx(18 * [132.0], abs=0.011)
+
+
+@pytest.mark.parametrize("name", names())
+def test_sketches_hold_every_part_within_their_frame(name):
+    text = sketch.sketch(Engine(name))
+    cylinders = len(layout(name).pins)
+    assert [text.count(f'class="{kind}') for kind in ("rod", "fill piston")] == [cylinders, cylinders]
+    assert text.count('class="fill crown') + text.count('class="fill skirt') == cylinders
+    left, top, width, height = map(float, re.search(r'viewBox="(.*?)"', text)[1].split())
+    points = np.array([p.split() for d in re.findall(r' d="M(.*?)Z?"', text) for p in d.split("L")], float)
+    assert points.min(axis=0) == pytest.approx([left + sketch.MARGIN, top + sketch.MARGIN], abs=0.02)
+    assert points.max(axis=0) == pytest.approx([left + width - sketch.MARGIN, top + height - sketch.MARGIN], abs=0.02)
+
+
 @pytest.mark.parametrize("low,high", [(-17.98, 17.98), (-0.003, 0.0451), (0.0, 1.0), (-2e5, 0.0)])
 def test_ticks_are_round_and_within(low, high):
     found = drawings.ticks(low, high)
@@ -208,6 +231,8 @@ def test_errors_are_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ValueError, match="cannot be made .*; give another one"):
         pages.write_pages(tmp_path / "file" / "below", [Engine("I3")])
+    with pytest.raises(ValueError, match="no engines; give at least one"):
+        pages.write_pages(tmp_path, [])
     with pytest.raises(ValueError, match="rpm 0"):
         pages.write_pages(tmp_path, [Engine("I3", rpm=0)])
 

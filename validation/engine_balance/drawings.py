@@ -150,8 +150,10 @@ def star(layout: Layout, *, numbers: bool = True) -> Markup:
         u = np.exp(1j * np.radians(pin))
         body += stroke("throw", 0j, 46 * u) + dot(46 * u, "t1", 6.5 if numbers else 13)
         if numbers:
-            place = (27 + 14j) * u
-            body += text(place.real, 3.5 - place.imag, " ".join(cylinders), kind="number")
+            words = " ".join(cylinders)
+            aside = 5 + 3.3 * len(words) * abs(u.imag) + 5 * abs(u.real)  # half the text, seen across the throw
+            place = (27 + 1j * aside) * u
+            body += text(place.real, 3.5 - place.imag, words, kind="number")
     return square(body, f"crank and bores of {layout.name}")
 
 

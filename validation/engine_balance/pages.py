@@ -49,9 +49,11 @@ def write_pages(folder: str | Path, engines: Sequence[Engine] | None = None, *, 
     Raises
     ------
     ValueError
-        For two engines of one name, an engine without the closed form, or a folder that cannot be written.
+        For no engines, two of one name, an engine without the closed form, or a folder that cannot be written.
     """
     engines = [Engine(name) for name in names()] if engines is None else list(engines)
+    if not engines:
+        raise ValueError("pages: no engines; give at least one, or None for all layouts of the data file")
     folder, files = Path(folder), file_names(engines)
     try:
         (folder / "views").mkdir(parents=True, exist_ok=True)
@@ -105,7 +107,7 @@ def shades(sheets: list[Sheet]) -> dict[str, Any]:
     """Columns of the index: (order, kind) that any engine has, and the largest relative value of each kind."""
     columns, largest = [], {}
     for kind, _ in QUANTITIES:
-        for order in sheets[0].orders if sheets else ():
+        for order in sheets[0].orders:
             values = [relative(sheet, kind, order) for sheet in sheets]
             if max(values) > report.NOISE:
                 columns.append((kind, order))
