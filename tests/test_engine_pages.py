@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from mbsd3d.wording import digits
-from validation.engine_balance import cli, drawings, pages, sketch, spatial, truth, upright
+from validation.engine_balance import cli, drawings, pages, report, sketch, spatial, truth, upright
 from validation.engine_balance.layouts import Engine, Layout, layout, names
 from validation.engine_balance.sheets import Harmonic
 
@@ -70,6 +70,10 @@ def test_numbers_of_a_page_are_those_of_the_functions(folder):
         for order in (n for n in sheet.orders if sheet.torque(n) > sheet.noise):
             assert f"{order}x torque N m {sheet.torque(order):.6g}" in text
         assert f"largest {digits(sheet.peak)} N m" in text
+        for quantity, _ in pages.QUANTITIES:
+            sizes = report.amplitudes(sheet.comparison.ways["phasor"])[quantity][1:]
+            labels = [digits(x) if x > sheet.noise else "0" for x in sizes]
+            assert " ".join(f"{label} {n}x" for n, label in enumerate(labels, start=1)) in text
     assert "2x force 16.44 N" in words(folder / "I4.html")  # the published figure, which is true
 
 
@@ -83,6 +87,8 @@ def test_the_index_holds_every_harmonic_and_the_whole_truth_table(folder):
         assert cells == shown
     for row in truth.rows():
         assert re.sub(r"\s+", " ", f"{row.what} {pages.figure(row.published)}").strip() in text
+    couple = sheets[1].harmonics("couple")[0].axes[0]
+    assert pages.relative(sheets[1], "couple", 1) == pytest.approx(couple / (10.966227112 * 0.1), rel=1e-9)
     assert pages.relative(sheets[0], "force", 2) == pytest.approx(4 * 4.111095986 / 10.966227112, rel=1e-9)
 
 
@@ -120,6 +126,18 @@ def test_the_same_bytes_twice(folder, tmp_path):
     assert files == sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*.html"))
     for file in files:
         assert (folder / file).read_bytes() == (tmp_path / file).read_bytes(), file
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("I4", "1-3-4-2, every 180\u00b0"),
+        ("I3", "1-2-3, every 240\u00b0 (stated: 1-3-2)"),
+        ("Vtwin_90", "1-2, 270\u00b0 to 450\u00b0 apart"),
+    ],
+)
+def test_firing_in_words(name, said):
+    assert pages.Sheet(FakeComparison(Engine(name)), ()).firing == said
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbsd3d.wording import digits
 
-from . import drawings, phasor, report
+from . import drawings, gas, phasor, report
 from .balance import Comparison
 from .claims import Row
 from .harmonics import Harmonics, half_axes
@@ -166,6 +166,21 @@ class Sheet:
     def peak(self) -> float:
         """Largest driving torque [N m]."""
         return float(np.abs(self.closed[1]).max())
+
+    @property
+    def firing(self) -> str:
+        """Order and gaps of the ignitions of a four-stroke engine, in words."""
+        plan = self.engine.layout
+        try:
+            angles, order = np.sort(gas.firing_angles(plan)), gas.firing_order(plan)
+        except ValueError:  # too many cylinders to search
+            return plan.firing_order or "not stated"
+        gaps = np.round(np.diff([*angles, angles[0] + 720.0]), 6)
+        apart = (
+            f"every {gaps[0]:g}\u00b0" if np.ptp(gaps) == 0 else f"{gaps.min():g}\u00b0 to {gaps.max():g}\u00b0 apart"
+        )
+        stated = "" if plan.firing_order in (None, order) else f" (stated: {plan.firing_order})"
+        return f"{order}, {apart}{stated}"
 
     def claims(self, rows: list[Row]) -> list[Row]:
         """The rows of the truth table about this layout."""
