@@ -149,6 +149,52 @@ def test_damping_takes_its_power():
     assert lost > 1.0
 
 
+@pytest.mark.parametrize("frame", ["world", "body"])
+def test_forces_and_torques_that_vary_in_time(frame):
+    """m a_G = F(t), I alpha = arm x F + T(t) of a free body, with its weight."""
+    part = body("part", (0.4, -0.2), 0.7, velocity=(1.0, 2.0), omega=3.0)
+    at = np.array([0.9, 0.5])
+    loads = [
+        planar.Force(part, (2.0, -1.0), at=at, frame=frame, motion=planar.Sine(1.5, 4.0, 0.6)),
+        planar.Force(part, torque=0.8, motion=planar.Polynomial((0.5, 2.0))),
+    ]
+    run = planar.simulate(planar.System([part], (), loads, G), 0.6, dt=0.01)
+    arm = run.point(part, part.local_point(at)) - run.com(part)
+    turn = run.angle(part) * (frame == "body")
+    c, s = np.cos(turn), np.sin(turn)
+    force = 1.5 * np.sin(4 * run.t + 0.6)[:, None] * np.stack([2 * c + s, 2 * s - c], axis=1)
+    spin = (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] + 0.8 * (0.5 + 2 * run.t)) / part.inertia
+    offset = run.com(part) - run.position(part)
+    w, alpha = run.omega(part)[:, None], run.alpha(part)[:, None]
+    of_com = run.acceleration(part) + alpha * np.stack([-offset[:, 1], offset[:, 0]], axis=1) - w**2 * offset
+    assert run.alpha(part) == pytest.approx(spin, abs=1e-11)  # of up to 30 rad/s^2: rounding
+    assert of_com == pytest.approx(force / part.mass + G, abs=1e-11)
+
+
+def test_slide_driver_lifts_its_load():
+    """f = 0.3 t + 0.2 t^3 up a slope: effort m (f_ddot + g sin(slope)), times in any order and far apart."""
+    load, axis = body("load", (0.3, 0.1), 1.1), np.array([0.8, 0.6])
+    rail = planar.Slider(planar.GROUND, load, at=(0.5, 0.5), axis=axis, name="rail")
+    ram = planar.SlideDriver(rail, planar.Polynomial((0.0, 0.3, 0.0, 0.2)), name="ram")
+    times = np.array([2.0, 0.5, -1.0])
+    run = planar.kinematics(planar.System([load], [rail, ram], gravity=G), times)
+    assert run.effort("ram") == pytest.approx(load.mass * (1.2 * times + 9.81 * 0.6), rel=1e-13)
+    assert run.position(load) == pytest.approx(load.position + np.outer(0.3 * times + 0.2 * times**3, axis), abs=1e-13)
+    normal = run.reaction("rail").force @ np.array([-0.6, 0.8])
+    assert normal == pytest.approx(np.full(3, load.mass * 9.81 * 0.8), rel=1e-13)
+
+
+def test_kinematics_follows_the_branch_over_several_turns():
+    """Two samples turns apart: the positions between them are found on the way."""
+    near, far = (
+        planar.kinematics(slider_crank(), [0.1]),
+        planar.kinematics(slider_crank(), [5 * 2 * np.pi / SPEED + 0.1]),
+    )
+    for part in ("rod", "piston"):
+        assert far.position(part) == pytest.approx(near.position(part), abs=1e-12)
+    assert far.angle("crank") - near.angle("crank") == pytest.approx(10 * np.pi, abs=1e-12)
+
+
 def test_order_is_four():
     """The last position over the step, against a fine one."""
     end = [np.array([run.position(b)[-1] for b in run.system.bodies]) for run in (
@@ -397,6 +443,14 @@ def test_errors_name_part_value_and_remedy():
         planar.AngleDriver(gear, planar.rate(1.0), name="motor")
     with pytest.raises(ValueError, match="1 freedoms are not driven; add"):
         planar.kinematics(four_bar(), [0.0, 1.0])
+    with pytest.raises(ValueError, match="times of shape .2,.; give a row of finite"):
+        planar.kinematics(slider_crank(), [0.0, np.nan])
+    with pytest.raises(ValueError, match="output 1; give None or a count"):
+        planar.simulate(four_bar(), 1.0, dt=0.1, output=1)
+    with pytest.raises(ValueError, match="Revolute 'a' is no driver; ask for its reaction"):
+        planar.simulate(pair, 0.1, dt=0.1).effort("a")
+    with pytest.raises(ValueError, match="'z' is not one of the joints; there are 'a', 'b', 'gear'"):
+        planar.simulate(pair, 0.1, dt=0.1).reaction("z")
     with pytest.raises(ValueError, match="body 'x': mass: -1.0 is not positive"):
         planar.Body("x", -1.0, 1.0)
     with pytest.raises(ValueError, match="axis has zero length"):

@@ -23,6 +23,7 @@ from mbsd3d import (
     Spherical,
     SpringDamper,
     System,
+    Torque,
     Universal,
     rotation,
     simulate,
@@ -31,6 +32,7 @@ from mbsd3d.rotations import matrix
 from validation import theory
 from validation.engines import planar
 from validation.inline_four import RATE, inline_four, one_turn
+from validation.spectrum import spectrum
 
 TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
 EXACT = 1e-12
@@ -89,6 +91,14 @@ def test_inline_four_is_the_sum_of_its_planes():
         assert np.abs(found.force - force).max() < EXACT * single_force()
         assert np.abs(found.moment - moment).max() < EXACT * single_force() * 1.0  # m: the crank radius
     assert np.abs(force[:, 2]).max() > single_force()  # the second orders add up: there is something to agree on
+
+
+def test_orders_of_the_sum_of_planes():
+    """The second order of four pistons adds up, the first cancels."""
+    load_of_planes = validation.reduce_to_planes(inline_four()).block_load(TIMES).force
+    found = spectrum(TIMES, load_of_planes, rate=RATE)
+    assert abs(found.at(2)[2]) == pytest.approx(16.444383944, abs=1e-9)  # published to 16.44 N, closed form beyond
+    assert np.abs(found.at(1)).max() < EXACT * single_force()
 
 
 SPIN, PLACE, TURN = 31.0, np.array([0.3, -0.2, 0.5]), matrix(rotation((0.3, -0.8, 0.5), 1.1))
@@ -163,6 +173,32 @@ def test_an_engine_askew_in_space_with_weight_and_heavy_throws(disc):
     assert np.abs(error - unseen).max() < 1e-11 * np.abs(moment).max()
     inside = {plane.units for plane in reduction.planes}
     assert inside == {("rod 1",), ("rod 2",), ("rod 3",), ()}  # the last one: the rest of the shaft
+
+
+EIGHTH = np.pi / 4
+LAYOUTS = {
+    "single": ((0.2,), (0.17,), (0,)),
+    "three in line": ((0.0,) * 3, (-0.1, 0.0, 0.1), (0, 120, 240)),
+    "boxer": ((-2 * EIGHTH, 2 * EIGHTH) * 2, (-0.15, -0.05, 0.05, 0.15), (0, 180, 180, 0)),
+    "cross-plane eight": (
+        (-EIGHTH, EIGHTH) * 4, np.repeat((-0.15, -0.05, 0.05, 0.15), 2) + np.tile((-0.01, 0.01), 4),
+        np.repeat((0, 90, 270, 180), 2),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_layouts_with_heavy_throws_are_sums_of_planes(layout):
+    """The product of inertia of three or eight throws is no fault: every plane carries its own."""
+    banks, stations, phases = LAYOUTS[layout]
+    place = (0.0, 0.0, float(np.mean(stations)))
+    system = vee(banks=banks, stations=stations, phases=0.3 + np.radians(phases), disc=place)
+    reduction, times = validation.reduce_to_planes(system), np.linspace(0, 0.2, 21)
+    assert reduction.holds and len(reduction.planes) == len(set(stations))
+    force, moment = mount_load(simulate(system, 0.2, method=Kinematic(), output=times))
+    found = reduction.block_load(times)
+    assert np.abs(found.force - force).max() < EXACT * np.abs(force).max()
+    assert np.abs(found.moment - moment).max() < EXACT * np.abs(force).max() * 1.0  # m: distance from the origin
 
 
 def test_two_units_of_one_station_share_a_plane():
@@ -272,6 +308,14 @@ def test_h3_pins_beside_their_plane_and_bodies_free_to_leave_it():
     assert "free to leave" in failure.text
 
 
+def test_h3_a_skew_cross_that_looks_straight_at_the_reference_pose():
+    """Its axes span a plane with the normal: only a turn of the rod in its plane shows that they push it out."""
+    skew = np.radians(5.0)
+    axes = {"axis_a": (np.sin(skew), np.cos(skew), 0.0), "axis_b": (np.cos(skew), -np.sin(skew), 0.0)}
+    failure = only(validation.reduce_to_planes(changed(inline_four(), {"wristpin 3": axes})), "H3", "wristpin 3")
+    assert 0.1 < failure.amount < 5.0 and failure.unit == "deg"
+
+
 def test_h4_a_product_of_inertia_in_the_crank():
     """D about its axis: the couple w^2 D turns with the shaft, and the planes show none of it."""
     product, plain = 0.05, inline_four().part("crank").inertia
@@ -315,7 +359,9 @@ def test_loads_in_the_planes_are_carried():
     engine = inline_four()
     pistons = [engine.part(f"piston {i}") for i in (1, 2)]
     forces = [
-        Force(pistons[0], (3.0, 0, Sine(20.0, 0.5, 0.3, 4.0)), name="gas"),
+        Force(pistons[0], (3.0, 0, Sine(20.0, 0.5, 0.3, 4.0)), at=pistons[0].centre + [0.2, 0, 0.1], name="gas"),
+        Torque(engine.part("rod 3"), (0, Ramp(4.0), 0)),
+        Force(engine.part("crank"), (5.0, 0.0, -2.0), at=(0.3, -0.1, 0.4), frame="body"),
         SpringDamper(GROUND, pistons[1], at_a=(0.4, -0.1, 3.0), at_b=pistons[1].centre, stiffness=7.0, damping=2.0),
     ]
     system = System(engine.bodies, engine.joints, forces, (2.0, 0.0, -9.0))

@@ -141,19 +141,19 @@ def reduce_to_planes(system: System) -> Reduction:
     if shaft is None:
         return Reduction(tuple(failures), (), np.eye(3))
     units, loose = find_units(shaft)
-    failures += loose + out_of_plane(shaft, units) + lopsided(shaft, units)
+    failures += loose + out_of_plane(shaft, units) + lopsided(shaft, units) + heavy(shaft)
     bodies = {id(b): flat_body(shaft, b) for b in system.bodies if shaft.moves(b)}
-    joints = [[planar_joint(shaft, link, unit.z, bodies) for link in unit.links] for unit in units]
-    failures += [x for own in joints for x in own if isinstance(x, Failure)]
     loads, foreign = carried_loads(shaft, units, bodies)
-    failures += foreign + heavy(shaft)
-    planes: tuple[Plane, ...] = ()
-    if units and not any(x.hypothesis in ("H1", "H3") or x.unit == "bodies" for x in failures):
-        joints = [[joint for joint in own if joint is not None] for own in joints]
-        failures += unlike(shaft, units, joints, bodies)
-        planes, unseen = form_planes(shaft, units, joints, bodies, loads)
-        failures += unseen
-    return Reduction(tuple(failures), planes, shaft.rows.axes)
+    failures += foreign
+    if loose or any(failure.hypothesis in ("H1", "H3") for failure in failures):
+        return Reduction(tuple(failures), (), shaft.rows.axes)
+    joints = [[planar_joint(shaft, link, unit.z, bodies) for link in unit.links] for unit in units]
+    odd = [x for own in joints for x in own if isinstance(x, Failure)]
+    if odd:
+        return Reduction((*failures, *odd), (), shaft.rows.axes)
+    joints = [[joint for joint in own if joint is not None] for own in joints]
+    planes, unseen = form_planes(shaft, units, joints, bodies, loads)
+    return Reduction((*failures, *unlike(shaft, units, joints, bodies), *unseen), planes, shaft.rows.axes)
 
 
 def flat_body(shaft: Shaft, body: object) -> planar.Body:

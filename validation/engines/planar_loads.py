@@ -15,7 +15,7 @@ from .planar_parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, p
 class Force(Part):
     """A force (2,) [N] at a point of a body (None: centre of mass) and a torque [N m], times ``motion`` of time.
 
-    ``frame`` "world" keeps the direction of the force, "body" turns it with the body.
+    Components along the axes of the world or, with ``frame`` "body", along those of the body.
     """
 
     body: Body

@@ -145,7 +145,10 @@ def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
     for body in (link.a, link.b):
         if body is GROUND:
             continue
-        arms = [centre(rows.wrenches(link.joints, body, z, pose), rows.length) for pose in (before, after)]
+        both = [rows.wrenches(link.joints, body, z, pose) for pose in (before, after)]
+        if len(both[1]) != 2 or np.linalg.matrix_rank(both[1][:, :2], EXACT) != 2:
+            return False
+        arms = [centre(W, rows.length) for W in both]
         angle = 0.3 + 0.1 * np.sin(1.0 + 5.0 * rows.index[id(body)])
         c, s = np.cos(angle), np.sin(angle)
         if np.linalg.norm(np.array([[c, -s], [s, c]]) @ arms[0] - arms[1]) > 1e-7 * rows.length:
