@@ -51,9 +51,10 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
 @click.option("--ways", is_flag=True, help="Every harmonic by phasor, planar sum and spatial model, and as published.")
 @click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
+@click.option("--pages", type=click.Path(), metavar="FOLDER", help="Write pages there: index.html and the engines.")
 def main(
     layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
-    ways: bool, truth: bool, **sizes: Any,
+    ways: bool, truth: bool, pages: str | None, **sizes: Any,
 ) -> None:  # fmt: skip
     """Balance of the engine LAYOUT, or of all layouts: forces and moments on the block, order by order.
 
@@ -75,6 +76,11 @@ def main(
             return
         wanted = names() if layout is None else [layout]
         engines = [Engine(name, **sizes, **masses) for name in wanted]
+        if pages is not None:
+            from .pages import write_pages
+
+            click.echo(write_pages(pages, engines))
+            return
         comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
         extra = studied(engines, gas, shafts, sweep)
     except (ValueError, Mbsd3dError) as error:

@@ -1,0 +1,110 @@
+"""Planar mechanisms in the plane and in space: the same motion and forces, and a complete table of what they cost."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mbsd3d import Kinematic, simulate
+from validation import noise, tax
+from validation.engines import planar
+from validation.twins import mechanisms
+
+MECHANISMS = {m.name: m for m in mechanisms()}
+STEPS = 2000  # a turn of RK4, closed at each: errors of 8e-9 at 304 steps fall to 4e-12
+
+
+@pytest.fixture(params=MECHANISMS.values(), ids=MECHANISMS)
+def mechanism(request):
+    return request.param
+
+
+@pytest.mark.parametrize("options", [{}, {"redundant": True}, {"centroidal": True}], ids=str)
+def test_space_and_plane_move_alike(mechanism, options):
+    flat = planar.simulate(mechanism.plane(), mechanism.turn, dt=mechanism.turn / STEPS, output=5)
+    deep = simulate(mechanism.space(**options), mechanism.turn, rtol=1e-12, output=5)
+    for link in mechanism.links:
+        off = deep.com(link.name) - np.pad(flat.com(link.name), ((0, 0), (0, 1)), constant_values=link.centre[2])
+        assert np.abs(off).max() < 2e-11  # m: RK4, and rtol 1e-12 over some 30 steps
+        assert np.abs(deep.omega(link.name)[:, 2] - flat.omega(link.name)).max() < 1e-10 * mechanism.rate
+
+
+@pytest.mark.parametrize("centroidal", [False, True])
+def test_driven_forces_are_the_same(mechanism, centroidal):
+    """Kinematics has no error of integration: rounding times the condition of the joints."""
+    times = mechanism.turn * np.arange(13) / 12
+    flat = planar.kinematics(mechanism.plane(driven=True, centroidal=centroidal), times)
+    system = mechanism.space(driven=True, centroidal=centroidal)
+    deep = simulate(system, mechanism.turn, method=Kinematic(), output=13)
+    size = max(np.abs(flat.reaction(c.name).force).max() for c in mechanism.couplings)
+    for c in mechanism.couplings:
+        off = deep.reaction(c.name).force[:, :2] - flat.reaction(c.name).force
+        assert np.abs(off).max() < 1e-12 * size
+    assert np.abs(deep.effort("motor") - flat.effort("motor")).max() < 1e-12 * size
+
+
+def test_redundant_rows_are_there_and_gone(mechanism):
+    """Every loop closed by hinges repeats three rows; a ball and a cross instead repeat none."""
+    loops = len(mechanism.couplings) - len(mechanism.links)
+    for redundant, extra in ((False, 0), (True, 3 * loops)):
+        found = mechanism.space(redundant=redundant).check()
+        assert (found.mobility, found.rows - found.rank) == (1, extra)
+
+
+def test_floors_are_rounding():
+    """Some ten forces cancel: a few times 2e-16; and each sum is of numbers that are not zero themselves."""
+    floors = noise.noise_floors()
+    assert [(row.mechanism, row.what) for row in floors[:3]] == [
+        ("slider-crank", "Newton for the whole"),
+        ("slider-crank", "force out of the plane"),
+        ("slider-crank", "drift out of the plane"),
+    ]
+    assert len(floors) == 3 * len(MECHANISMS) + 2
+    for row in floors:
+        assert max(row.space, row.redundant, row.plane or 0.0) < 1e-13, row
+
+
+def test_an_imbalance_is_seen():
+    """One piston of the inline four a thousandth too heavy: the 1x force is that of the surplus, 5 g R w^2."""
+    four = MECHANISMS["inline four"]
+    links = [
+        link if link.name != "piston 2" else link.__class__(**{**vars(link), "mass": 5.005}) for link in four.links
+    ]
+    lopsided = four.__class__(**{**vars(four), "links": tuple(links)})
+    for run in noise.cycle(lopsided):
+        assert noise.balanced(lopsided, run)[0] == pytest.approx(0.005 / 10.0, rel=1e-6)
+        assert noise.imbalance(four, run) > 1e-5  # with the masses as they should be, Newton is violated
+
+
+@pytest.fixture(scope="module")
+def small():
+    """The whole measurement in one round: not accurate, but complete."""
+    return tax.measure(rounds=1, cells=2)
+
+
+def test_the_table_is_complete(small):
+    for mechanism in MECHANISMS:
+        assert [row.form for row in small.costs if row.mechanism == mechanism] == list(tax.FORMS)
+        settings = [row.setting.split(",")[0] for row in small.accuracies if row.mechanism == mechanism]
+        assert settings == ["RK4", "RK4", "DOP853"]
+    assert all(0.0 < row.error <= tax.ACCURACY for row in small.accuracies)
+    assert small.sweep["cells"] == 4 and small.sweep["failed"] == 0 < small.sweep["seconds"]
+    text = "\n".join(tax.lines(small))
+    for row in (*small.costs, *small.accuracies, *small.floors):
+        assert any(line.startswith(f"{row.mechanism:14}{row[1]}") for line in text.splitlines()), row
+
+
+def test_verdicts_follow_the_numbers(small):
+    """Also of a ratio above the goal."""
+    slow = small._replace(costs=[row._replace(ratio=9.0) for row in small.costs])
+    assert [met for *_, met in tax.verdicts(slow)][:2] == [False, True]
+    assert "MISSED" in "\n".join(tax.lines(slow))
+
+
+def test_command_line_gives_json(small, monkeypatch):
+    monkeypatch.setattr(tax, "measure", lambda rounds: small)
+    result = CliRunner().invoke(tax.main, ["--json", "--rounds", "3"])
+    data = json.loads(result.output)
+    assert result.exit_code == 0 and len(data["costs"]) == len(small.costs)
+    assert data["verdicts"][0]["goal"] == tax.RATIO_GOAL and data["sweep"] == small.sweep

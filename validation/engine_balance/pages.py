@@ -1,0 +1,171 @@
+"""Pages of the engines: one for each layout, and an index with all layouts and the truth table; no network needed.
+
+``write_pages(folder)`` writes ``index.html``, ``I4.html`` ... and the animated engines ``views/I4.html`` ...
+"""
+
+import re
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+
+import mbsd3d
+from mbsd3d.files import package_version, write_atomically
+from mbsd3d.progress import Progress
+from mbsd3d.style import DARK, LIGHT
+from mbsd3d.wording import digits
+
+from . import drawings, report, sketch, spatial, upright
+from .balance import compare
+from .claims import Row
+from .layouts import Engine, names
+from .sheets import QUANTITIES, Sheet
+from .truth import AGREES, rows
+
+ORDERS = 6
+SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
+
+
+def write_pages(folder: str | Path, engines: Sequence[Engine] | None = None, *, progress: bool | None = None) -> Path:
+    """Write the pages of engines, by default of all layouts of the data file with the toy engine's masses.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Is made if it is missing; older pages in it are replaced.
+    engines : sequence of Engine, optional
+        Of different names, identical and centred cylinders, not standing still.
+    progress : bool, optional
+        Show a bar; None = on a terminal, after two seconds.
+
+    Returns
+    -------
+    Path
+        The index.
+
+    Raises
+    ------
+    ValueError
+        For no engines, two of one name, an engine without the closed form, or a folder that cannot be written.
+    """
+    engines = [Engine(name) for name in names()] if engines is None else list(engines)
+    if not engines:
+        raise ValueError("pages: no engines; give at least one, or None for all layouts of the data file")
+    folder, files = Path(folder), file_names(engines)
+    try:
+        (folder / "views").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"pages: folder '{folder}' cannot be made ({error.strerror}); give another one") from error
+    truth, sheets = rows(), []
+    with Progress(f"pages of {len(engines)} engines", 0, 2 * len(engines), progress) as bar:
+        for engine in engines:
+            sheets.append(make_sheet(engine))
+            bar.update(len(sheets))
+        for k, (sheet, file) in enumerate(zip(sheets, files, strict=True)):
+            turn = upright.shown(sheet.engine)
+            turn.animate(folder / "views" / file, curves=(), traces=(), title=sheet.engine.layout.name)
+            page = render("engine.html", sheet=sheet, near=neighbours(sheets, files, k), file=file, truth=truth)
+            write_atomically(folder / file, page.encode())
+            bar.update(len(sheets) + k + 1)
+    index = render("index.html", sheets=list(zip(sheets, files, strict=True)), truth=truth, shades=shades(sheets))
+    return write_atomically(folder / "index.html", index.encode())
+
+
+def file_names(engines: Sequence[Engine]) -> list[str]:
+    """Of the pages: the names of the layouts with "-" for what may not stand in a file name.
+
+    Raises
+    ------
+    ValueError
+        If two would be the same.
+    """
+    files = [re.sub(r"[^A-Za-z0-9_.+-]+", "-", engine.layout.name).strip(".") + ".html" for engine in engines]
+    for engine, file in zip(engines, files, strict=True):
+        if [other.lower() for other in (*files, "index.html")].count(file.lower()) > 1:
+            raise ValueError(f"pages: engine '{engine.layout.name}' would share '{file}' with another page; rename it")
+    return files
+
+
+def make_sheet(engine: Engine) -> Sheet:
+    """Harmonics three ways and the driving torque of an engine."""
+    comparison = compare(engine, ORDERS)
+    turn = spatial.turn(spatial.build(engine), engine, count=72)
+    return Sheet(comparison, (360.0 * np.arange(73) / 72, turn.effort("motor")))
+
+
+def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
+    """(file, name) of the pages before and after page k, round and round; none if it is the only one."""
+    if len(files) == 1:
+        return []
+    return [(files[i % len(files)], sheets[i % len(files)].engine.layout.name) for i in (k - 1, k + 1)]
+
+
+def shades(sheets: list[Sheet]) -> dict[str, Any]:
+    """Columns of the index: (order, kind) that any engine has, and the largest relative value of each kind."""
+    columns, largest = [], {}
+    for kind, _ in QUANTITIES:
+        for order in sheets[0].orders:
+            values = [relative(sheet, kind, order) for sheet in sheets]
+            if max(values) > report.NOISE:
+                columns.append((kind, order))
+                largest[kind] = max(largest.get(kind, 0.0), *values)
+    return {"columns": columns, "largest": largest}
+
+
+def relative(sheet: Sheet, kind: str, order: int) -> float:
+    """Amplitude over F_single, F_single times spacing, or F_single times R."""
+    engine = sheet.engine
+    size = {"force": 1.0, "couple": engine.spacing, "torque": engine.radius}[kind] * engine.single
+    value = sheet.torque(order) if kind == "torque" else sheet.harmonics(kind)[order - 1].axes[0]
+    return value / size if value > sheet.noise else 0.0
+
+
+def shade(value: float, largest: float) -> int:
+    """Strength of a cell's colour [%]: by the root, so that small ones are seen too."""
+    return 0 if value == 0.0 else int(round(8 + 47 * (value / largest) ** 0.5))
+
+
+def figure(x: Any) -> str:
+    """A figure of the truth table: six digits, 0 for rounding, an en dash between two, nothing for None."""
+    if isinstance(x, tuple):
+        return " \u2026 ".join(figure(part) for part in x)
+    return report.number(x).replace("-", "\u2212")
+
+
+def mark(row: Row) -> str:
+    """Whether a published figure is the true one: "pass", "fail", or nothing where there is no such pair.
+
+    It is if the verdict says so, or if it is the true one rounded to its own two or more decimals.
+    """
+    if row.published is None or row.actual is None:
+        return ""
+    decimals = len(str(row.published).partition(".")[2])
+    rounded = decimals >= 2 and abs(row.published - row.actual) <= 0.5 * 10.0**-decimals
+    return "pass" if rounded or AGREES in row.verdict else "fail"
+
+
+@cache
+def environment() -> Any:
+    """Templates of this folder and the house style of reports; every text put into them is escaped."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folders = [Path(__file__).parent / "templates", Path(mbsd3d.__file__).parent / "templates"]
+    found = Environment(
+        loader=FileSystemLoader(folders), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    found.filters |= {"digits": digits, "figure": figure, "link": quote, "mark": mark}
+    found.globals |= {
+        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": sketch.sketch,
+        "relative": relative, "shade": shade, "quantities": QUANTITIES, "mark": mark, "sources": SOURCES,
+        "ways": report.ways,
+    }  # fmt: skip
+    return found
+
+
+def render(name: str, **values: Any) -> str:
+    """A page."""
+    return environment().get_template(name).render(**values)

@@ -1,0 +1,195 @@
+"""What the page of an engine says, as data: harmonics with words, three ways beside each other, torque over a turn."""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mbsd3d.wording import digits
+
+from . import drawings, gas, phasor, report
+from .balance import Comparison
+from .claims import Row
+from .harmonics import Harmonics, half_axes
+from .layouts import Engine
+
+FINE = 1e-6  # of a harmonic: parts that turn the other way are rounding below it
+CURVE = 24  # orders of the driving torque over a turn
+QUANTITIES = (("force", "N"), ("couple", "N m"), ("torque", "N m"))
+TOPICS = {
+    "single": r"F_single|(one|per|single) cylinder|torque peak|bearing|h\(q,v\)",
+    "I3": r"\bI3\b",
+    "I4": r"\bI4\b|R/L|2x (of|to|over)",
+    "I5": r"\bI5",
+    "I6": r"\bI6$|I6 \(",
+    "V6_60": r"V6[ _]60",
+    "V6_90": r"V6[ _]90",
+    "V8_flat": r"V8[ _]flat|V8 4x",
+    "V8_cross": r"V8[ _]cross",
+    "V10": r"\bV10",
+    "V12": r"\bV12",
+    "boxer4": r"[Bb]oxer-?4",
+    "flat4": r"flat4|flat[ -]4",
+}
+"""What the rows of the truth table about a family of layouts say."""
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """A force or couple of one order."""
+
+    order: int
+    kind: str
+    """"force" or "couple"."""
+    forward: complex
+    backward: complex
+    noise: float
+
+    @property
+    def axes(self) -> tuple[float, float]:
+        """Long and short half axis [N or N m]."""
+        long, short = half_axes(np.array(self.forward), np.array(self.backward))
+        return float(long), float(short)
+
+    @property
+    def there(self) -> bool:
+        """Whether it is more than rounding."""
+        return self.axes[0] > self.noise
+
+    @property
+    def motion(self) -> str:
+        """How it turns or swings, in words."""
+        f, b = abs(self.forward), abs(self.backward)
+        if not self.there:
+            return "balanced"
+        if b <= FINE * f:
+            return "turns with the crank, constant size"
+        if f <= FINE * b:
+            return "turns against the crank, constant size"
+        if abs(f - b) <= FINE * (f + b):
+            angle = np.degrees(np.angle(self.forward) - np.angle(self.backward)) / 2
+            angle = round(angle, 3) % 180.0
+            return {0.0: "swings along x", 90.0: "swings along y"}.get(angle, f"swings at {angle:.4g}\u00b0 from x")
+        return f"ellipse, {'with' if f > b else 'against'} the crank"
+
+    @property
+    def cure(self) -> str:
+        """What would remove it."""
+        f, b = (abs(part) > FINE * self.axes[0] for part in (self.forward, self.backward))
+        if not self.there:
+            return ""
+        if f and b and self.order > 1:
+            return f"two shafts at {self.order}x, one with and one against the crank"
+        forward = "counterweights on the crank" if self.order == 1 else f"a shaft at {self.order}x with the crank"
+        return " and ".join([forward] * f + [f"a shaft at {self.order}x against the crank"] * b)
+
+    @property
+    def drawing(self) -> Any:
+        """Its rotating vectors."""
+        label = f"{self.order}x {self.kind}: {self.motion}"
+        return drawings.polar(self.forward, self.backward, label) if self.there else drawings.still(label)
+
+    @property
+    def icon(self) -> Any:
+        """Its ellipse, small."""
+        return drawings.icon(self.forward, self.backward)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """An engine with its harmonics three ways."""
+
+    comparison: Comparison
+    samples: tuple[np.ndarray, np.ndarray]
+    """Crank angle [degrees] and driving torque [N m] of the spatial model over a turn."""
+
+    @property
+    def engine(self) -> Engine:
+        """Of the comparison."""
+        return self.comparison.engine
+
+    @cached_property
+    def orders(self) -> range:
+        """1 ... the highest one."""
+        return range(1, len(self.comparison.ways["spatial"].torque))
+
+    @property
+    def noise(self) -> float:
+        """Below it an amplitude is rounding [N or N m]."""
+        return report.NOISE * self.engine.single
+
+    def harmonics(self, kind: str) -> list[Harmonic]:
+        """Of force or couple, one per order, from the spatial model."""
+        h, k = self.comparison.ways["spatial"], ("force", "couple").index(kind)
+        return [Harmonic(n, kind, complex(h.forward[n, k]), complex(h.backward[n, k]), self.noise) for n in self.orders]
+
+    def shakes(self, kind: str) -> bool:
+        """Whether any order of force or couple is left."""
+        return any(h.kind == kind for h in self.left)
+
+    def torque(self, order: int) -> float:
+        """Amplitude of the driving torque [N m]."""
+        return float(np.abs(self.comparison.ways["spatial"].torque[order]))
+
+    @cached_property
+    def left(self) -> list[Harmonic]:
+        """What is not balanced, the forces first."""
+        return [h for kind in ("force", "couple") for h in self.harmonics(kind) if h.there]
+
+    def bars(self, quantity: str) -> Any:
+        """Amplitudes of a quantity of `QUANTITIES` by order, three ways."""
+        values = {way: report.amplitudes(h)[quantity][1:] for way, h in self.comparison.ways.items()}
+        values = {way: np.where(x > self.noise, x, 0.0) for way, x in values.items()}
+        texts = [digits(float(x)) for x in values["spatial"]]
+        return drawings.bars(values, texts, f"{quantity} by order, three ways: {', '.join(texts)}")
+
+    def path(self, kind: str) -> Any:
+        """The way of force or couple over a turn, all orders together."""
+        h, q = self.comparison.ways["spatial"], np.linspace(0, 2 * np.pi, 181)[:-1]
+        x, y = (over_a_turn(h, q)[0 if kind == "force" else 1]).T[:2]
+        return drawings.loop(x, y, f"{kind} over a turn, all orders")
+
+    @cached_property
+    def closed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Crank angle [degrees] and driving torque [N m] in closed form, every half degree."""
+        q, torque = np.linspace(0.0, 360.0, 721), phasor.block_load(self.engine, CURVE).torque
+        return q, np.real(np.exp(1j * np.outer(np.radians(q), np.arange(CURVE + 1))) @ torque)
+
+    def curve(self) -> Any:
+        """Driving torque over the crank angle: closed form as a line, the spatial model as dots."""
+        label = "driving torque over the crank angle"
+        return drawings.curve(*self.closed, self.samples, label, "driving torque [N m]")
+
+    @property
+    def peak(self) -> float:
+        """Largest driving torque [N m]."""
+        return float(np.abs(self.closed[1]).max())
+
+    @property
+    def firing(self) -> str:
+        """Order and gaps of the ignitions of a four-stroke engine, in words."""
+        plan = self.engine.layout
+        try:
+            angles, order = np.sort(gas.firing_angles(plan)), gas.firing_order(plan)
+        except ValueError:  # too many cylinders to search
+            return plan.firing_order or "not stated"
+        gaps = np.round(np.diff([*angles, angles[0] + 720.0]), 6)
+        apart = (
+            f"every {gaps[0]:g}\u00b0" if np.ptp(gaps) == 0 else f"{gaps.min():g}\u00b0 to {gaps.max():g}\u00b0 apart"
+        )
+        stated = "" if plan.firing_order in (None, order) else f" (stated: {plan.firing_order})"
+        return f"{order}, {apart}{stated}"
+
+    def claims(self, rows: list[Row]) -> list[Row]:
+        """The rows of the truth table about this layout."""
+        name = self.engine.layout.name
+        patterns = [pattern for family, pattern in TOPICS.items() if name.startswith(family)]
+        return [row for row in rows if any(re.search(p, f"{row.source} {row.what}") for p in patterns)]
+
+
+def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force and moment at crank angles q, (k, 3) each [N], [N m]."""
+    turn = np.exp(1j * np.outer(q, np.arange(len(h.torque))))
+    return np.real(turn @ h.force), np.real(turn @ h.moment)
