@@ -10,6 +10,8 @@ from moving import ARM, BEAD, CRANK, PINK, TAIL
 from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
+from mbsd3d.demos.base import own_demos
+from mbsd3d.demos.report import write
 from mbsd3d.rotations import matrix
 from mbsd3d.view.content import LENGTH, TURN
 from mbsd3d.view.drawing import bounds, draw_system, frame_camera
@@ -255,3 +257,22 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
         r = np.array(seen.run("__viserMutable.nodePoseData['/bodies/9'].position")) / seen.run("mbsd3d.data.scale")
         near = run.position("link 9")[k - 1 : k + 1]
         assert (np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + LENGTH * draw_system(run.system).size).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", own_demos())
+def test_every_demo_is_seen_moving(chromium, name, tmp_path):
+    demo = own_demos()[name]
+    write(demo, demo.run(), tmp_path)
+    pages = sorted(tmp_path.glob("*.html"))
+    assert pages
+    for path in pages:
+        with opened(chromium, path, width=800, height=460) as seen:
+            first = scene(seen)
+            assert covered(first)[0] > 0.03
+            times = seen.run("mbsd3d.data.times")
+            length = times["step"] * (times["count"] - 1)
+            for share in np.linspace(0.07, 1.0, 5):
+                seek(seen, times["first"] + share * length)
+                assert differing(first, scene(seen)) > 200
+                assert seen.run(OUTSIDE) == []
