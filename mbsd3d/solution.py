@@ -381,7 +381,7 @@ class Solution:
         ValueError
             Naming the option, part or package and the remedy.
         """
-        from .view.page import animate
+        from .view.show import animate
 
         return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
 

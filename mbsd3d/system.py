@@ -261,7 +261,7 @@ class System:
         ValueError
             For a state of another system, a shape that cannot be drawn, a missing package.
         """
-        from .view.page import show_system
+        from .view.show import show_system
 
         return show_system(self, path, state, title, dark, live)
 

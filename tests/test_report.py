@@ -22,6 +22,7 @@ from mbsd3d import (
     System,
     accelerations,
     facts,
+    load,
     measures,
     simulate,
 )  # fmt: skip

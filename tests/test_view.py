@@ -13,7 +13,7 @@ import pytest
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simulate
 from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
-from mbsd3d.view import live, page
+from mbsd3d.view import live, page, show
 from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text, sensible_speed
 from mbsd3d.view.drawing import draw_system
 from mbsd3d.view.meshes import arrow, creased, linear
@@ -137,7 +137,7 @@ def test_pages_are_small():
 
 def test_frames_fall_only_if_nobody_asked_for_them(run, monkeypatch):
     full = run.animate()
-    monkeypatch.setattr(page, "LARGEST", len(full.html) - 1)
+    monkeypatch.setattr(show, "LARGEST", len(full.html) - 1)
     assert 2 <= run.animate().frames < full.frames
     assert run.animate(frames=full.frames).html == full.html
 
@@ -161,6 +161,7 @@ def test_a_state_is_shown(run):
     r, size = unpack(data_of(written)["poses"]["r"]), draw_system(run.system).size
     assert np.abs(r[0, :-1] - run.final.q.reshape(-1, 7)[:, :3]).max() <= LENGTH * size
     assert "frames" not in repr(written) and 'id="play"' not in written.html
+    assert 'id="time"' in written.html and 'id="time"' not in run.system.show().html
     with pytest.raises(ValueError, match="state has 2 bodies, the system 1"):
         System([Body("stone", 1.0, (1, 1, 1))]).show(state=run.final)
 
@@ -183,12 +184,25 @@ def test_a_mode_is_animated():
         ({"dark": "yes"}, "dark = 'yes'; give True, False"),
         ({"curves": ["angles"]}, "curve 'angles' is unknown"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
+        ({"path": 5}, "animate: path = 5; give the name of a file"),
+        ({"path": "nowhere/page"}, "'nowhere/page' cannot be written: there is no folder 'nowhere'; make it first"),
         ({"traces": [("nobody", (0, 0, 0))]}, "'nobody' is not one of the bodies"),
     ],
 )
 def test_wrong_options(run, options, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         run.animate(**options)
+
+
+def test_a_wrong_state():
+    with pytest.raises(ValueError, match="show: state = 3; give a State"):
+        System([Body("stone", 1.0, (1, 1, 1))]).show(state=3)
+
+
+def test_a_run_of_one_moment_is_a_still_page(run):
+    moment = run.again(0.1, output=[0.1]).animate()
+    assert moment.frames == 1 and data_of(moment)["curves"] == []
+    assert 'id="time"' in moment.html and 'id="play"' not in moment.html
 
 
 def test_a_missing_or_other_viser(monkeypatch):

@@ -30,6 +30,7 @@ class Content(NamedTuple):
     speed: float  # model time per real time
     title: str
     shown: tuple[str, ...] = ()  # layers, besides those that always are
+    timed: bool = True  # whether the time is one of a run
 
 
 def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:

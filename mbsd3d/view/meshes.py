@@ -24,9 +24,17 @@ def creased(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.nda
     smooth = (normals[a] * normals[b]).sum(axis=1) > np.cos(SHARP)
     a, b = a[smooth], b[smooth]
     patch = connected_components(coo_matrix((np.ones(a.size), (a, b)), shape=(len(faces),) * 2), directed=False)[1]
-    split = np.stack([faces.ravel(), np.repeat(patch, 3)], axis=1)
-    unique, new = np.unique(split, axis=0, return_inverse=True)
-    return vertices[unique[:, 0]], new.reshape(-1, 3)
+    split = faces.ravel().astype(np.int64) * (int(patch.max(initial=0)) + 1) + np.repeat(patch, 3)
+    _, first, new = np.unique(split, return_index=True, return_inverse=True)
+    return vertices[faces.ravel()[first]], new.reshape(-1, 3)
+
+
+def alone(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The given faces with those vertices only that they use."""
+    low = int(faces.min())
+    used = np.zeros(int(faces.max()) - low + 1, bool)
+    used[faces - low] = True
+    return vertices[low : low + used.size][used], (np.cumsum(used) - 1)[faces - low]
 
 
 def arrow(heads: int) -> tuple[np.ndarray, np.ndarray]:

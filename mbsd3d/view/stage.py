@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .drawing import Drawing, bounds, frame_camera
-from .meshes import arrow, creased, tint
+from .meshes import alone, arrow, creased, tint
 from .motion import Arrows, Frames, Trace
 from .sticks import Links, add_copies, lay
 
@@ -145,9 +145,8 @@ def add_pieces(scene: Any, stage: Stage, drawing: Drawing) -> None:
             if len(some):
                 groups.setdefault((piece.body, piece.layer, piece.colour, shade), []).append(some)
     for k, ((body, layer, colour, shade), parts) in enumerate(groups.items()):
-        used, corners = np.unique(np.concatenate(parts), return_inverse=True)
         name, rgb = f"/bodies/{body}/mesh{k}", tint(colour, shade)
-        node = scene.add_mesh_simple(name, vertices[used], corners.reshape(-1, 3), color=rgb, side="double")
+        node = scene.add_mesh_simple(name, *alone(vertices, np.concatenate(parts)), color=rgb, side="double")
         stage.layers[LAYER.get(layer, layer)].append(node)
 
 

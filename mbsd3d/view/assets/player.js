@@ -15,7 +15,7 @@ const placeOf = (t) => (still ? 0 : Math.min(Math.max((t - times.first) / times.
 const say = (text) => (($("message").textContent = text), ($("message").hidden = !text));
 
 // Digits after the point such that a frame's step is seen.
-const digits = still ? 0 : Math.min(9, Math.max(0, Math.ceil(-Math.log10(times.step)) + 1));
+const digits = still ? 4 : Math.min(9, Math.max(0, Math.ceil(-Math.log10(times.step)) + 1));
 const timeText = (t) => `t = ${t.toFixed(digits)} s`.replace("-", "\u2212");
 
 function seek(t) {
@@ -52,8 +52,8 @@ function tick(now) {
 function draw() {
   (dirty = false), (waiting = true); // the scene follows when the client has taken the last messages
   const place = placeOf(time);
+  if ($("time")) $("time").textContent = timeText(time);
   if (!still) {
-    $("time").textContent = timeText(time);
     $("scrub").value = time;
     $("scrub").setAttribute("aria-valuetext", timeText(time));
   }
