@@ -92,10 +92,20 @@ def check(file: str, drop: tuple[str, ...]) -> None:
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the motion.")
+@click.option(
+    "--report", "reported", is_flag=True, help="Write a report (_report.html) too: certificate, tables, curves."
+)
 @drop_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
 def run(
-    file: str, t_end: float, rtol: float, output: int | None, viewed: bool, drop: tuple[str, ...], out: str
+    file: str,
+    t_end: float,
+    rtol: float,
+    output: int | None,
+    viewed: bool,
+    reported: bool,
+    drop: tuple[str, ...],
+    out: str,
 ) -> None:
     """Simulate a mechanism.
 
@@ -123,6 +133,9 @@ def run(
         click.echo(str(path))
     if viewed:
         click.echo(str(solution.animate(title=target.name).save(target)))
+    if reported:
+        page = solution.report(title=target.name).save(target.with_name(f"{target.name}_report"))
+        click.echo(str(page))
     click.echo(str(solution.certificate))
     if not solution.certificate.passed:
         raise click.exceptions.Exit(1)

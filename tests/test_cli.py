@@ -168,10 +168,12 @@ def test_show_of_a_wrong_file(folder):
     assert result.exit_code == 2 and result.stderr.count("\n") == 1 and "missing.toml" in result.stderr
 
 
-def test_run_writes_a_page_on_request(folder):
-    result = call("run", model(folder, PENDULUM), "--t-end", 0.5, "--output", 11, "--view", "--out", "today/a.npz")
-    assert result.exit_code == 0 and "today/a.html\n" in result.stdout
-    assert (folder / "today" / "a.html").exists()
+def test_run_writes_pages_on_request(folder):
+    result = call(
+        "run", model(folder, PENDULUM), "--t-end", 0.5, "--output", 11, "--view", "--report", "--out", "today/a.npz"
+    )
+    assert result.exit_code == 0 and "today/a.html\ntoday/a_report.html\n" in result.stdout
+    assert (folder / "today" / "a.html").exists() and (folder / "today" / "a_report.html").exists()
 
 
 def test_run_writes_everything_and_prints_the_certificate(folder):

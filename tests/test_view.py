@@ -14,12 +14,13 @@ from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simu
 from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
 from mbsd3d.view import live, page, show
-from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text, sensible_speed
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text
 from mbsd3d.view.drawing import draw_system
 from mbsd3d.view.meshes import arrow, creased, linear
 from mbsd3d.view.motion import arrows_of, curves_of, frames_of
 from mbsd3d.view.packing import pack, unpack
 from mbsd3d.view.recorder import Recording, import_viser
+from mbsd3d.view.speed import sensible_speed
 from mbsd3d.view.stage import LONGEST, build_stage, round_length
 from mbsd3d.view.sticks import laid
 

@@ -16,7 +16,6 @@ LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
 ARROW = 2e-4  # of arrows, in units of the longest
 VALUE = 1e-6  # of curves, in units of their range
-SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
 
 
 class Content(NamedTuple):
@@ -31,16 +30,6 @@ class Content(NamedTuple):
     title: str
     shown: tuple[str, ...] = ()  # layers, besides those that always are
     timed: bool = True  # whether the time is one of a run
-
-
-def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
-    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
-    if seconds <= 0.0 or SHORT <= seconds <= longest:
-        return 1.0
-    exact = seconds / sensible
-    decade = 10.0 ** np.floor(np.log10(exact))
-    nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
-    return float(f"{nearest * decade:.1g}")
 
 
 def length_text(length: float) -> str:

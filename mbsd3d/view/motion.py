@@ -13,6 +13,7 @@ from ..rotations import matrix
 from ..style import COLOURS, colour
 from .between import Between, between, one_sheet, poses, turns
 from .curves import Curve, curves_of
+from .speed import sensible_speed
 
 __all__ = ["Arrows", "Curve", "Frames", "Trace", "arrows_of", "curves_of", "frames_of", "traces_of"]
 
@@ -84,11 +85,6 @@ def frames_of(solution: Any, count: int | None = None) -> Frames:
     return Frames(times, r, one_sheet(np.concatenate([e, ground], axis=1)))
 
 
-def film_seconds(span: float) -> float:
-    """How long a run of ``span`` seconds is shown: as long as it lasts, unless that is too short or too long."""
-    return span if 2.0 <= span <= 30.0 else 10.0
-
-
 def enough_frames(solution: Any) -> int:
     """Frames for a smooth picture of a run."""
     span = float(solution.t[-1] - solution.t[0])
@@ -96,7 +92,7 @@ def enough_frames(solution: Any) -> int:
         fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
     else:
         fastest = float((turns(solution) / np.diff(solution.t)).max())
-    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * film_seconds(span)))
+    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
     return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
 
 

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from ..parts import number
 from ..style import Theme, dress, house, theme
-from .content import LONG, SENSIBLE, sensible_speed
 from .motion import Curve, arrows_of, curves_of, frames_of, traces_of
 from .painter import new_sheet
 from .picture import KINDS, chosen, painter_of
 from .pointers import pointers_of
+from .speed import LONG, SENSIBLE, sensible_speed
 
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
 STRIP = 0.27  # height of a pair of axes below the scene, of the width

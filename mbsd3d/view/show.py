@@ -10,10 +10,11 @@ import numpy as np
 from ..parts import number
 from ..progress import Progress
 from ..state import State
-from .content import Content, sensible_speed
+from .content import Content
 from .drawing import draw_system, poses_of
 from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
 from .page import View, make_page
+from .speed import sensible_speed
 from .stage import ALL
 
 LARGEST = 9e6  # characters of a page whose number of frames was not asked for
