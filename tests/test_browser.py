@@ -272,7 +272,9 @@ def test_every_demo_is_seen_moving(chromium, name, tmp_path):
             assert covered(first)[0] > 0.03
             times = seen.run("mbsd3d.data.times")
             length = times["step"] * (times["count"] - 1)
+            changes = []
             for share in np.linspace(0.07, 1.0, 5):
                 seek(seen, times["first"] + share * length)
-                assert differing(first, scene(seen)) > 200
+                changes.append(differing(first, scene(seen)))
                 assert seen.run(OUTSIDE) == []
+            assert min(changes[:-1]) > 200  # the end may be the pose of the start again
