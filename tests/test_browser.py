@@ -157,7 +157,7 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
     page.run(SETTLED)
     page.page.locator("#camera").click()
-    for t in np.linspace(0.0, END, 9):
+    for t in np.linspace(0.0, END, 6):
         seek(page, float(t))
         assert page.run(OUTSIDE) == []
     tick(page, False, "ground grid", "body names")
@@ -169,7 +169,11 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
 
 @pytest.mark.parametrize(
     "reader, dark, expected",
-    [("dark", None, True), ("light", True, True), pytest.param("dark", False, False, marks=pytest.mark.slow)],
+    [
+        ("dark", None, True),
+        pytest.param("light", True, True, marks=pytest.mark.slow),
+        pytest.param("dark", False, False, marks=pytest.mark.slow),
+    ],
 )
 def test_dark_and_light(chromium, motion, folder, reader, dark, expected):
     view = motion.system.show(dark=dark)
@@ -245,6 +249,7 @@ def chain(links):
     return System(bodies, joints)
 
 
+@pytest.mark.slow
 def test_ten_bodies_and_a_thousand_frames(chromium, folder):
     run = simulate(chain(10), 1.0, rtol=1e-5, output=1000)
     view = run.animate(folder / "large", frames=1000)

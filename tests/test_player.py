@@ -161,7 +161,13 @@ def test_dragging_turns_the_view_and_reset_brings_it_back(page):
 
 
 @pytest.mark.parametrize(
-    "width, height", [(1280, 720), pytest.param(560, 700, marks=pytest.mark.slow), (360, 640), (640, 360)]
+    "width, height",
+    [
+        (1280, 720),
+        pytest.param(560, 700, marks=pytest.mark.slow),
+        (360, 640),
+        pytest.param(640, 360, marks=pytest.mark.slow),
+    ],
 )
 def test_every_control_can_be_reached_in_any_window(page, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
