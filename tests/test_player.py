@@ -185,3 +185,20 @@ def test_every_control_can_be_reached_in_any_window(page, width, height):
     canvas = page.page.locator("#root canvas").first.bounding_box()
     assert abs(canvas["width"] - box["width"]) <= 1 and abs(canvas["height"] - box["height"]) <= 1
     assert covered(scene(page))[0] > 0.02
+
+
+def test_the_divider_gives_the_curves_more_room_by_key_and_mouse(page):
+    divider, curves = page.page.locator("#divider"), page.page.locator("#curves")
+    widths = [curves.bounding_box()["width"]]
+    divider.focus()
+    page.page.keyboard.press("ArrowLeft")
+    widths.append(curves.bounding_box()["width"])
+    box = divider.bounding_box()
+    page.page.mouse.move(box["x"] + 3, 200), page.page.mouse.down()
+    page.page.mouse.move(box["x"] - 77, 200, steps=3), page.page.mouse.up()
+    page.run(SETTLED)
+    widths.append(curves.bounding_box()["width"])
+    assert widths[1] > widths[0] + 10 and widths[2] == pytest.approx(widths[1] + 80, abs=8)  # half the divider
+    scene_box, canvas = (page.page.locator(name).first.bounding_box() for name in ("#scene", "#root canvas"))
+    assert abs(canvas["width"] - scene_box["width"]) <= 1 and page.run("mbsd3d.time") == 0.0
+    page.run("document.getElementById('page').style.removeProperty('--share')")
