@@ -10,6 +10,8 @@ from moving import ARM, BEAD, CRANK, PINK, TAIL
 from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
+from mbsd3d.demos.base import own_demos
+from mbsd3d.demos.report import write
 from mbsd3d.rotations import matrix
 from mbsd3d.view.content import LENGTH, TURN
 from mbsd3d.view.drawing import bounds, draw_system, frame_camera
@@ -155,7 +157,7 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
     page.run(SETTLED)
     page.page.locator("#camera").click()
-    for t in np.linspace(0.0, END, 9):
+    for t in np.linspace(0.0, END, 6):
         seek(page, float(t))
         assert page.run(OUTSIDE) == []
     tick(page, False, "ground grid", "body names")
@@ -167,7 +169,11 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
 
 @pytest.mark.parametrize(
     "reader, dark, expected",
-    [("dark", None, True), ("light", True, True), pytest.param("dark", False, False, marks=pytest.mark.slow)],
+    [
+        ("dark", None, True),
+        pytest.param("light", True, True, marks=pytest.mark.slow),
+        pytest.param("dark", False, False, marks=pytest.mark.slow),
+    ],
 )
 def test_dark_and_light(chromium, motion, folder, reader, dark, expected):
     view = motion.system.show(dark=dark)
@@ -243,6 +249,7 @@ def chain(links):
     return System(bodies, joints)
 
 
+@pytest.mark.slow
 def test_ten_bodies_and_a_thousand_frames(chromium, folder):
     run = simulate(chain(10), 1.0, rtol=1e-5, output=1000)
     view = run.animate(folder / "large", frames=1000)
@@ -255,3 +262,24 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
         r = np.array(seen.run("__viserMutable.nodePoseData['/bodies/9'].position")) / seen.run("mbsd3d.data.scale")
         near = run.position("link 9")[k - 1 : k + 1]
         assert (np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + LENGTH * draw_system(run.system).size).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", own_demos())
+def test_every_demo_is_seen_moving(chromium, name, tmp_path):
+    demo = own_demos()[name]
+    write(demo, demo.run(), tmp_path)
+    pages = sorted(tmp_path.glob("*.html"))
+    assert pages
+    for path in pages:
+        with opened(chromium, path, width=800, height=460) as seen:
+            first = scene(seen)
+            assert covered(first)[0] > 0.03
+            times = seen.run("mbsd3d.data.times")
+            length = times["step"] * (times["count"] - 1)
+            changes = []
+            for share in np.linspace(0.07, 1.0, 5):
+                seek(seen, times["first"] + share * length)
+                changes.append(differing(first, scene(seen)))
+                assert seen.run(OUTSIDE) == []
+            assert min(changes[:-1]) > 200  # the end may be the pose of the start again

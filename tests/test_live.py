@@ -151,4 +151,4 @@ def test_a_browser_sees_it_move_and_pauses_it(chromium, view, solution):
         assert (x >= samples.min(axis=0) - margin).all() and (x <= samples.max(axis=0) + margin).all()
         seen.page.get_by_role("button", name="Play").click()
         assert until(lambda: view.playing)
-        assert seen.errors == [] and seen.failed == []
+        assert seen.complaints == []

@@ -30,6 +30,7 @@ def test_keys(page):
     step, press = END / (COUNT - 1), page.page.keyboard.press
     time = lambda: page.run("mbsd3d.time")  # noqa: E731
     page.page.locator("#scene").click(position={"x": 200, "y": 200})
+    first, camera = scene(page), page.run("[...__viserMutable.camera.matrixWorld.elements]")
     press("ArrowRight"), press("ArrowRight"), press("ArrowRight"), press("ArrowLeft")
     assert time() == pytest.approx(2 * step)
     press("End")
@@ -38,6 +39,11 @@ def test_keys(page):
     assert time() == pytest.approx(END)
     press("Home")
     assert time() == 0.0
+    for key in "wasdqe":
+        page.page.keyboard.press(key, delay=60)
+    page.run(SETTLED)
+    assert page.run("[...__viserMutable.camera.matrixWorld.elements]") == camera  # the client's own keys are off
+    assert differing(first, scene(page)) == 0
     press("Space")
     page.wait("mbsd3d.playing && mbsd3d.time > 0")
     press("Space")
@@ -68,15 +74,17 @@ def test_loop(page):
     page.run(f"mbsd3d.seek({0.9 * END})")
     page.wait("!mbsd3d.playing")
     assert page.run("mbsd3d.time") == pytest.approx(END)
+    page.page.locator("#speed").select_option("0.1")
     page.page.locator("#play").click()  # from the start again
-    page.wait("mbsd3d.playing && mbsd3d.time > 0")
-    assert page.run("mbsd3d.time") < END
+    page.wait(f"mbsd3d.playing && mbsd3d.time > 0 && mbsd3d.time < {END}")
     page.page.locator("#play").click()
     loop.check()
 
 
 def test_every_switch_changes_the_picture_and_back(page):
     page.page.set_viewport_size({"width": 800, "height": 340})  # small pictures are drawn quickly
+    legend = page.page.locator("#legend")
+    legend.evaluate("e => { e.style.visibility = 'hidden'; }")  # the scene itself has to change
     seek(page, 0.2)
     boxes = page.page.locator("#switches input")
     page.page.locator("#switches summary").click()
@@ -97,6 +105,7 @@ def test_every_switch_changes_the_picture_and_back(page):
     assert covered(page.pixels("#root"))[0] < 0.01  # the measure of "not blank" says no to paper alone
     for i, on in enumerate(before):
         boxes.nth(i).set_checked(on and i > 0)
+    legend.evaluate("e => { e.style.visibility = ''; }")
     page.run(SETTLED)
 
 
@@ -152,7 +161,13 @@ def test_dragging_turns_the_view_and_reset_brings_it_back(page):
 
 
 @pytest.mark.parametrize(
-    "width, height", [(1280, 720), pytest.param(560, 700, marks=pytest.mark.slow), (360, 640), (640, 360)]
+    "width, height",
+    [
+        (1280, 720),
+        pytest.param(560, 700, marks=pytest.mark.slow),
+        (360, 640),
+        pytest.param(640, 360, marks=pytest.mark.slow),
+    ],
 )
 def test_every_control_can_be_reached_in_any_window(page, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
@@ -170,3 +185,20 @@ def test_every_control_can_be_reached_in_any_window(page, width, height):
     canvas = page.page.locator("#root canvas").first.bounding_box()
     assert abs(canvas["width"] - box["width"]) <= 1 and abs(canvas["height"] - box["height"]) <= 1
     assert covered(scene(page))[0] > 0.02
+
+
+def test_the_divider_gives_the_curves_more_room_by_key_and_mouse(page):
+    divider, curves = page.page.locator("#divider"), page.page.locator("#curves")
+    widths = [curves.bounding_box()["width"]]
+    divider.focus()
+    page.page.keyboard.press("ArrowLeft")
+    widths.append(curves.bounding_box()["width"])
+    box = divider.bounding_box()
+    page.page.mouse.move(box["x"] + 3, 200), page.page.mouse.down()
+    page.page.mouse.move(box["x"] - 77, 200, steps=3), page.page.mouse.up()
+    page.run(SETTLED)
+    widths.append(curves.bounding_box()["width"])
+    assert widths[1] > widths[0] + 10 and widths[2] == pytest.approx(widths[1] + 80, abs=8)  # half the divider
+    scene_box, canvas = (page.page.locator(name).first.bounding_box() for name in ("#scene", "#root canvas"))
+    assert abs(canvas["width"] - scene_box["width"]) <= 1 and page.run("mbsd3d.time") == 0.0
+    page.run("document.getElementById('page').style.removeProperty('--share')")
