@@ -54,7 +54,9 @@ COLOURS, GREY = LIGHT.lines, LIGHT.muted
 
 
 def theme(dark: bool) -> Theme:
-    """The theme of dark or of light paper."""
+    """The theme of dark or of light paper; ValueError for what is neither True nor False."""
+    if dark not in (True, False):
+        raise ValueError(f"dark = {dark!r}; give True or False")
     return DARK if dark else LIGHT
 
 
