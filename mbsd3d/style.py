@@ -73,6 +73,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
     settings = {
         "font.family": [FONT],
         "mathtext.fontset": "dejavusans",
+        "text.parse_math": False,  # a name may have dollars in it
         "svg.hashsalt": "mbsd3d",  # else the ids in an SVG are random
         "svg.fonttype": "path",
         "figure.facecolor": look.paper,
