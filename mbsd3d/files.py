@@ -28,6 +28,8 @@ BROKEN = (
 
 def with_suffix(path: str | Path, suffix: str) -> Path:
     """The path, with the suffix appended unless it is there."""
+    if not isinstance(path, str | os.PathLike) or not Path(path).name:
+        raise ValueError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
     path = Path(path)
     return path if path.name.endswith(suffix) else path.with_name(path.name + suffix)
 

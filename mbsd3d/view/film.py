@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..files import write_atomically
+from ..files import with_suffix, write_atomically
 from ..parts import number
 from ..progress import Progress
 from .reel import Reel
@@ -164,7 +164,8 @@ def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
 
 def target(path: str | Path, suffix: str) -> Path:
     """The path with the suffix added unless it has it; a missing folder is found before the work, not after it."""
+    named = with_suffix(path, suffix)
     path = Path(path)
     if not path.parent.is_dir():
         raise ValueError(f"cannot write '{path}': there is no folder '{path.parent}'; make it first")
-    return path if path.suffix.lower() == suffix else path.with_name(path.name + suffix)
+    return path if path.suffix.lower() == suffix else named

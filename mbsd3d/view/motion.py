@@ -77,7 +77,7 @@ def frames_of(solution: Any, count: int | None = None) -> Frames:
     if not t.size:
         raise ValueError("animate: the solution has no samples; run it to a later time")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
-        raise ValueError(f"animate: frames = {count!r}; give a whole number of at least 2")
+        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
     r, e = poses(solution, between(solution, times))
     ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (times.size, 1, 4))

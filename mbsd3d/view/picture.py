@@ -49,8 +49,12 @@ def painter_of(
     dark: bool = False,
     ground: bool = True,
     fine: float = FINE,
+    **unknown: Any,
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
+    if unknown:
+        mine = "names, layers, view, dark, ground"
+        raise ValueError(f"option '{next(iter(unknown))}' is unknown; there are {mine}, and those of the method itself")
     drawing = draw_system(system)
     low, high = bounds(drawing, r, e)
     camera = frame_camera(low, high)
@@ -153,7 +157,10 @@ def picture_of_solution(
     kinds = chosen("picture: arrow", arrows, KINDS)
     inches = paper_size(size)
     run = frames_of(solution)
-    times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
+    try:
+        times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
+    except (TypeError, ValueError):
+        times = np.empty(0)
     if times.ndim != 1 or not times.size:
         raise ValueError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
     poses = [poses_of(solution.system, solution.at(float(time))) for time in times]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 CLIENT = "1.1."  # the client's build this package's player drives
-NEEDED = "{} needs the package viser; install it: pip install mbsd3d[view]"
+NEEDED = "{} needs the package viser; install it: pip install 'mbsd3d[view]'"
 
 
 def import_viser(user: str) -> Any:

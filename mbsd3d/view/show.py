@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ..files import with_suffix
 from ..parts import number
 from ..progress import Progress
 from ..state import State
+from ..wording import title_of
 from .content import Content
 from .drawing import draw_system, poses_of
 from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
@@ -24,7 +26,7 @@ def show_system(
     system: Any, path: str | Path | None, state: Any, title: str | None, dark: bool | None, live: bool
 ) -> Any:
     """See `System.show`."""
-    check_options("show", path, title, dark)
+    check_options("show", path, title, dark, live)
     if not (state is None or isinstance(state, State)):
         raise ValueError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
     r, e = poses_of(system, state)
@@ -37,7 +39,7 @@ def show_system(
         [],
         [],
         1.0,
-        title or ("reference pose" if state is None else "a pose"),
+        title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}",
         timed=state is not None,
     )
     return deliver(content, path, dark, live, "system.show")
@@ -56,7 +58,7 @@ def animate(
     live: bool,
 ) -> Any:
     """See `Solution.animate`."""
-    check_options("animate", path, title, dark)
+    check_options("animate", path, title, dark, live)
     if frames is not None and (isinstance(frames, bool) or not isinstance(frames, int | np.integer) or frames < 2):
         raise ValueError(f"animate: frames = {frames!r}; give a whole number >= 2, or None")
     shown = layers_of(shown)
@@ -90,7 +92,9 @@ def gather(
     lines = curves_of(solution, frames, curves) if frames.t.size > 1 else []
     progress.update(4.0)
     seconds = float(frames.t[-1] - frames.t[0])
-    return Content(drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or "motion")
+    return Content(
+        drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or title_of(solution.system)
+    )
 
 
 def layers_of(shown: Any) -> tuple[str, ...]:
@@ -103,16 +107,20 @@ def layers_of(shown: Any) -> tuple[str, ...]:
     return shown
 
 
-def check_options(user: str, path: Any, title: Any, dark: Any) -> None:
+def check_options(user: str, path: Any, title: Any, dark: Any, live: Any) -> None:
     """ValueError for options of another type, and for a folder that is not there: before the work, not after it."""
     if not (path is None or isinstance(path, str | os.PathLike)):
         raise ValueError(f"{user}: path = {path!r}; give the name of a file, or None")
+    if path is not None:
+        with_suffix(path, ".html")
     if path is not None and not Path(path).parent.is_dir():
         raise ValueError(f"{user}: '{path}' cannot be written: there is no folder '{Path(path).parent}'; make it first")
     if not (title is None or isinstance(title, str)):
         raise ValueError(f"{user}: title = {title!r}; give a text, or None")
     if dark is not None and not isinstance(dark, bool | np.bool_):
         raise ValueError(f"{user}: dark = {dark!r}; give True, False, or None for what the reader's system prefers")
+    if not isinstance(live, bool | np.bool_):
+        raise ValueError(f"{user}: live = {live!r}; give True for a server on this machine, or False")
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
