@@ -1,5 +1,7 @@
 """The planar solver against identities, closed forms and the spatial solver."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -487,3 +489,87 @@ def test_initial_velocities_are_kept_or_refused():
     hinge = planar.Revolute(planar.GROUND, part, at=(0, 0), name="hinge")
     with pytest.raises(ValueError, match="contradict the rows of Revolute 'hinge'"):
         planar.simulate(planar.System([part], [hinge]), 1.0, dt=0.1)
+
+
+def test_tables_are_splines_through_their_points():
+    """A cubic is its own spline: driver, force and torque as with the polynomial, between and beside the points."""
+    cubic = (0.2, 3.0, 5.0, -1.5)
+    times = np.array([-0.1, 0.13, 0.4, 0.77, 1.3])
+    table = planar.Table(times, np.polyval(cubic[::-1], times))
+    runs = [planar.kinematics(slider_crank(x), np.linspace(0, 1.2, 25)) for x in (table, planar.Polynomial(cubic))]
+    # rounding of the spline, 1e-15, twice differentiated over 0.2 s
+    assert largest(runs[0].effort("motor") - runs[1].effort("motor")) < 1e-10 * largest(runs[1].effort("motor"))
+    moved = []
+    for motion in (table, planar.Polynomial(cubic)):
+        part = body("part", (0.4, -0.2), 0.7, velocity=(0.0, 0.0), omega=0.0)
+        push = planar.Force(part, (1.0, 2.0), torque=0.3, motion=motion)
+        late = planar.Force(part, (0.5, 0.0), motion=planar.Table(times, np.sin(times)))  # a second spline
+        moved.append(planar.simulate(planar.System([part], (), [late, push], G), 1.2, dt=0.01).position(part))
+    assert largest(moved[0] - moved[1]) < 1e-12
+    with pytest.raises(ValueError, match="AngleDriver 'motor': its table covers -0.1 s to 1.3 s .* 0 s to 1.5 s; ext"):
+        planar.simulate(slider_crank(table), 1.5, dt=0.1)
+    with pytest.raises(ValueError, match="is asked for -1 s to 0.5 s"):
+        planar.kinematics(slider_crank(table), [0.5, -1.0])
+    with pytest.raises(ValueError, match="Table: times do not increase"):
+        planar.Table([0, 2, 1, 3], [0, 0, 0, 0])
+    with pytest.raises(ValueError, match=r"Table: times \(3,\), values \(3,\); give two rows of four"):
+        planar.Table([0, 2, 3], [0, 0, 0])
+
+
+def test_point_masses_where_the_rate_is_constant():
+    """A piston does not turn: its moment of inertia means nothing, and 0 is as good as any; so is that of a crank."""
+    heavy, times = slider_crank(), np.linspace(0, 0.5, 7)
+    crank, rod, piston = heavy.bodies
+    light = [replace(part, inertia=0.0) for part in (crank, piston)]
+    new = {id(crank): light[0], id(rod): rod, id(piston): light[1], id(planar.GROUND): planar.GROUND}
+    *pins, motor = heavy.joints
+    joints = [replace(joint, a=new[id(joint.a)], b=new[id(joint.b)]) for joint in pins]
+    point = planar.System([light[0], rod, light[1]], [*joints, replace(motor, through=joints[0])], gravity=GRAVITY)
+    runs = [planar.kinematics(system, times) for system in (heavy, point)]
+    for joint in ("bearing", "crankpin", "wristpin", "bore"):
+        force = runs[0].reaction(joint).force
+        assert largest(runs[1].reaction(joint).force - force) < 1e-12 * largest(force)  # rounding
+    assert largest(runs[1].effort("motor") - runs[0].effort("motor")) < 1e-12 * largest(runs[0].effort("motor"))
+    swung = planar.AngleDriver(joints[0], planar.Sine(0.3, 2.0), name="swing")
+    with pytest.raises(ValueError, match="body 'crank': inertia 0, but its rate can change; give a number > 0"):
+        planar.kinematics(planar.System(point.bodies, [*joints, swung]), times)
+    bob = planar.Body("bob", 1.0, 0.0, com=(1.0, 0.0))
+    with pytest.raises(ValueError, match="body 'bob': inertia 0"):
+        planar.simulate(planar.System([bob], [planar.Revolute(planar.GROUND, bob, at=(0, 0))]), 1.0, dt=0.1)
+
+
+@pytest.mark.parametrize("piece", [0.0, np.inf], ids=["many", "few"])
+def test_pieces_leave_no_trace(piece, monkeypatch):
+    """Runs go through Python now and then, so that Ctrl-C ends them; numbers are the same to the last bit."""
+    normal = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
+    monkeypatch.setattr("validation.engines.planar.PIECE", piece)
+    again = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
+    for one, two in zip(normal, again, strict=True):
+        for part in one.system.bodies:
+            assert np.array_equal(one.acceleration(part), two.acceleration(part.name))
+
+
+def test_ctrl_c_ends_a_run(monkeypatch):
+    calls = []
+
+    def interrupted(*_):
+        calls.append(_[-2:])
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return 0, 0, 0.0
+
+    monkeypatch.setattr("validation.engines.planar.march", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        planar.simulate(four_bar(), 1e6, dt=1e-3, output=3)
+    assert [begin for begin, _ in calls[1:]] == [end for _, end in calls[:-1]] and calls[0][0] == 0
+
+
+def test_numbers_that_are_not_finite_name_their_body():
+    """A spring without length has no direction; a free body has no joint to name."""
+    still, part = body("still", (2, 2), 0.1), planar.Body("part", 1.0, 0.1, position=(1, 0))
+    pull = planar.Spring(planar.GROUND, part, at_a=(0, 0), at_b=(1, 0), stiffness=1.0)
+    hinge = planar.Revolute(planar.GROUND, still, at=(2, 2))
+    drive = planar.SlideDriver(planar.Slider(planar.GROUND, part, at=(1, 0), axis=(1, 0)), planar.rate(-1.0))
+    system = planar.System([still, part], [hinge, drive.through, drive], [pull])
+    with pytest.raises(IntegrationError, match="not finite at t = 1 s: body 'part'; take a smaller dt, or keep the"):
+        planar.simulate(system, 2.0, dt=0.125)

@@ -18,6 +18,7 @@ True
 """
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,8 +29,10 @@ from mbsd3d.parts import number
 
 from .planar_joints import AngleDriver, Distance, Driver, Fixed, Gear, Joint, Revolute, Rolling, SlideDriver, Slider
 from .planar_loads import Force, Spring, TorsionSpring
-from .planar_march import DONE, NOT_CLOSED, SINGULAR, close, evaluate, march, trace
-from .planar_parts import GROUND, Body, Motion, Polynomial, Sine, rate
+from .planar_march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
+from .planar_motions import Motion, Polynomial, Sine, Table, rate
+from .planar_parts import GROUND, Body
+from .planar_rows import Model, Work
 from .planar_solution import Energy, Reaction, Solution
 from .planar_system import Lowered, System, lower
 
@@ -55,12 +58,14 @@ __all__ = [
     "Solution",
     "Spring",
     "System",
+    "Table",
     "TorsionSpring",
     "kinematics",
     "rate",
     "simulate",
 ]
 
+PIECE = 0.1  # s of computation between two looks at Ctrl-C
 INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
 
 
@@ -96,12 +101,14 @@ def simulate(
     steps = max(int(np.ceil(t_end / dt * (1 - 1e-12))), 1)
     samples = steps if output is None else int(output) - 1
     every = -(-steps // samples)
+    covered(system, 0.0, t_end)
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     work, q = lowered.work(), lowered.q.copy()
     v = initial_velocity(system, lowered, work, q)
     out = storage(lowered, samples + 1)
     began = time.perf_counter()
-    status, row, t = march(lowered.model, work, q, v, t_end, every * samples, every, out)
+    arguments = lowered.model, work, q, v, t_end, every * samples, every, out
+    status, row, t = in_pieces(march, arguments, every * samples + 1)
     seconds = time.perf_counter() - began
     explain(system, lowered, work, status, row, t)
     return Solution(system, t_end * (np.arange(samples + 1) / samples), out, seconds)
@@ -133,16 +140,40 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
     times = np.atleast_1d(np.asarray(times, dtype=float))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():
         raise ValueError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
+    covered(system, min(0.0, times.min()), max(0.0, times.max()))
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     left = 3 * len(system.bodies) - lowered.model.kind.size
     if left:
         raise ValueError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
     work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
     began = time.perf_counter()
-    status, row, t = trace(lowered.model, work, q, np.concatenate([[0.0], times]), out)
+    status, row, t = in_pieces(trace, (lowered.model, work, q, np.concatenate([[0.0], times]), out), times.size + 1)
     seconds = time.perf_counter() - began
     explain(system, lowered, work, status, row, t)
     return Solution(system, times, tuple(array[1:] for array in out), seconds)
+
+
+def in_pieces(loop: Callable, arguments: tuple, count: int) -> tuple[int, int, float]:
+    """A compiled loop over 0 ... count - 1, in pieces of `PIECE` so that Ctrl-C ends it; numbers as of one piece."""
+    begin, size, status = 0, 100, (DONE, 0, 0.0)
+    while begin < count and status[0] == DONE:
+        end, began = min(begin + size, count), time.perf_counter()
+        status = loop(*arguments, begin, end)
+        seconds = max(time.perf_counter() - began, 1e-9)
+        size = max(1, int((end - begin) * min(10.0, PIECE / seconds)))
+        begin = end
+    return status
+
+
+def covered(system: System, low: float, high: float) -> None:
+    """A ValueError that names a part whose motion is not known from low to high [s]."""
+    for part in (*system.joints, *system.loads):
+        first, last = part.motion.interval if hasattr(part, "motion") else (-np.inf, np.inf)
+        if low < first or high > last:
+            raise ValueError(
+                f"{system.name(part)}: its table covers {first:g} s to {last:g} s and is asked for {low:g} s to "
+                f"{high:g} s; extend it or stay inside"
+            )
 
 
 def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
@@ -166,7 +197,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     b = np.concatenate([work.rate, values])
     if not np.any(b):
         return v
-    root = np.linalg.inv(scaling(system, work))
+    root = np.linalg.inv(scaling(lowered.model, work))
     found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
     wrong = np.abs(A @ found - b)
     if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
@@ -181,13 +212,13 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     return v
 
 
-def scaling(system: System, work: Any) -> np.ndarray:
+def scaling(model: Model, work: Work) -> np.ndarray:
     """U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
-    U = np.zeros((3 * len(system.bodies),) * 2)
-    for i, body in enumerate(system.bodies):
+    U = np.zeros((3 * len(model.body) - 3,) * 2)
+    for i, (mass, inertia) in enumerate(model.body[:-1, :2]):
         x, y = work.frame[i, 2:]
-        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(body.inertia / body.mass)]])
-        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(body.mass) * block
+        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(inertia / mass)]])
+        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(mass) * block
     return U
 
 
@@ -195,12 +226,16 @@ def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, 
     """The error of a status, naming the joint."""
     if status == DONE:
         return
+    if status == NOT_FINITE:
+        body = np.argmax(~np.isfinite(work.x[:-1] + work.q[:-1]).all(axis=1))
+        advice = "take a smaller dt, or keep the ends of springs apart"
+        raise IntegrationError(
+            "planar: numbers are not finite", time=t, part=f"body '{system.bodies[body].name}'", advice=advice
+        )
     at = row if status != SINGULAR else int(np.flatnonzero(lowered.model.place == row)[0])
     joint = system.name(system.joints[lowered.joint_of[at]])
     if status == SINGULAR:
         advice = "a dead point or a redundancy: move the pose, drive another joint, or remove one"
         raise IntegrationError("planar: rows singular", time=t, part=joint, advice=advice)
-    if status == NOT_CLOSED:
-        gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
-        raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)
-    raise IntegrationError("planar: numbers are not finite", time=t, part=joint, advice="take a smaller dt")
+    gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
+    raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)

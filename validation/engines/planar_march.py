@@ -16,8 +16,11 @@ def largest(w):
     """Largest residual and its row."""
     worst, row = 0.0, 0
     for i in range(w.c.shape[0]):
-        if not abs(w.c[i]) <= worst:
-            worst, row = abs(w.c[i]), i
+        size = abs(w.c[i])
+        if not size <= worst:
+            worst, row = size, i
+        if not np.isfinite(size):
+            break
     return worst, row
 
 
@@ -75,6 +78,15 @@ def close_rates(m, w, t, q, v):
 
 
 @inner
+def finite(x):
+    """Whether all numbers of the bodies are."""
+    total = 0.0
+    for i in range(x.shape[0] - 1):
+        total += x[i, 0] + x[i, 1] + x[i, 2]
+    return np.isfinite(total)
+
+
+@inner
 def record(m, w, q, v, out, k):
     """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O)."""
     for i in range(q.shape[0] - 1):
@@ -111,16 +123,18 @@ def first_stage(w, v, part):
 
 
 @kernel
-def march(m, w, q, v, t_end, steps, every, out):
-    """RK4 from 0 to t_end, closed after every step, every so many steps recorded; (status, row, t)."""
+def march(m, w, q, v, t_end, steps, every, out, begin, end):
+    """RK4 from 0 to t_end: steps begin ... end - 1, closed before each, every so many recorded; (status, row, t)."""
     h = t_end / steps
-    for step in range(steps + 1):
+    for step in range(begin, end):
         t = t_end * (step / steps)
         status, row = close(m, w, t, q)
         if status != DONE:
             return status, row, t
         close_rates(m, w, t, q, v)
         accelerations(m, w, t, q, v)
+        if not finite(w.x):
+            return NOT_FINITE, row, t
         if step % every == 0:
             record(m, w, q, v, out, step // every)
         if step == steps:
@@ -137,11 +151,12 @@ def march(m, w, q, v, t_end, steps, every, out):
 
 
 @kernel
-def trace(m, w, q, times, out):
-    """Positions, velocities and accelerations of a fully driven system at the times, from q at t = 0."""
-    t, v = 0.0, w.v
-    v[:], w.x[:] = 0.0, 0.0
-    for k in range(times.shape[0]):
+def trace(m, w, q, times, out, begin, end):
+    """Samples begin ... end - 1 of a fully driven system at the times, the first one q at t = 0; (status, row, t)."""
+    t, v = times[max(begin - 1, 0)], w.v
+    if begin == 0:
+        v[:], w.x[:] = 0.0, 0.0
+    for k in range(begin, end):
         turn = 0.0
         for i in range(q.shape[0] - 1):
             turn = max(turn, abs(v[i, 2] * (times[k] - t)) + abs(0.5 * w.x[i, 2] * (times[k] - t) ** 2))

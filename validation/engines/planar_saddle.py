@@ -115,7 +115,7 @@ def loads(m, w, t, q, v):
             push(m, w, a, Ax, Ay, pull * nx, pull * ny, 0.0)
             push(m, w, b, Bx, By, -pull * nx, -pull * ny, 0.0)
             continue
-        size = motion(m.load_motion[k], t)[0]
+        size = motion(m, m.load_motion[k], t)[0]
         fx, fy = arm(w.frame[a], p[0], p[1])  # a: the body that carries the axes of the force
         push(m, w, b, Bx, By, size * fx, size * fy, size * p[4])
 
