@@ -70,7 +70,7 @@ class Reduction:
     def __str__(self) -> str:
         if self.planes:
             stations = ", ".join(f"z = {p.z:.6g} m ({', '.join(p.units) or 'shaft'})" for p in self.planes)
-            found = f"{len(self.planes)} planes: {stations}"
+            found = f"{len(self.planes)} plane{'s' * (len(self.planes) > 1)}: {stations}"
         else:
             found = "no planes"
         if self.holds:
@@ -124,7 +124,7 @@ def reduce_to_planes(system: System) -> Reduction:
     Parameters
     ----------
     system : System
-        Spatial; bodies at rest count as frame.
+        Spatial; bodies at rest count as frame. What is welded to the shaft belongs to it, each part in its own plane.
 
     Returns
     -------
