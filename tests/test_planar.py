@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import mbsd3d
 from mbsd3d.errors import AssemblyError, IntegrationError
@@ -353,6 +354,21 @@ def geared(ratio=-1.7):
     return planar.System([one, two], [a, b, planar.Gear(a, b, ratio=ratio, name="gear")], gravity=G)
 
 
+def five_bar():
+    """Two cranks in a gear, two couplers between them."""
+    one, two = body("one", (0.05, 0.1), 0.3, 1.3, omega=6.0), body("two", (1.0, -0.1), -0.9, 0.8)
+    left, right = body("left", (0.3, 0.5), 1.1, 0.5), body("right", (0.9, 0.6), 0.2, 0.6)
+    joints = [
+        planar.Revolute(planar.GROUND, one, at=(0.0, 0.0), name="A"),
+        planar.Revolute(one, left, at=(0.1, 0.2), name="B"),
+        planar.Revolute(left, right, at=(0.5, 0.9), name="C"),
+        planar.Revolute(right, two, at=(1.1, 0.2), name="D"),
+        planar.Revolute(two, planar.GROUND, at=(0.95, 0.05), name="E"),
+    ]
+    gear = planar.Gear(joints[0], joints[4], ratio=-1.3, name="gear")
+    return planar.System([one, two, left, right], [*joints, gear], gravity=G)
+
+
 def test_gear_pair_turns_as_one_body():
     """(I_a + ratio^2 I_b) alpha = torque_a + ratio torque_b, moments about the hinges."""
     run = planar.simulate(geared(), 1.0, dt=1e-3, output=6)
@@ -406,7 +422,7 @@ def twin_of(system):
     return mbsd3d.System(parts, list(joints.values()), gravity=(*system.gravity, 0.0))
 
 
-@pytest.mark.parametrize("mechanism", [four_bar, geared, slider_crank])
+@pytest.mark.parametrize("mechanism", [four_bar, geared, five_bar, slider_crank])
 def test_spatial_twin_moves_alike_under_equal_forces(mechanism):
     system = mechanism()
     twin = twin_of(system)
@@ -573,3 +589,48 @@ def test_numbers_that_are_not_finite_name_their_body():
     system = planar.System([still, part], [hinge, drive.through, drive], [pull])
     with pytest.raises(IntegrationError, match="not finite at t = 1 s: body 'part'; take a smaller dt, or keep the"):
         planar.simulate(system, 2.0, dt=0.125)
+
+
+def test_pendulum_on_a_rolling_disc():
+    """Lagrange's equations by hand, solved by scipy: x of the disc, angle of the bob from straight down."""
+    M, I_disc, r, m, I_bob, arm, g = 1.9, 0.04, 0.25, 0.7, 0.02, 0.3, 9.81
+    disc = planar.Body("disc", M, I_disc, position=(0.1, 0.2), com=(-0.1, r - 0.2))
+    bob = planar.Body("bob", m, I_bob, position=(-0.4, r - 0.3), com=(0.4 - arm, 0.3), omega=2.5)
+    wheel = planar.Rolling(planar.GROUND, disc, at=(0, 0), along=(1, 0), radius=r, name="wheel")
+    pin = planar.Revolute(disc, bob, at=(0, r), name="pin")
+    run = planar.simulate(planar.System([disc, bob], [wheel, pin], gravity=(0, -g)), 1.5, dt=2.5e-4, output=7)
+
+    def slopes(_, state):
+        _, angle, speed, w = state
+        c, s = np.cos(angle), np.sin(angle)
+        mass = [[M + I_disc / r**2 + m, m * arm * c], [m * arm * c, I_bob + m * arm**2]]
+        return [speed, w, *np.linalg.solve(mass, [m * arm * w**2 * s, -m * g * arm * s])]
+
+    start = [0.0, -np.pi / 2, -r * run.omega("disc")[0], 2.5]
+    x, angle, *_ = solve_ivp(slopes, (0, 1.5), start, "DOP853", run.t, rtol=1e-12, atol=1e-13).y
+    # RK4: (w h)^4 w t / 120 with w = 10 rad/s, 1e-11; the pair is not chaotic within one swing
+    assert run.angle("bob") == pytest.approx(angle + np.pi / 2, abs=1e-9)
+    assert -r * run.angle("disc") == pytest.approx(x, abs=1e-9)
+    assert np.ptp(x) > 0.1
+
+
+def test_linkage_of_peaucellier_draws_a_straight_line():
+    """Seven bars, several in one pin: the inversion of a circle through the centre, x = (l^2 - s^2) / (2 a)."""
+    a, long, side, start = 0.5, 1.1, 0.45, 0.2
+    O, A = np.zeros(2), np.array([a, 0.0])
+    Q = A + a * np.array([np.cos(start), np.sin(start)])
+    out = Q / np.hypot(*Q)
+    middle = (long**2 - side**2 + Q @ Q) / (2 * np.hypot(*Q))
+    across = np.sqrt(long**2 - middle**2) * np.array([-out[1], out[0]])
+    B, D, P = middle * out + across, middle * out - across, 2 * middle * out - Q
+    bars = {"AQ": (A, Q), "OB": (O, B), "OD": (O, D), "BQ": (B, Q), "DQ": (D, Q), "BP": (B, P), "DP": (D, P)}
+    parts = {name: body(name, (one + two) / 2, 0.3 * len(name)) for name, (one, two) in bars.items()}
+    pins = [("AQ", "BQ", Q), ("AQ", "DQ", Q), ("OB", "BQ", B), ("OB", "BP", B), ("OD", "DQ", D), ("OD", "DP", D)]
+    joints = [planar.Revolute(parts[one], parts[two], at=at) for one, two, at in [*pins, ("BP", "DP", P)]]
+    motor = planar.Revolute(planar.GROUND, parts["AQ"], at=A)
+    joints += [motor, *(planar.Revolute(planar.GROUND, parts[name], at=O) for name in ("OB", "OD"))]
+    joints += [planar.AngleDriver(motor, planar.Sine(1.1, 2.0))]
+    run = planar.kinematics(planar.System(list(parts.values()), joints, gravity=G), np.linspace(0, 3, 40))
+    x, y = run.point("DP", parts["DP"].local_point(P)).T
+    assert x == pytest.approx(np.full(40, (long**2 - side**2) / (2 * a)), abs=1e-13)
+    assert np.ptp(y) > 1.0
