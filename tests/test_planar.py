@@ -10,7 +10,7 @@ import mbsd3d
 from mbsd3d.errors import AssemblyError, IntegrationError
 from validation import theory
 from validation.engines import planar
-from validation.engines.planar_march import evaluate
+from validation.engines.planar.march import evaluate
 
 G = (0.0, -9.81)
 ENGINE = theory.SliderCrank(0.31, 0.83, 2.3, 0.12, 1.7, 0.37, 0.09, 0.9, crank_inertia=0.05)
@@ -45,7 +45,7 @@ def test_rows_are_derivatives_of_their_residuals_off_the_constraints(k, monkeypa
     """c_dot = J v - f_dot and (J v - f_dot)_dot = J v_dot - gamma along a curved path that obeys no joint."""
     bodies, joints = every_joint()
     partners = [joint for joint in joints[k].partners()]
-    monkeypatch.setattr("validation.engines.planar_system.refuse_redundant", lambda *_: None)
+    monkeypatch.setattr("validation.engines.planar.system.refuse_redundant", lambda *_: None)
     system = planar.System(bodies, [*partners, joints[k]])
     lowered, rng = system.lowered, np.random.default_rng(k)
     slope, bend = rng.normal(size=(2, 4, 3))
@@ -558,7 +558,7 @@ def test_point_masses_where_the_rate_is_constant():
 def test_pieces_leave_no_trace(piece, monkeypatch):
     """Runs go through Python now and then, so that Ctrl-C ends them; numbers are the same to the last bit."""
     normal = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
-    monkeypatch.setattr("validation.engines.planar.PIECE", piece)
+    monkeypatch.setattr("validation.engines.planar.runs.PIECE", piece)
     again = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
     for one, two in zip(normal, again, strict=True):
         for part in one.system.bodies:
@@ -574,7 +574,7 @@ def test_ctrl_c_ends_a_run(monkeypatch):
             raise KeyboardInterrupt
         return 0, 0, 0.0
 
-    monkeypatch.setattr("validation.engines.planar.march", interrupted)
+    monkeypatch.setattr("validation.engines.planar.runs.march", interrupted)
     with pytest.raises(KeyboardInterrupt):
         planar.simulate(four_bar(), 1e6, dt=1e-3, output=3)
     assert [begin for begin, _ in calls[1:]] == [end for _, end in calls[:-1]] and calls[0][0] == 0

@@ -10,7 +10,7 @@ and S = Y Y' = L D L' is factored by Cholesky within the profile of its ordered 
 import numpy as np
 
 from .jit import inner
-from .planar_rows import SPRING, TORSION, arm, motion, put, rates
+from .rows import SPRING, TORSION, arm, motion, put, rates
 
 LEAST_PIVOT = 1e-13  # of a row, over its diagonal
 

@@ -9,11 +9,11 @@ import numpy as np
 import scipy.sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from . import planar_rows as kinds
-from .planar_joints import Joint
-from .planar_march import evaluate
-from .planar_parts import GROUND, Body, Ground, Part, Row, pair
-from .planar_rows import Model, Work
+from . import rows as kinds
+from .joints import Joint
+from .march import evaluate
+from .parts import GROUND, Body, Ground, Part, Row, pair
+from .rows import Model, Work
 
 DEPENDENT = 1e-10  # singular values of the scaled rows, over the largest
 KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))

@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import planar_rows as kinds
-from .planar_joints import Driver, Rolling, SlideDriver
-from .planar_system import System
+from . import rows as kinds
+from .joints import Driver, Rolling, SlideDriver
+from .system import System
 
 
 class Reaction(NamedTuple):

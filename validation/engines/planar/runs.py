@@ -1,21 +1,4 @@
-"""A planar multibody solver, independent of mbsd3d: three coordinates per body, everything else said in its words.
-
-    [ M  J' ] [ v_dot ]   [ Q - h ]      per body q = (x, y, theta) of a reference point O, v = q_dot, s = R r_G:
-    [ J  0  ] [  lam  ] = [ gamma ]      M = [[m, 0, -m s_y], [0, m, m s_x], [-m s_y, m s_x, I_G + m s^2]],
-                                         h = (-m w^2 s_x, -m w^2 s_y, 0)
-
-Where r_G is not zero, h is as important as M: without it, the bearing of an engine crank is a tenth wrong while every
-motion stays right (``centripetal=False`` shows that).
-
-Examples
---------
->>> from validation.engines import planar
->>> rod = planar.Body("rod", mass=2.0, inertia=0.1, com=(0.5, 0.0))
->>> hinge = planar.Revolute(planar.GROUND, rod, at=(0, 0), name="hinge")
->>> solution = planar.simulate(planar.System([rod], [hinge]), 1.0, dt=1e-3)
->>> bool(abs(solution.energy().total).max() < 1e-9)
-True
-"""
+"""Runs of a planar mechanism: through time by Runge-Kutta, or position by position of a driven one."""
 
 import time
 from collections.abc import Callable
@@ -27,43 +10,10 @@ from numpy.typing import ArrayLike
 from mbsd3d.errors import AssemblyError, IntegrationError
 from mbsd3d.parts import number
 
-from .planar_joints import AngleDriver, Distance, Driver, Fixed, Gear, Joint, Revolute, Rolling, SlideDriver, Slider
-from .planar_loads import Force, Spring, TorsionSpring
-from .planar_march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
-from .planar_motions import Motion, Polynomial, Sine, Table, rate
-from .planar_parts import GROUND, Body
-from .planar_rows import Model, Work
-from .planar_solution import Energy, Reaction, Solution
-from .planar_system import Lowered, System, lower
-
-__all__ = [
-    "GROUND",
-    "AngleDriver",
-    "Body",
-    "Distance",
-    "Driver",
-    "Energy",
-    "Fixed",
-    "Force",
-    "Gear",
-    "Joint",
-    "Motion",
-    "Polynomial",
-    "Reaction",
-    "Revolute",
-    "Rolling",
-    "Sine",
-    "SlideDriver",
-    "Slider",
-    "Solution",
-    "Spring",
-    "System",
-    "Table",
-    "TorsionSpring",
-    "kinematics",
-    "rate",
-    "simulate",
-]
+from .march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
+from .rows import Model, Work
+from .solution import Solution
+from .system import Lowered, System, lower
 
 PIECE = 0.1  # s of computation between two looks at Ctrl-C
 INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from .jit import inner, kernel
-from .planar_rows import put, rates, rows
-from .planar_saddle import accelerations, factor, solve
+from .rows import put, rates, rows
+from .saddle import accelerations, factor, solve
 
 DONE, SINGULAR, NOT_CLOSED, NOT_FINITE = range(4)
 CLOSED, OPEN = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused

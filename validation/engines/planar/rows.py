@@ -24,7 +24,7 @@ class Model(NamedTuple):
     body: np.ndarray  # (n + 1, 6): mass [kg], I_G [kg m^2], r_G (2) [m], 1/sqrt(mass), 1/sqrt(I_G)
     kind: np.ndarray  # (m,)
     slot: np.ndarray  # (m, 4) bodies; n is the ground
-    value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of planar_parts
+    value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of parts
     driven: np.ndarray  # (m,) whether a row has a motion
     motion: np.ndarray  # (m, 11): f(t) = sum c_k t^k (6) + A sin(w t + phase); or first of its pieces, their number
     entry: np.ndarray  # (e, 3): place in J (4 row + slot), place of the row in S, body

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d.parts import number
 
-from .planar_motions import NONE, Motion
+from .motions import NONE, Motion
 
 
 def pair(value: ArrayLike, what: str) -> np.ndarray:
