@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 import mbsd3d
 from mbsd3d.errors import AssemblyError, IntegrationError
@@ -522,6 +523,13 @@ def test_tables_are_splines_through_their_points():
         late = planar.Force(part, (0.5, 0.0), motion=planar.Table(times, np.sin(times)))  # a second spline
         moved.append(planar.simulate(planar.System([part], (), [late, push], G), 1.2, dt=0.01).position(part))
     assert largest(moved[0] - moved[1]) < 1e-12
+    rough = np.array([0.3, -1.2, 2.0, 0.4, -0.7])  # pieces that differ
+    part = planar.Body("part", 1.3, 0.1)
+    push = planar.Force(part, (1.0, 0.0), motion=planar.Table(times, rough))
+    other = planar.Force(part, (1.0, 0.0), motion=planar.Table(times, rough**2))
+    run = planar.simulate(planar.System([part], (), [other, push], (0, 0)), 1.2, dt=0.01)
+    exact = CubicSpline(times, rough)(run.t) + CubicSpline(times, rough**2)(run.t)
+    assert 1.3 * run.acceleration(part)[:, 0] == pytest.approx(exact, abs=1e-13)
     with pytest.raises(ValueError, match="AngleDriver 'motor': its table covers -0.1 s to 1.3 s .* 0 s to 1.5 s; ext"):
         planar.simulate(slider_crank(table), 1.5, dt=0.1)
     with pytest.raises(ValueError, match="is asked for -1 s to 0.5 s"):

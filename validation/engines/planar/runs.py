@@ -41,9 +41,12 @@ def simulate(
     Raises
     ------
     ValueError
-        For redundant rows or initial velocities that contradict the joints.
+        For redundant rows, initial velocities that contradict the joints, a table that ends before the run, a point
+        mass whose rate can change.
     IntegrationError
-        If the joints cannot be closed or become singular, naming joint and time.
+        If rows become singular or numbers are not finite, naming joint or body and time.
+    AssemblyError
+        If a joint cannot close, naming it, time and gap.
     """
     t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
     if output is not None and (output != int(output) or output < 2):
@@ -83,9 +86,9 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
     Raises
     ------
     ValueError
-        If freedoms are left.
-    IntegrationError
-        If the joints cannot be closed or become singular, naming joint and time.
+        If freedoms are left, and as in `simulate`.
+    IntegrationError, AssemblyError
+        As in `simulate`.
     """
     times = np.atleast_1d(np.asarray(times, dtype=float))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():

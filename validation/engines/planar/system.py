@@ -32,7 +32,8 @@ class System:
     Raises
     ------
     ValueError
-        For two parts of one name, a part of a body or joint that is not in the system, redundant rows.
+        For two parts of one name, a part of a body or joint that is not in the system; at the first run for redundant
+        rows.
     """
 
     bodies: Sequence[Body]
