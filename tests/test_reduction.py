@@ -183,6 +183,7 @@ def test_an_engine_askew_in_space_with_weight_and_heavy_throws(disc):
 EIGHTH = np.pi / 4
 LAYOUTS = {
     "single": ((0.2,), (0.17,), (0,)),
+    "fork and blade": ((-0.5, 0.4), (0.1, 0.1), (20, 20)),
     "three in line": ((0.0,) * 3, (-0.1, 0.0, 0.1), (0, 120, 240)),
     "boxer": ((-2 * EIGHTH, 2 * EIGHTH) * 2, (-0.15, -0.05, 0.05, 0.15), (0, 180, 180, 0)),
     "cross-plane eight": (
