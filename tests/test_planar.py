@@ -642,3 +642,30 @@ def test_linkage_of_peaucellier_draws_a_straight_line():
     x, y = run.point("DP", parts["DP"].local_point(P)).T
     assert x == pytest.approx(np.full(40, (long**2 - side**2) / (2 * a)), abs=1e-13)
     assert np.ptp(y) > 1.0
+
+
+def test_effort_of_a_slide_on_an_arm_that_turns():
+    """Held at the distance r from the axis: -m w^2 r along the arm, wherever it points; the weight is off."""
+    arm, load = body("arm", (0.1, 0.2), 0.4), planar.Body("load", 0.9, 0.02, position=(0.6, 0.8), angle=1.3)
+    hinge = planar.Revolute(planar.GROUND, arm, at=(0, 0))
+    rail = planar.Slider(arm, load, at=(0.6, 0.8), axis=(0.6, 0.8))
+    ram = planar.SlideDriver(rail, planar.Polynomial((0.0,)), name="ram")
+    motor = planar.AngleDriver(hinge, planar.rate(3.0))
+    run = planar.kinematics(planar.System([arm, load], [hinge, rail, ram, motor], gravity=(0, 0)), np.arange(5) / 3)
+    assert run.effort("ram") == pytest.approx(np.full(5, -0.9 * 9.0 * 1.0), rel=1e-12)
+
+
+def test_torsion_spring_counts_from_the_reference_pose():
+    """-k (0 - angle0) on b at the start, whichever way the bodies point; the opposite on a."""
+    a, b = planar.Body("a", 1.0, 0.2, angle=0.7), planar.Body("b", 1.0, 0.05, angle=-1.9)
+    spring = planar.TorsionSpring(a, b, stiffness=3.0, angle=0.4)
+    run = planar.simulate(planar.System([a, b], (), [spring], (0, 0)), 0.1, dt=0.1)
+    assert run.alpha("b")[0] == pytest.approx(3.0 * 0.4 / 0.05, rel=1e-14)
+    assert run.alpha("a")[0] == pytest.approx(-3.0 * 0.4 / 0.2, rel=1e-14)
+
+
+def test_a_slide_on_a_body_that_turns_does_not_hold_a_point_mass():
+    arm, bob = body("arm", (0.1, 0.2), 0.4), planar.Body("bob", 1.0, 0.0, position=(0.6, 0.8))
+    joints = [planar.Revolute(planar.GROUND, arm, at=(0, 0)), planar.Slider(arm, bob, at=(0.6, 0.8), axis=(1, 0))]
+    with pytest.raises(ValueError, match="body 'bob': inertia 0, but its rate can change"):
+        planar.simulate(planar.System([arm, bob], joints), 1.0, dt=0.1)
