@@ -1,13 +1,17 @@
 """The planar solver against identities, closed forms and the spatial solver."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 import mbsd3d
 from mbsd3d.errors import AssemblyError, IntegrationError
 from validation import theory
 from validation.engines import planar
-from validation.engines.planar_march import evaluate
+from validation.engines.planar.march import evaluate
 
 G = (0.0, -9.81)
 ENGINE = theory.SliderCrank(0.31, 0.83, 2.3, 0.12, 1.7, 0.37, 0.09, 0.9, crank_inertia=0.05)
@@ -42,7 +46,7 @@ def test_rows_are_derivatives_of_their_residuals_off_the_constraints(k, monkeypa
     """c_dot = J v - f_dot and (J v - f_dot)_dot = J v_dot - gamma along a curved path that obeys no joint."""
     bodies, joints = every_joint()
     partners = [joint for joint in joints[k].partners()]
-    monkeypatch.setattr("validation.engines.planar_system.refuse_redundant", lambda *_: None)
+    monkeypatch.setattr("validation.engines.planar.system.refuse_redundant", lambda *_: None)
     system = planar.System(bodies, [*partners, joints[k]])
     lowered, rng = system.lowered, np.random.default_rng(k)
     slope, bend = rng.normal(size=(2, 4, 3))
@@ -351,6 +355,21 @@ def geared(ratio=-1.7):
     return planar.System([one, two], [a, b, planar.Gear(a, b, ratio=ratio, name="gear")], gravity=G)
 
 
+def five_bar():
+    """Two cranks in a gear, two couplers between them."""
+    one, two = body("one", (0.05, 0.1), 0.3, 1.3, omega=6.0), body("two", (1.0, -0.1), -0.9, 0.8)
+    left, right = body("left", (0.3, 0.5), 1.1, 0.5), body("right", (0.9, 0.6), 0.2, 0.6)
+    joints = [
+        planar.Revolute(planar.GROUND, one, at=(0.0, 0.0), name="A"),
+        planar.Revolute(one, left, at=(0.1, 0.2), name="B"),
+        planar.Revolute(left, right, at=(0.5, 0.9), name="C"),
+        planar.Revolute(right, two, at=(1.1, 0.2), name="D"),
+        planar.Revolute(two, planar.GROUND, at=(0.95, 0.05), name="E"),
+    ]
+    gear = planar.Gear(joints[0], joints[4], ratio=-1.3, name="gear")
+    return planar.System([one, two, left, right], [*joints, gear], gravity=G)
+
+
 def test_gear_pair_turns_as_one_body():
     """(I_a + ratio^2 I_b) alpha = torque_a + ratio torque_b, moments about the hinges."""
     run = planar.simulate(geared(), 1.0, dt=1e-3, output=6)
@@ -404,7 +423,7 @@ def twin_of(system):
     return mbsd3d.System(parts, list(joints.values()), gravity=(*system.gravity, 0.0))
 
 
-@pytest.mark.parametrize("mechanism", [four_bar, geared, slider_crank])
+@pytest.mark.parametrize("mechanism", [four_bar, geared, five_bar, slider_crank])
 def test_spatial_twin_moves_alike_under_equal_forces(mechanism):
     system = mechanism()
     twin = twin_of(system)
@@ -487,3 +506,166 @@ def test_initial_velocities_are_kept_or_refused():
     hinge = planar.Revolute(planar.GROUND, part, at=(0, 0), name="hinge")
     with pytest.raises(ValueError, match="contradict the rows of Revolute 'hinge'"):
         planar.simulate(planar.System([part], [hinge]), 1.0, dt=0.1)
+
+
+def test_tables_are_splines_through_their_points():
+    """A cubic is its own spline: driver, force and torque as with the polynomial, between and beside the points."""
+    cubic = (0.2, 3.0, 5.0, -1.5)
+    times = np.array([-0.1, 0.13, 0.4, 0.77, 1.3])
+    table = planar.Table(times, np.polyval(cubic[::-1], times))
+    runs = [planar.kinematics(slider_crank(x), np.linspace(0, 1.2, 25)) for x in (table, planar.Polynomial(cubic))]
+    # rounding of the spline, 1e-15, twice differentiated over 0.2 s
+    assert largest(runs[0].effort("motor") - runs[1].effort("motor")) < 1e-10 * largest(runs[1].effort("motor"))
+    moved = []
+    for motion in (table, planar.Polynomial(cubic)):
+        part = body("part", (0.4, -0.2), 0.7, velocity=(0.0, 0.0), omega=0.0)
+        push = planar.Force(part, (1.0, 2.0), torque=0.3, motion=motion)
+        late = planar.Force(part, (0.5, 0.0), motion=planar.Table(times, np.sin(times)))  # a second spline
+        moved.append(planar.simulate(planar.System([part], (), [late, push], G), 1.2, dt=0.01).position(part))
+    assert largest(moved[0] - moved[1]) < 1e-12
+    rough = np.array([0.3, -1.2, 2.0, 0.4, -0.7])  # pieces that differ
+    part = planar.Body("part", 1.3, 0.1)
+    push = planar.Force(part, (1.0, 0.0), motion=planar.Table(times, rough))
+    other = planar.Force(part, (1.0, 0.0), motion=planar.Table(times, rough**2))
+    run = planar.simulate(planar.System([part], (), [other, push], (0, 0)), 1.2, dt=0.01)
+    exact = CubicSpline(times, rough)(run.t) + CubicSpline(times, rough**2)(run.t)
+    assert 1.3 * run.acceleration(part)[:, 0] == pytest.approx(exact, abs=1e-13)
+    with pytest.raises(ValueError, match="AngleDriver 'motor': its table covers -0.1 s to 1.3 s .* 0 s to 1.5 s; ext"):
+        planar.simulate(slider_crank(table), 1.5, dt=0.1)
+    with pytest.raises(ValueError, match="is asked for -1 s to 0.5 s"):
+        planar.kinematics(slider_crank(table), [0.5, -1.0])
+    with pytest.raises(ValueError, match="Table: times do not increase"):
+        planar.Table([0, 2, 1, 3], [0, 0, 0, 0])
+    with pytest.raises(ValueError, match=r"Table: times \(3,\), values \(3,\); give two rows of four"):
+        planar.Table([0, 2, 3], [0, 0, 0])
+
+
+def test_point_masses_where_the_rate_is_constant():
+    """A piston does not turn: its moment of inertia means nothing, and 0 is as good as any; so is that of a crank."""
+    heavy, times = slider_crank(), np.linspace(0, 0.5, 7)
+    crank, rod, piston = heavy.bodies
+    light = [replace(part, inertia=0.0) for part in (crank, piston)]
+    new = {id(crank): light[0], id(rod): rod, id(piston): light[1], id(planar.GROUND): planar.GROUND}
+    *pins, motor = heavy.joints
+    joints = [replace(joint, a=new[id(joint.a)], b=new[id(joint.b)]) for joint in pins]
+    point = planar.System([light[0], rod, light[1]], [*joints, replace(motor, through=joints[0])], gravity=GRAVITY)
+    runs = [planar.kinematics(system, times) for system in (heavy, point)]
+    for joint in ("bearing", "crankpin", "wristpin", "bore"):
+        force = runs[0].reaction(joint).force
+        assert largest(runs[1].reaction(joint).force - force) < 1e-12 * largest(force)  # rounding
+    assert largest(runs[1].effort("motor") - runs[0].effort("motor")) < 1e-12 * largest(runs[0].effort("motor"))
+    swung = planar.AngleDriver(joints[0], planar.Sine(0.3, 2.0), name="swing")
+    with pytest.raises(ValueError, match="body 'crank': inertia 0, but its rate can change; give a number > 0"):
+        planar.kinematics(planar.System(point.bodies, [*joints, swung]), times)
+    bob = planar.Body("bob", 1.0, 0.0, com=(1.0, 0.0))
+    with pytest.raises(ValueError, match="body 'bob': inertia 0"):
+        planar.simulate(planar.System([bob], [planar.Revolute(planar.GROUND, bob, at=(0, 0))]), 1.0, dt=0.1)
+
+
+@pytest.mark.parametrize("piece", [0.0, np.inf], ids=["many", "few"])
+def test_pieces_leave_no_trace(piece, monkeypatch):
+    """Runs go through Python now and then, so that Ctrl-C ends them; numbers are the same to the last bit."""
+    normal = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
+    monkeypatch.setattr("validation.engines.planar.runs.PIECE", piece)
+    again = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
+    for one, two in zip(normal, again, strict=True):
+        for part in one.system.bodies:
+            assert np.array_equal(one.acceleration(part), two.acceleration(part.name))
+
+
+def test_ctrl_c_ends_a_run(monkeypatch):
+    calls = []
+
+    def interrupted(*_):
+        calls.append(_[-2:])
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return 0, 0, 0.0
+
+    monkeypatch.setattr("validation.engines.planar.runs.march", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        planar.simulate(four_bar(), 1e6, dt=1e-3, output=3)
+    assert [begin for begin, _ in calls[1:]] == [end for _, end in calls[:-1]] and calls[0][0] == 0
+
+
+def test_numbers_that_are_not_finite_name_their_body():
+    """A spring without length has no direction; a free body has no joint to name."""
+    still, part = body("still", (2, 2), 0.1), planar.Body("part", 1.0, 0.1, position=(1, 0))
+    pull = planar.Spring(planar.GROUND, part, at_a=(0, 0), at_b=(1, 0), stiffness=1.0)
+    hinge = planar.Revolute(planar.GROUND, still, at=(2, 2))
+    drive = planar.SlideDriver(planar.Slider(planar.GROUND, part, at=(1, 0), axis=(1, 0)), planar.rate(-1.0))
+    system = planar.System([still, part], [hinge, drive.through, drive], [pull])
+    with pytest.raises(IntegrationError, match="not finite at t = 1 s: body 'part'; take a smaller dt, or keep the"):
+        planar.simulate(system, 2.0, dt=0.125)
+
+
+def test_pendulum_on_a_rolling_disc():
+    """Lagrange's equations by hand, solved by scipy: x of the disc, angle of the bob from straight down."""
+    M, I_disc, r, m, I_bob, arm, g = 1.9, 0.04, 0.25, 0.7, 0.02, 0.3, 9.81
+    disc = planar.Body("disc", M, I_disc, position=(0.1, 0.2), com=(-0.1, r - 0.2))
+    bob = planar.Body("bob", m, I_bob, position=(-0.4, r - 0.3), com=(0.4 - arm, 0.3), omega=2.5)
+    wheel = planar.Rolling(planar.GROUND, disc, at=(0, 0), along=(1, 0), radius=r, name="wheel")
+    pin = planar.Revolute(disc, bob, at=(0, r), name="pin")
+    run = planar.simulate(planar.System([disc, bob], [wheel, pin], gravity=(0, -g)), 1.5, dt=2.5e-4, output=7)
+
+    def slopes(_, state):
+        _, angle, speed, w = state
+        c, s = np.cos(angle), np.sin(angle)
+        mass = [[M + I_disc / r**2 + m, m * arm * c], [m * arm * c, I_bob + m * arm**2]]
+        return [speed, w, *np.linalg.solve(mass, [m * arm * w**2 * s, -m * g * arm * s])]
+
+    start = [0.0, -np.pi / 2, -r * run.omega("disc")[0], 2.5]
+    x, angle, *_ = solve_ivp(slopes, (0, 1.5), start, "DOP853", run.t, rtol=1e-12, atol=1e-13).y
+    # RK4: (w h)^4 w t / 120 with w = 10 rad/s, 1e-11; the pair is not chaotic within one swing
+    assert run.angle("bob") == pytest.approx(angle + np.pi / 2, abs=1e-9)
+    assert -r * run.angle("disc") == pytest.approx(x, abs=1e-9)
+    assert np.ptp(x) > 0.1
+
+
+def test_linkage_of_peaucellier_draws_a_straight_line():
+    """Seven bars, several in one pin: the inversion of a circle through the centre, x = (l^2 - s^2) / (2 a)."""
+    a, long, side, start = 0.5, 1.1, 0.45, 0.2
+    O, A = np.zeros(2), np.array([a, 0.0])
+    Q = A + a * np.array([np.cos(start), np.sin(start)])
+    out = Q / np.hypot(*Q)
+    middle = (long**2 - side**2 + Q @ Q) / (2 * np.hypot(*Q))
+    across = np.sqrt(long**2 - middle**2) * np.array([-out[1], out[0]])
+    B, D, P = middle * out + across, middle * out - across, 2 * middle * out - Q
+    bars = {"AQ": (A, Q), "OB": (O, B), "OD": (O, D), "BQ": (B, Q), "DQ": (D, Q), "BP": (B, P), "DP": (D, P)}
+    parts = {name: body(name, (one + two) / 2, 0.3 * len(name)) for name, (one, two) in bars.items()}
+    pins = [("AQ", "BQ", Q), ("AQ", "DQ", Q), ("OB", "BQ", B), ("OB", "BP", B), ("OD", "DQ", D), ("OD", "DP", D)]
+    joints = [planar.Revolute(parts[one], parts[two], at=at) for one, two, at in [*pins, ("BP", "DP", P)]]
+    motor = planar.Revolute(planar.GROUND, parts["AQ"], at=A)
+    joints += [motor, *(planar.Revolute(planar.GROUND, parts[name], at=O) for name in ("OB", "OD"))]
+    joints += [planar.AngleDriver(motor, planar.Sine(1.1, 2.0))]
+    run = planar.kinematics(planar.System(list(parts.values()), joints, gravity=G), np.linspace(0, 3, 40))
+    x, y = run.point("DP", parts["DP"].local_point(P)).T
+    assert x == pytest.approx(np.full(40, (long**2 - side**2) / (2 * a)), abs=1e-13)
+    assert np.ptp(y) > 1.0
+
+
+def test_effort_of_a_slide_on_an_arm_that_turns():
+    """Held at the distance r from the axis: -m w^2 r along the arm, wherever it points; the weight is off."""
+    arm, load = body("arm", (0.1, 0.2), 0.4), planar.Body("load", 0.9, 0.02, position=(0.6, 0.8), angle=1.3)
+    hinge = planar.Revolute(planar.GROUND, arm, at=(0, 0))
+    rail = planar.Slider(arm, load, at=(0.6, 0.8), axis=(0.6, 0.8))
+    ram = planar.SlideDriver(rail, planar.Polynomial((0.0,)), name="ram")
+    motor = planar.AngleDriver(hinge, planar.rate(3.0))
+    run = planar.kinematics(planar.System([arm, load], [hinge, rail, ram, motor], gravity=(0, 0)), np.arange(5) / 3)
+    assert run.effort("ram") == pytest.approx(np.full(5, -0.9 * 9.0 * 1.0), rel=1e-12)
+
+
+def test_torsion_spring_counts_from_the_reference_pose():
+    """-k (0 - angle0) on b at the start, whichever way the bodies point; the opposite on a."""
+    a, b = planar.Body("a", 1.0, 0.2, angle=0.7), planar.Body("b", 1.0, 0.05, angle=-1.9)
+    spring = planar.TorsionSpring(a, b, stiffness=3.0, angle=0.4)
+    run = planar.simulate(planar.System([a, b], (), [spring], (0, 0)), 0.1, dt=0.1)
+    assert run.alpha("b")[0] == pytest.approx(3.0 * 0.4 / 0.05, rel=1e-14)
+    assert run.alpha("a")[0] == pytest.approx(-3.0 * 0.4 / 0.2, rel=1e-14)
+
+
+def test_a_slide_on_a_body_that_turns_does_not_hold_a_point_mass():
+    arm, bob = body("arm", (0.1, 0.2), 0.4), planar.Body("bob", 1.0, 0.0, position=(0.6, 0.8))
+    joints = [planar.Revolute(planar.GROUND, arm, at=(0, 0)), planar.Slider(arm, bob, at=(0.6, 0.8), axis=(1, 0))]
+    with pytest.raises(ValueError, match="body 'bob': inertia 0, but its rate can change"):
+        planar.simulate(planar.System([arm, bob], joints), 1.0, dt=0.1)

@@ -10,10 +10,13 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    Cylindrical,
+    Distance,
     Fixed,
     Force,
     Kinematic,
     PointOnLine,
+    PointOnPlane,
     Polynomial,
     Prismatic,
     Ramp,
@@ -23,6 +26,7 @@ from mbsd3d import (
     Spherical,
     SpringDamper,
     System,
+    Table,
     Torque,
     Universal,
     rotation,
@@ -32,6 +36,7 @@ from mbsd3d.rotations import matrix
 from validation import theory
 from validation.engines import planar
 from validation.inline_four import RATE, inline_four, one_turn
+from validation.planes.shaft import bound
 from validation.spectrum import spectrum
 
 TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
@@ -178,6 +183,7 @@ def test_an_engine_askew_in_space_with_weight_and_heavy_throws(disc):
 EIGHTH = np.pi / 4
 LAYOUTS = {
     "single": ((0.2,), (0.17,), (0,)),
+    "fork and blade": ((-0.5, 0.4), (0.1, 0.1), (20, 20)),
     "three in line": ((0.0,) * 3, (-0.1, 0.0, 0.1), (0, 120, 240)),
     "boxer": ((-2 * EIGHTH, 2 * EIGHTH) * 2, (-0.15, -0.05, 0.05, 0.15), (0, 180, 180, 0)),
     "cross-plane eight": (
@@ -371,3 +377,173 @@ def test_loads_in_the_planes_are_carried():
     found = reduction.block_load(TIMES)
     assert np.abs(found.force - force).max() < EXACT * np.abs(force).max()
     assert np.abs(found.moment - moment).max() < EXACT * np.abs(moment).max()
+
+
+def agrees(system, reduction, t_end, allowed=EXACT):
+    """The sum of planes is what all joints of a spatial engine put on the ground."""
+    times = np.linspace(0, t_end, 13)
+    solution = simulate(system, t_end, method=Kinematic(), output=times)
+    grounded = [joint.name for joint in system.joints if GROUND in joint.bodies()]
+    force, moment = load(solution, *grounded)
+    found = reduction.block_load(times)
+    size = np.abs(force).max()
+    assert np.abs(found.force - force).max() < allowed * size
+    assert np.abs(found.moment - moment).max() < allowed * max(np.abs(moment).max(), size * 1.0)  # m
+
+
+def test_gas_pressure_from_a_table():
+    """Measured pressure is a table; scaled, and with an offset."""
+    engine, times = inline_four(), np.linspace(0.0, 1.01 * TIMES[-1], 90)
+    gas = Table(times, np.maximum(np.sin(RATE * times / 2), 0.0) ** 3)
+    forces = [Force(engine.part(f"piston {i}"), (0, 0, -40.0 * i * gas + 3.0), name=f"gas {i}") for i in (1, 2)]
+    system = System(engine.bodies, engine.joints, forces, (0, 0, 0))
+    reduction = validation.reduce_to_planes(system)
+    assert reduction.holds, str(reduction)
+    agrees(system, reduction, TIMES[-1])
+    with pytest.raises(ValueError, match="asked for 0 s to 9 s"):
+        reduction.block_load([0.0, 9.0])
+
+
+def test_signals_are_judged_by_their_terms_not_by_samples():
+    """A push across the planes that vanishes every sixth of a second, a speed that changes after the first turn."""
+    engine = inline_four()
+    push = Force(engine.part("piston 1"), (0.0, Sine(2.5, 3.0), 1.0), name="push")
+    reduction = validation.reduce_to_planes(System(engine.bodies, engine.joints, [push], (0, 0, 0)))
+    assert only(reduction, "H4", "push").amount == pytest.approx(2.5)
+    times = np.linspace(0.0, 30.0, 31)
+    late = changed(engine, {"motor": {"signal": Table(times, RATE * times + 0.02 * np.maximum(times - 15.0, 0) ** 3)}})
+    assert only(validation.reduce_to_planes(late), "H1", "motor").unit == "rad/s^2"
+    even = changed(engine, {"motor": {"signal": Table(times, RATE * times)}})
+    assert validation.reduce_to_planes(even).holds
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_bound_of_a_signal(order):
+    cubic, time = Polynomial((0.3, -1.2, 0.7, 0.4)), 1.7
+    t, knots = np.linspace(-time, time, 4001), np.array([-2.0, -1.1, 0.2, 0.9, 2.0])
+    read = ("__call__", "derivative", "second_derivative")[order]
+    for signal in (
+        cubic,
+        Sine(1.3, 0.8, 0.4),
+        Table(knots, np.cos(3 * knots)),
+        2.0 * cubic + Sine(0.2, 3.0),
+        Ramp(2.0),
+    ):
+        seen, most = np.abs(getattr(signal, read)(t)).max(), bound(signal, order, time)
+        assert seen <= most * (1 + 1e-12) and most <= 20.0 * seen  # triangle inequality: some terms oppose each other
+    assert bound(Sine(1.3, 0.8, 0.4), order, time) == pytest.approx(1.3 * (2 * np.pi * 0.8) ** order)
+
+
+def test_point_mass_pistons_need_no_inertia():
+    light = changed(inline_four(), {f"piston {i}": {"inertia": (0, 0, 0)} for i in range(1, 5)})
+    reduction = validation.reduce_to_planes(light)
+    assert reduction.holds
+    agrees(light, reduction, TIMES[-1])
+    rods = changed(inline_four(), {"rod 2": {"inertia": (0, 0, 0)}})
+    with pytest.raises(ValueError, match="body 'rod 2': inertia 0, but its rate can change"):
+        validation.reduce_to_planes(rods).block_load([0.0])
+
+
+def test_what_is_bolted_to_the_shaft_is_shaft():
+    """A flywheel off its axis and a web that carries a pin: slices of their own, no units; a block at rest."""
+    engine = inline_four()
+    crank = engine.part("crank")
+    wheel = Body("flywheel", 3.0, (0.1, 0.2, 0.1), com=(0.1, 0.0, 0.05), position=(0.0, 0.5, 0.0))
+    web = Body("web", 2.0, (0.1, 0.1, 0.1), position=(0.0, 0.31, 0.8))
+    block = Body("block", 5.0, (1, 1, 1), position=(0, 0, -1))
+    joints = [replace(x, a=web) if x.name == "crankpin 4" else x for x in engine.joints]
+    joints += [
+        Fixed(web, wheel, at=(0, 0.5, 0), name="bolts"),
+        Fixed(crank, web, at=(0, 0.3, 1), name="press fit"),
+        Fixed(GROUND, block, at=(0, 0, -1), name="mount"),
+    ]
+    mount = SpringDamper(GROUND, block, at_a=(0, 0, -2), at_b=(0, 0.3, -1), stiffness=4.0)
+    system = System([web, wheel, *engine.bodies, block], joints, [mount], gravity=(0, 0, 0))
+    reduction = validation.reduce_to_planes(system)
+    assert reduction.holds, str(reduction)
+    bolted = {plane.z: plane.units for plane in reduction.planes if plane.units}
+    assert bolted[0.31] == ("web",) and bolted[0.5] == ("flywheel",)
+    system = System(system.bodies, joints, gravity=(0, 0, 0))  # without the pull of the mount on the block
+    agrees(system, validation.reduce_to_planes(system), TIMES[-1])
+
+
+def flat_engine(*units):
+    """A crank about z with its centre of mass between its throws, and units (bodies, joints) made on it."""
+    crank = Body("crank", 2.0, (0.1, 0.1, 0.2), com=(0.02, 0.01, 0.0))
+    bearing = Revolute(GROUND, crank, at=(0, 0, -0.3), axis=(0, 0, 1), name="bearing")
+    made = [unit(crank, i) for i, unit in enumerate(units, start=1)]
+    joints = [bearing, AngleDriver(bearing, Ramp(9.0), name="motor"), *(x for _, own in made for x in own)]
+    return System([crank, *(x for own, _ in made for x in own)], joints, gravity=(0, -9.81, 0))
+
+
+def oscillating(phase, z):
+    """A rod that slides in a cylinder on trunnions."""
+
+    def unit(crank, i):
+        pin, pivot = np.array([0.1 * np.cos(phase), 0.1 * np.sin(phase), z]), np.array([0.5, 0.0, z])
+        along = (pivot - pin) / np.linalg.norm(pivot - pin)
+        rod = Body(f"rod {i}", 0.5, (0.01, 0.01, 0.01), position=pin, com=0.1 * along)
+        cylinder = Body(f"cylinder {i}", 0.7, (0.02, 0.02, 0.02), position=pivot, com=-0.05 * along)
+        return [rod, cylinder], [
+            Spherical(crank, rod, at=pin, name=f"pin {i}"),
+            Revolute(GROUND, cylinder, at=pivot, axis=(0, 0, 1), name=f"trunnion {i}"),
+            Prismatic(cylinder, rod, at=pivot, axis=along, name=f"slide {i}"),
+        ]
+
+    return unit
+
+
+def massless_rod(phase, z, length=0.3):
+    """A piston on a rod without mass."""
+
+    def unit(crank, i):
+        pin = np.array([0.1 * np.cos(phase), 0.1 * np.sin(phase), z])
+        wrist = np.array([pin[0] + np.sqrt(length**2 - pin[1] ** 2), 0.0, z])
+        piston = Body(f"piston {i}", 0.7, (0.02, 0.02, 0.02), position=wrist)
+        ends = (crank, piston, pin, wrist) if i % 2 else (piston, crank, wrist, pin)
+        rod = Distance(*ends[:2], at_a=ends[2], at_b=ends[3], name=f"rod {i}")
+        return [piston], [rod, Prismatic(GROUND, piston, at=wrist, axis=(1, 0, 0), name=f"bore {i}")]
+
+    return unit
+
+
+@pytest.mark.parametrize("kind", [oscillating, massless_rod])
+def test_other_units_up_to_phase(kind):
+    system = flat_engine(kind(0.5, -0.1), kind(2.5, 0.1))
+    reduction = validation.reduce_to_planes(system)
+    assert reduction.holds, str(reduction)
+    agrees(system, reduction, 0.7)
+
+
+def test_h2_rods_of_two_lengths():
+    uneven = flat_engine(massless_rod(0.5, -0.1), massless_rod(2.5, 0.1, length=0.33))
+    assert only(validation.reduce_to_planes(uneven), "H2", "piston 2").amount == pytest.approx(0.03)
+
+
+def test_h3_a_dead_point_frees_nothing():
+    """Round bores: at the dead centre of the reference pose alone could the rods leave their planes."""
+    round_bores = {f"bore {i}": lambda x: Cylindrical(x.a, x.b, at=x.at, axis=x.axis, name=x.name) for i in range(1, 5)}
+    pins = {f"wristpin {i}": lambda x: Revolute(x.a, x.b, at=x.at, axis=(0, 1, 0), name=x.name) for i in range(1, 5)}
+    assert validation.reduce_to_planes(changed(inline_four(), round_bores | pins)).holds
+    loose = validation.reduce_to_planes(changed(inline_four(), round_bores))
+    assert {x.hypothesis for x in loose.failures} == {"H3"} and "free to leave" in str(loose)
+
+
+def test_what_the_planes_do_not_know_is_said():
+    """A slotted yoke obeys the hypotheses, the planar models have no slot; a block on a hinge is at rest, not fixed."""
+
+    def yoke(crank, i):
+        pin = np.array([0.08, 0.06, 0.0])
+        slide = Body("yoke", 0.7, (0.02, 0.02, 0.02), position=(0.08, 0, 0))
+        slot = PointOnPlane(slide, crank, at=pin, normal=(1, 0, 0), name="slot")
+        return [slide], [slot, Prismatic(GROUND, slide, at=(0.08, 0, 0), axis=(1, 0, 0), name="bore")]
+
+    failure = only(validation.reduce_to_planes(flat_engine(yoke)), "H3", "slot")
+    assert "planar models here know only hinges" in failure.text
+    engine, block = inline_four(), Body("block", 30.0, (2, 2, 3))
+    pivot, new = Revolute(GROUND, block, at=(0, 0, 0), axis=(0, 0, 1), name="pivot"), {}
+    for joint in engine.joints:
+        ends = {"a": block} if getattr(joint, "a", None) is GROUND else {}
+        new[joint.name] = AngleDriver(new["bearing"], joint.signal) if joint.name == "motor" else replace(joint, **ends)
+    free = validation.reduce_to_planes(System([block, *engine.bodies], [pivot, *new.values()], gravity=(0, 0, 0)))
+    assert "'block' carries the axis of 'crank' and is not welded to the ground" in str(free)

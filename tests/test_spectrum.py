@@ -74,14 +74,18 @@ def test_windows_read_amplitudes_of_records_that_are_no_whole_periods():
 def test_errors_name_sample_and_remedy():
     t = np.linspace(0, 2 * np.pi / RATE, 33)
     for arguments, options, message in (
-        ((t**2, t), {}, "stands .* off even steps"),
+        ((t**2, t), {}, "stands .* off even steps .* ask the run for a number of samples"),
         ((t, np.where(t > 0.5, np.nan, t)), {}, "values is not finite at sample 19"),
         ((t, t[:-1]), {}, "n >= 3"),
         ((t, t), {"rate": 1.1 * RATE}, r"is 1.1 periods long, 1.13\d* if .* whole periods, at least one, or a window"),
         ((t, t), {"rate": 0.4 * RATE}, "is 0.4 periods long"),
         ((t, t), {"rate": RATE, "turns": 2}, "1 periods long instead of 2"),
         ((t, t), {"rate": RATE, "period": 1.0}, "both given"),
-        ((t, t), {"rate": -1.0}, "rate -1.0 is no positive"),
+        ((t, t), {"rate": 0.0}, "rate is 0, so there are no orders; give the speed"),
+        ((t, t), {"period": -1.0}, "period: -1.0 is not positive"),
+        ((t, np.exp(1j * t)), {}, "values of type complex128; give real numbers"),
+        ((t[::-1], t), {}, "t goes from 0.8607.* s to 0 s; give times that increase"),
+        (([0.0], [1.0]), {}, r"t \(1,\) and values \(1,\); give .* n >= 3"),
         ((t, t), {"turns": 0}, "turns 0"),
         ((t, t), {"window": "hamming"}, "window 'hamming' is unknown; give one of 'none', 'hann', 'flat top'"),
     ):
@@ -91,3 +95,26 @@ def test_errors_name_sample_and_remedy():
         spectrum(t, t, rate=RATE).at(1.5)
     with pytest.raises(ValueError, match="no bin at order 40"):
         spectrum(t, t, rate=RATE, window="hann").at(40)
+
+
+def test_a_shaft_that_turns_backwards():
+    """Orders count turns; amplitudes and phases are those of time, whichever way the shaft turns."""
+    t = np.linspace(0.2, 0.2 + 2 * np.pi / RATE, 33)
+    found = spectrum(t, tones(2 * t), rate=-2 * RATE)
+    assert np.array_equal(found.amplitudes, spectrum(t, tones(2 * t), rate=2 * RATE).amplitudes)
+    assert np.abs(found.at(1) - C[1]).max() < 1e-14 * 5
+
+
+def test_phases_far_from_the_start():
+    """A million seconds: the step is known to 1e-10 s of rounding, the period exactly."""
+    t = 1e6 + np.linspace(0, 2 * np.pi / RATE, 33)
+    found = spectrum(t, np.cos(RATE * t + 0.4), rate=RATE).at(1)
+    assert abs(found - np.exp(0.4j)) < 1e-8  # rounding of w t, 7e6: 1e-9
+
+
+def test_columns_decide_for_themselves_whether_they_repeat():
+    """Newtons beside a small angle that has not come back."""
+    t = np.linspace(0.0, 1.0, 41)
+    values = np.column_stack([1e9 * np.cos(4 * np.pi * t), 0.1 * t])
+    assert spectrum(t, values).orders[1] == pytest.approx(1 / (41 * t[1]))
+    assert spectrum(t, values[:, 0]).orders[1] == pytest.approx(1.0)

@@ -13,8 +13,8 @@ nothing drives it out, and all that passes between unit and shaft are forces in 
 
 The shaft is a stack of slices, one per station, with mass moments u s_i along their throws s_i (one complex u for all)
 plus a part in proportion to their masses. Only what its product of inertia holds beyond that, [kg m^2], breaks H4: at
-the speed w a couple w^2 times as large turns with the shaft, and no plane sees it. H2 is what makes phasor sums valid;
-the sum of planes stands without it.
+the speed w a couple w^2 times as large turns with the shaft, and no plane sees it. H2, of bodies and joints, is what
+makes phasor sums valid; the sum of planes stands without it. Loads may be each unit's own: gas pressure has its phase.
 """
 
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ class Reduction:
     def __str__(self) -> str:
         if self.planes:
             stations = ", ".join(f"z = {p.z:.6g} m ({', '.join(p.units) or 'shaft'})" for p in self.planes)
-            found = f"{len(self.planes)} planes: {stations}"
+            found = f"{len(self.planes)} plane{'s' * (len(self.planes) > 1)}: {stations}"
         else:
             found = "no planes"
         if self.holds:
@@ -124,7 +124,7 @@ def reduce_to_planes(system: System) -> Reduction:
     Parameters
     ----------
     system : System
-        Spatial; bodies at rest count as frame.
+        Spatial; bodies at rest count as frame. What is welded to the shaft belongs to it, each part in its own plane.
 
     Returns
     -------

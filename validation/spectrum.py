@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mbsd3d.parts import number
+
 WINDOWS = {
     "none": (1.0,),
     "hann": (0.5, 0.5),
@@ -75,10 +77,11 @@ def spectrum(
     period : float
         Of order 1 [s]; or instead
     rate : float
-        of the shaft whose turn is order 1 [rad/s]. With neither, orders are frequencies in Hz.
+        of the shaft whose turn is order 1 [rad/s]; of either sign, amplitudes are those of time. With neither, orders
+        are frequencies in Hz.
     turns : int
         Number of periods in the record; without period and rate it defines the period, and the last sample counts as a
-        repetition if it equals the first to 1e-9 of the largest value.
+        repetition if it equals the first to 1e-9 of the largest value of each column.
     window : {"none", "hann", "flat top"}
         "none" takes whole periods only.
 
@@ -89,7 +92,8 @@ def spectrum(
     Raises
     ------
     ValueError
-        For uneven samples, numbers that are not finite, a record that is no whole number of periods without a window.
+        For uneven samples, numbers that are not real or not finite, a record that is no whole number of periods without
+        a window.
 
     Examples
     --------
@@ -100,16 +104,17 @@ def spectrum(
     if window not in WINDOWS:
         raise ValueError(f"spectrum: window {window!r} is unknown; give one of {', '.join(map(repr, WINDOWS))}")
     t, values, step = _checked(t, values)
-    n, period = _extent(t.size, step, values, _period(period, rate), turns, window)
+    period = _period(period, rate)
+    n, length, turn = _extent(t.size, step, values, period, turns, window)
     used = values[:n].reshape(n, -1)
     weights = taper(window, n)
     c = np.fft.rfft(weights[:, None] * used, axis=0) * 2 / weights.sum()
     c[0] /= 2
     if n % 2 == 0:
         c[-1] /= 2
-    frequency = 2 * np.pi * np.arange(len(c)) / (n * step)
+    frequency = 2 * np.pi * np.arange(len(c)) / length
     c *= np.exp(-1j * frequency * t[0])[:, None]
-    orders = np.arange(len(c)) * ((period or 1.0) / (n * step))
+    orders = np.arange(len(c)) * (turn / length)
     return Spectrum(orders, c.reshape(len(c), *values.shape[1:]), frequency, window)
 
 
@@ -148,7 +153,11 @@ def gain(window: str, offset: ArrayLike, n: int) -> np.ndarray:
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, float]:
     """Times, values and step, finite and even."""
-    t, values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+    t, values = np.asarray(t), np.asarray(values)
+    for name, array in (("t", t), ("values", values)):
+        if array.dtype.kind not in "iuf":
+            raise ValueError(f"spectrum: {name} of type {array.dtype}; give real numbers")
+    t, values = t.astype(float), values.astype(float)
     if t.ndim != 1 or t.size < 3 or values.ndim not in (1, 2) or len(values) != t.size:
         raise ValueError(f"spectrum: t {t.shape} and values {values.shape}; give (n,) and (n,) or (n, k), n >= 3")
     for name, array in (("t", t), ("values", values)):
@@ -156,11 +165,13 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
             bad = int(np.flatnonzero(~np.isfinite(array).reshape(t.size, -1).all(axis=1))[0])
             raise ValueError(f"spectrum: {name} is not finite at sample {bad}; leave such samples out of the run")
     step = (t[-1] - t[0]) / (t.size - 1)
+    if not step > 0:
+        raise ValueError(f"spectrum: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
     off = np.abs(t - t[0] - step * np.arange(t.size))
-    if not step > 0 or off.max() > EVEN * step:
+    if off.max() > EVEN * step:
         raise ValueError(
             f"spectrum: sample {int(off.argmax())} stands {off.max():.3g} s off even steps of {step:.6g} s; "
-            "ask the run for evenly spaced output"
+            "ask the run for a number of samples (output=361), not for its own steps"
         )
     return t, values, step
 
@@ -169,28 +180,32 @@ def _period(period: float | None, rate: float | None) -> float | None:
     """Period of order 1 [s]."""
     if period is not None and rate is not None:
         raise ValueError(f"spectrum: period {period} and rate {rate} both given; give one")
-    for name, value in (("period", period), ("rate", rate)):
-        if value is not None and not 0 < value < np.inf:
-            raise ValueError(f"spectrum: {name} {value} is no positive number; give one")
-    return 2 * np.pi / rate if rate is not None else period
+    if rate is not None:
+        if number(rate, "spectrum: rate") == 0.0:
+            raise ValueError("spectrum: rate is 0, so there are no orders; give the speed of the shaft, or neither")
+        return 2 * np.pi / abs(rate)
+    return None if period is None else number(period, "spectrum: period", positive=True)
 
 
 def _extent(
     n: int, step: float, values: np.ndarray, period: float | None, turns: int | None, window: str
-) -> tuple[int, float | None]:
-    """Number of samples to use and the period of order 1."""
+) -> tuple[int, float, float]:
+    """Number of samples to use, the time that they stand for [s] and the period of order 1 [s].
+
+    Of whole periods that time is exact, while the step is rounded: far from t = 0 a phase w t would show it.
+    """
     if turns is not None and (turns != int(turns) or turns < 1):
         raise ValueError(f"spectrum: turns {turns}; give a positive whole number")
     if period is None:
-        repeats = np.abs(values[-1] - values[0]).max() <= 1e-9 * np.abs(values).max()
+        repeats = (np.abs(values[-1] - values[0]) <= 1e-9 * np.abs(values).max(axis=0)).all()
         n = n - 1 if repeats else n
-        return n, None if turns is None else n * step / turns
+        return n, n * step, 1.0 if turns is None else n * step / turns
     for used in (n - 1, n):
         count = round(used * step / period) if turns is None else turns
         if count >= 1 and abs(count * period - used * step) <= WHOLE * step:
-            return used, period
+            return used, count * period, period
     if window != "none":
-        return n, period
+        return n, n * step, period
     asked = "" if turns is None else f" instead of {turns}"
     raise ValueError(
         f"spectrum: the record is {(n - 1) * step / period:.9g} periods long{asked}, {n * step / period:.9g} if its "

@@ -1,4 +1,7 @@
-"""Hypothesis H4 of the reduction to planes, loads: they act in the planes and couple no units."""
+"""Hypothesis H4 of the reduction to planes, loads: they act in the planes and couple no units.
+
+What acts on the frame alone is no load of the moving parts and left out.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -6,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.kernels import kinds
+from mbsd3d.terms import evaluate
 from validation.engines import planar
-from validation.planes.shaft import EXACT, Failure, Shaft, contains
+from validation.planes.shaft import EXACT, Failure, Shaft, bound, contains
 from validation.planes.units import Unit
 
 Loads = dict[int | None, list]
@@ -26,6 +30,8 @@ def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads,
     loads: Loads = {}
     failures = []
     for force in shaft.rows.system.forces:
+        if not any(shaft.moves(body) for body in force.bodies()):
+            continue
         name, record = shaft.rows.system.name(force), force.record()
         own = [k for k, unit in enumerate(units) if any(contains(unit.bodies, body) for body in force.bodies())]
         if len(own) > 1:
@@ -61,7 +67,7 @@ def leaving(shaft: Shaft, record: Any, z: float) -> tuple[float, str]:
         return off, "m"
     if record.kind in (kinds.FORCE, kinds.TORQUE):
         axes = record.bodies[-1].axes.T @ normal if record.values[0] else normal
-        vector = np.array([float(np.abs(signal(np.linspace(0, 1, 7))).max()) for signal in record.signals])
+        vector = np.array([bound(signal, 0, 1.0) for signal in record.signals])
         leaves = axes if record.kind == kinds.FORCE else np.sqrt(np.maximum(1 - axes**2, 0.0))
         off = float(np.abs(vector * leaves).max())
         return (off, "N" if record.kind == kinds.FORCE else "N m") if off > EXACT * vector.max() else (0.0, "N")
@@ -95,11 +101,14 @@ def flat_loads(shaft: Shaft, record: Any, bodies: dict) -> list | None:
 
 
 def flat_motion(term: Any) -> planar.Motion | None:
-    """A term of a signal as a motion; None for splines and long polynomials."""
+    """A term of a signal as a motion; None for polynomials of degree 6 and more."""
     if term.kind == kinds.SINE:
         return planar.Sine(*term.data)
     if term.kind == kinds.POLYNOMIAL and len(term.data) <= 6:
         return planar.Polynomial(tuple(term.data))
+    if term.kind == kinds.SPLINE:
+        breaks = term.data[1 : int(term.data[0]) + 2]
+        return planar.Table(breaks, evaluate([term], breaks))  # not-a-knot at both ends, as that of the signal
     return None
 
 

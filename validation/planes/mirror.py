@@ -102,11 +102,16 @@ class Rows:
         return row_space(self.twists(joints, body, z, pose)[:, IN])
 
     def loose(self, bodies: Sequence[Any], heights: Sequence[float]) -> np.ndarray:
-        """(k, bodies, 3) basis of the out-of-plane motions of bodies, each from its own plane, that no row resists."""
-        joints, pose = self.system.joints, self.poses[0]
-        blocks = [self.twists(joints, body, z, pose)[:, OUT] for body, z in zip(bodies, heights, strict=True)]
-        J = np.concatenate(blocks, axis=1)
-        return np.linalg.svd(J)[2][len(row_space(J)) :].reshape(-1, len(bodies), 3)
+        """(k, bodies, 3) basis of the out-of-plane motions of bodies, each from its own plane, that no row resists.
+
+        Of both poses the one that leaves fewer: at a dead point of the reference pose some are free that are not else.
+        """
+        found = []
+        for pose in self.poses:
+            twists = [self.twists(self.system.joints, b, z, pose) for b, z in zip(bodies, heights, strict=True)]
+            J = np.concatenate([twist[:, OUT] for twist in twists], axis=1)
+            found.append(np.linalg.svd(J)[2][len(row_space(J)) :])
+        return min(found, key=len).reshape(-1, len(bodies), 3)
 
 
 def row_space(J: np.ndarray) -> np.ndarray:

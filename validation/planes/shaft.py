@@ -40,6 +40,8 @@ class Shaft(NamedTuple):
     """[rad/s] about the normal."""
     frame: tuple
     """Bodies at rest, the ground among them."""
+    parts: tuple
+    """The body itself and what is welded to it."""
 
     def moves(self, body: Any) -> bool:
         """Whether a body is not part of the frame."""
@@ -70,15 +72,17 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
     if not turning:
         return None, [Failure("H1", "system", "has no driver that turns a body about an axis", 0, "drivers")]
     rows = Rows(system, np.eye(3)[2])
-    frame = welded(rows)
+    frame = tuple(welded(rows, GROUND))
     loose = [x for x in turning if not (contains(frame, x[1]) or contains(frame, x[2]))]
     joint, a, b, axis, signal, order = (loose or turning)[0]
     others = [system.name(other) for other in drivers if other is not joint]
     failures = [Failure("H1", other, "prescribes a second motion", len(drivers), "drivers") for other in others]
     if loose:
         speed, turn = np.linalg.norm(rows.velocity[rows.index[id(a)]], axis=1)
-        text = f"carries the axis of '{b.name}' and is not at rest"
-        size, unit = (turn, "rad/s") if turn > EXACT else (speed, "m/s")
+        text, (size, unit) = "is not at rest", (turn, "rad/s") if turn > EXACT else (speed, "m/s")
+        if size <= EXACT:
+            text, size, unit = "is not welded to the ground", 1, "body"
+        text = f"carries the axis of '{b.name}' and {text}"
         return None, [Failure("H1", a.name, text, float(size), unit), *failures]
     body = b if contains(frame, a) else a
     rows = Rows(system, np.asarray(axis, float))
@@ -91,31 +95,50 @@ def find_shaft(system: System) -> tuple[Shaft | None, list[Failure]]:
         return None, [*failures, Failure("H1", body.name, "does not turn", speed, "rad/s")]
     failures += unsteady(system, joint, signal, order, speed)
     point = rows.flat(body.position) + np.array([-1, 1]) * rows.flat(v)[::-1] / speed
-    shaft = Shaft(body, joint, rows, point, speed, frame)
+    shaft = Shaft(body, joint, rows, point, speed, frame, tuple(welded(rows, body)))
     return shaft, failures + loose_axis(system, shaft)
 
 
-def welded(rows: Rows) -> tuple:
-    """The ground and all bodies that hang rigidly on it, one after the other (a piston at a dead centre does not)."""
-    frame = [GROUND]
+def welded(rows: Rows, root: Any) -> list:
+    """A body or the ground and all that hang rigidly on it, nearest first (a piston at a dead centre does not)."""
+    found = [root]
     joints = [joint for joint in rows.system.joints if all(row.signal is None for row in joint.primitives)]
-    for fixed in frame:
+    for fixed in found:
         for body in rows.system.bodies:
-            own = [x for x in joints if {id(e) for e in x.bodies()} == {id(fixed), id(body)}]
-            if own and not contains(frame, body):
+            own = [x for x in joints if {id(end) for end in x.bodies()} == {id(fixed), id(body)}]
+            if own and not contains(found, body):
                 if len(row_space(rows.twists(own, body, 0.0, rows.poses[0]))) == 6:
-                    frame.append(body)
-    return tuple(frame)
+                    found.append(body)
+    return found
 
 
 def unsteady(system: System, joint: Any, signal: Any, order: int, speed: float) -> list[Failure]:
-    """A speed that changes within a turn."""
-    low, high = signal.interval
-    t = np.clip(np.linspace(0, 2 * np.pi / abs(speed), 73), low, high)
-    change = np.abs(signal.derivative(t) if order else signal.second_derivative(t)).max()
+    """A speed that changes."""
+    change = bound(signal, 1 if order else 2, 2 * np.pi / abs(speed))
     if change <= EXACT * speed**2:
         return []
     return [Failure("H1", system.name(joint), "does not turn at a constant speed", float(change), "rad/s^2")]
+
+
+def bound(signal: Any, order: int, time: float) -> float:
+    """No |d^order f / dt^order| is larger: of polynomials |t| <= time, of sines and splines for all times.
+
+    From the terms themselves; samples can miss a sine whose period they repeat. The part of each term is counted for
+    itself, so that terms that cancel are taken for more than they are.
+    """
+    total = 0.0
+    for term in signal.terms():
+        if term.kind == kinds.SINE:
+            total += abs(term.data[0]) * abs(term.data[1]) ** order
+            continue
+        pieces, reach = term.data[None], np.array([time])
+        if term.kind == kinds.SPLINE:
+            count = int(term.data[0])
+            pieces, reach = term.data[count + 2 :].reshape(count, 4)[:, ::-1], np.diff(term.data[1 : count + 2])
+        powers = np.arange(max(pieces.shape[1] - order, 0))
+        factors = [np.prod(k + 1 + np.arange(order)) for k in powers]  # d^order t^(k + order) = factor t^k
+        total += np.max(np.sum(np.abs(pieces[:, order:]) * factors * reach[:, None] ** powers, axis=1), initial=0.0)
+    return float(total)
 
 
 def loose_axis(system: System, shaft: Shaft) -> list[Failure]:

@@ -7,10 +7,17 @@ from validation.planes.shaft import EXACT, Failure, Shaft, tensor
 
 
 def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
-    """Sum of the arms from the axis to the pins of a unit [m], x + i y."""
-    own = [joint for joint in joints if joint.a is bodies[id(shaft.body)]]
-    arms = [(joint.at if isinstance(joint, planar.Revolute) else joint.b.position) - shaft.point for joint in own]
-    return complex(*np.sum(arms, axis=0))
+    """Sum of the arms from the axis to the pins of a unit [m], x + i y; a weld is none."""
+    crank = bodies[id(shaft.body)]
+    pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
+    return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
+
+
+def pin(joint: planar.Joint, body: planar.Body) -> np.ndarray:
+    """Where a hinge, massless rod or weld holds a body (2,) [m]."""
+    if isinstance(joint, planar.Distance):
+        return joint.at_a if joint.a is body else joint.at_b
+    return joint.at
 
 
 def cut(
@@ -20,7 +27,8 @@ def cut(
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses
-    keep m and m z_G: the last slice, half of the shaft, is left out if the stations stand about z_G.
+    keep m and m z_G: the last slice, half of the shaft, is left out if the stations stand about z_G. A shaft that is no
+    stack of such throws may do better with u = 0: then so.
     """
     body, k = shaft.body, len(z)
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)
@@ -32,7 +40,8 @@ def cut(
     levers = np.array([throws.sum(), (z - com) @ throws / shaft.rows.length])
     moments = np.array([whole, product / shaft.rows.length])
     seen = np.linalg.norm(levers) > EXACT * np.abs(throws).max()
-    u = np.vdot(levers, moments) / np.vdot(levers, levers) if seen else 0.0
+    found = [np.vdot(levers, moments) / np.vdot(levers, levers), 0.0] if seen else [0.0]
+    u = min(found, key=lambda u: abs(product - u * ((z - com) @ throws)))
     carried = u * np.append(throws, 0.0)[: k + rest] + (whole - u * throws.sum()) * shares
     slices = [
         planar.Body(

@@ -6,8 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND
+from mbsd3d.kernels import kinds
 from validation.engines import planar
 from validation.planes.shaft import EXACT, Failure, Shaft, contains
+from validation.planes.slices import pin
 
 
 class Link(NamedTuple):
@@ -34,27 +36,29 @@ class Unit(NamedTuple):
 
 
 def find_units(shaft: Shaft) -> tuple[list[Unit], list[Failure]]:
-    """Chains of bodies that hang on the shaft, and what hangs elsewhere (H2)."""
+    """Chains of bodies that hang on the shaft, what is welded to it, and what hangs elsewhere (H2)."""
     system, failures = shaft.rows.system, []
     pairs: dict[tuple, Link] = {}
-    order = {id(body): i for i, body in enumerate(system.bodies)}
+    order: dict[int, int] = {}
+    for body in (*shaft.parts, *system.bodies):
+        order.setdefault(id(body), len(order))
     for joint in system.joints:
         ends = {id(end): end for end in (x if shaft.moves(x) else GROUND for x in joint.bodies())}
         moving = [body for body in ends.values() if body is not GROUND]
-        if joint is shaft.driver or all(body is shaft.body for body in moving):
+        if joint is shaft.driver or (len(moving) < 2 and all(contains(shaft.parts, body) for body in moving)):
             continue
         if len(moving) > 2:
             failures.append(Failure("H2", system.name(joint), "couples more than two bodies", len(moving), "bodies"))
             continue
-        moving.sort(key=lambda body: (body is not shaft.body, order[id(body)]))
+        moving.sort(key=lambda body: order[id(body)])
         a, b = moving if len(moving) == 2 else (GROUND, moving[0])
         pairs.setdefault((id(a), id(b)), Link(a, b, [])).joints.append(joint)
-    units, left = [], [body for body in system.bodies if shaft.moves(body) and body is not shaft.body]
+    units, left = [], [body for body in system.bodies if shaft.moves(body) and not contains(shaft.parts, body)]
     while left:
         chain = grown([left[0]], pairs.values(), shaft)
         left = [body for body in left if not contains(chain, body)]
         links = [link for link in pairs.values() if contains(chain, link.b)]
-        roots = [link.b for link in links if link.a is shaft.body]
+        roots = [link.b for link in links if contains(shaft.parts, link.a)]
         if not roots:
             failures.append(Failure("H2", chain[0].name, "does not hang on the shaft", len(chain), "bodies"))
             continue
@@ -63,6 +67,9 @@ def find_units(shaft: Shaft) -> tuple[list[Unit], list[Failure]]:
         units.append(Unit(chain, links, plane_of(shaft, chain, links)))
     if not units and not failures:
         failures.append(Failure("H2", shaft.body.name, "carries no unit", 0, "units"))
+    for part in shaft.parts[1:]:
+        weld = next(x for x in pairs.values() if x.b is part and contains(shaft.parts, x.a))
+        units.append(Unit([part], [weld], shaft.rows.height(part.centre)))
     return units, failures
 
 
@@ -76,7 +83,7 @@ def grown(chain: list, links: Any, shaft: Shaft) -> list:
     for body in chain:
         for link in links:
             for one, other in ((link.a, link.b), (link.b, link.a)):
-                if one is body and other is not GROUND and other is not shaft.body and not contains(chain, other):
+                if one is body and other is not GROUND and not contains((*shaft.parts, *chain), other):
                     chain.append(other)
     return chain
 
@@ -119,7 +126,8 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
     at, turn = rows.flat(link.b.position), np.array([[0.0, 0.0, 1.0]])
     W = rows.wrenches(link.joints, link.b, z, rows.poses[0])
     blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT
-    ends = bodies.get(id(link.a), planar.GROUND), bodies[id(link.b)]
+    a = shaft.body if contains(shaft.parts, link.a) else link.a  # its slice stands for all of the shaft
+    ends = bodies.get(id(a), planar.GROUND), bodies[id(link.b)]
     name = rows.system.name(link.joints[0])
     if len(W) == 0:
         return None
@@ -131,7 +139,12 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
         return planar.Slider(*ends, at=at, axis=(push[1], -push[0]), name=name)
     if len(W) == 2 and np.linalg.matrix_rank(W[:, :2], EXACT) == 2 and fixed_centre(shaft, link, z):
         return planar.Revolute(*ends, at=at + centre(W, rows.length), name=name)
-    return Failure("H3", name, "is no hinge, slide or weld in its plane", len(W), "rows in the plane")
+    if len(W) == 1 and [row.kind for joint in link.joints for row in joint.primitives] == [kinds.DISTANCE]:
+        rod = link.joints[0]
+        a, b = (rows.flat(end) for end in ((rod.at_a, rod.at_b) if rod.b is link.b else (rod.at_b, rod.at_a)))
+        return planar.Distance(*ends, at_a=a, at_b=b, length=rod.length, name=name)
+    text = "works in its plane, but the planar models here know only hinges, slides, rods and welds"
+    return Failure("H3", name, text, len(W), "rows in the plane")
 
 
 def centre(W: np.ndarray, length: float) -> np.ndarray:
@@ -165,15 +178,16 @@ def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict
         own = [joint for joint in joints if joint.a is body or joint.b is body]
         found += [(f"number of joints {label}", "joints", len(own))]
         slides = [joint for joint in own if isinstance(joint, planar.Slider)]
-        marks = [joint.at for joint in own if isinstance(joint, planar.Revolute)] + [body.position + body.com]
+        marks = marked(body, own)
         for (i, p), (k, q) in combinations(enumerate(marks), 2):
             found.append((f"distance {i}-{k} of joints and centre of mass {label}", "m", float(np.hypot(*(q - p)))))
-        if len(marks) == 3:
-            p, q, r = marks
+        for p, q, r in combinations(marks, 3):
             area = (q - p)[0] * (r - p)[1] - (q - p)[1] * (r - p)[0]
             found.append((f"twice the area between joints and centre of mass {label}", "m^2", float(area)))
         for joint in slides:
-            arm, axis = marks[0] - shaft.point, joint.axis
+            other = joint.b if joint.a is body else joint.a
+            holds = other is not planar.GROUND and marked(other, [x for x in joints if other in (x.a, x.b)])
+            arm, axis = marks[0] - (holds[0] if holds else shaft.point), joint.axis
             axis = axis if axis @ arm > 0 else -axis
             found.append((f"offset of the slide {label}", "m", float(axis[0] * arm[1] - axis[1] * arm[0])))
             lean = marks[-1] - marks[0]
@@ -182,15 +196,23 @@ def signature(shaft: Shaft, unit: Unit, joints: list[planar.Joint], bodies: dict
             )
     for joint in joints:
         if joint.a is bodies[id(shaft.body)]:
-            throw = joint.at if isinstance(joint, planar.Revolute) else joint.b.position
-            found.append(("crank radius", "m", float(np.hypot(*(throw - shaft.point)))))
+            found.append(("crank radius", "m", float(np.hypot(*(pin(joint, joint.a) - shaft.point)))))
+        if isinstance(joint, planar.Distance):
+            found.append((f"length of '{joint.name}'", "m", joint.length))
     return found
 
 
+def marked(body: planar.Body, joints: list[planar.Joint]) -> list[np.ndarray]:
+    """Points of a body that its joints and its mass mark, the centre of mass last."""
+    return [pin(joint, body) for joint in joints if not isinstance(joint, planar.Slider)] + [body.position + body.com]
+
+
 def unlike(shaft: Shaft, units: list[Unit], joints: list[list], bodies: dict) -> list[Failure]:
-    """H2: where units differ from the first one."""
+    """H2: where units differ from the first one in bodies or joints; loads may be each unit's own."""
     first, failures = None, []
     for unit, own in zip(units, joints, strict=True):
+        if contains(shaft.parts, unit.bodies[0]):
+            continue
         mine = signature(shaft, unit, own, bodies)
         first = first or mine
         if len(mine) != len(first):

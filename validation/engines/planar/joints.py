@@ -7,8 +7,9 @@ import numpy as np
 
 from mbsd3d.parts import number
 
-from . import planar_rows as kinds
-from .planar_parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, pair
+from . import rows as kinds
+from .motions import NONE, Motion
+from .parts import Ground, Part, Row, check_bodies, direction, pair
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ and S = Y Y' = L D L' is factored by Cholesky within the profile of its ordered 
 import numpy as np
 
 from .jit import inner
-from .planar_rows import SPRING, TORSION, arm, motion, put, rates
+from .rows import SPRING, TORSION, arm, motion, put, rates
 
 LEAST_PIVOT = 1e-13  # of a row, over its diagonal
 
@@ -115,7 +115,7 @@ def loads(m, w, t, q, v):
             push(m, w, a, Ax, Ay, pull * nx, pull * ny, 0.0)
             push(m, w, b, Bx, By, -pull * nx, -pull * ny, 0.0)
             continue
-        size = motion(m.load_motion[k], t)[0]
+        size = motion(m, m.load_motion[k], t)[0]
         fx, fy = arm(w.frame[a], p[0], p[1])  # a: the body that carries the axes of the force
         push(m, w, b, Bx, By, size * fx, size * fy, size * p[4])
 

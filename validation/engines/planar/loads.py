@@ -7,8 +7,9 @@ import numpy as np
 
 from mbsd3d.parts import number
 
-from . import planar_rows as kinds
-from .planar_parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, pair
+from . import rows as kinds
+from .motions import UNIT, Motion
+from .parts import GROUND, Body, Part, Row, check_bodies, pair
 
 
 @dataclass(frozen=True, eq=False)

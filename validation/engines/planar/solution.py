@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import planar_rows as kinds
-from .planar_joints import Driver, Rolling, SlideDriver
-from .planar_system import System
+from . import rows as kinds
+from .joints import Driver, Rolling, SlideDriver
+from .system import System
 
 
 class Reaction(NamedTuple):
@@ -89,7 +89,10 @@ class Solution:
         return self.point(body, self.system.bodies[self.system.part(body, "bodies")].com)
 
     def reaction(self, joint: Any) -> Reaction:
-        """Force and moment of a joint on its body b, at its point (of a rolling disc: the contact)."""
+        """Force and moment of a joint on its body b, at its point (of a rolling disc: the contact).
+
+        Of a gear, b is that of its second hinge; a frame that both hinges share takes the moments of both.
+        """
         i = self.system.part(joint, "joints")
         joint = self.system.joints[i]
         wrench = self._wrench[:, self.system.lowered.joint_of == i].sum(axis=1)

@@ -12,7 +12,7 @@ from mbsd3d.kernels.jit import CACHE
 def _digest() -> str:
     """Of every file that is compiled: numba's own cache misses edits in callees of other files."""
     text = hashlib.sha256(numba.__version__.encode())
-    for name in ("planar_rows", "planar_saddle", "planar_march"):
+    for name in ("rows", "saddle", "march"):
         text.update(Path(__file__).with_name(f"{name}.py").read_bytes())
     return text.hexdigest()[:16]
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from .jit import inner, kernel
-from .planar_rows import put, rates, rows
-from .planar_saddle import accelerations, factor, solve
+from .rows import put, rates, rows
+from .saddle import accelerations, factor, solve
 
 DONE, SINGULAR, NOT_CLOSED, NOT_FINITE = range(4)
 CLOSED, OPEN = 1e-14, 1e-9  # residuals [m, rad] over the size of the system: aimed at, refused
@@ -16,8 +16,11 @@ def largest(w):
     """Largest residual and its row."""
     worst, row = 0.0, 0
     for i in range(w.c.shape[0]):
-        if not abs(w.c[i]) <= worst:
-            worst, row = abs(w.c[i]), i
+        size = abs(w.c[i])
+        if not size <= worst:
+            worst, row = size, i
+        if not np.isfinite(size):
+            break
     return worst, row
 
 
@@ -75,14 +78,29 @@ def close_rates(m, w, t, q, v):
 
 
 @inner
+def finite(x):
+    """Whether all numbers of the bodies are."""
+    total = 0.0
+    for i in range(x.shape[0] - 1):
+        total += x[i, 0] + x[i, 1] + x[i, 2]
+    return np.isfinite(total)
+
+
+@inner
 def record(m, w, q, v, out, k):
-    """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O)."""
+    """Sample k: q, v, v_dot of the bodies and -lam J on body b of every row (its wrench about O).
+
+    In a gear that body may be the frame of both hinges and hold two of its places.
+    """
     for i in range(q.shape[0] - 1):
         for j in range(3):
             out[0][k, i, j], out[1][k, i, j], out[2][k, i, j] = q[i, j], v[i, j], w.x[i, j]
     for i in range(m.kind.shape[0]):
         for j in range(3):
-            out[3][k, i, j] = -w.lam[m.place[i]] * w.J[4 * i + 1, j]
+            total = w.J[4 * i + 1, j]
+            for other in range(2, 4):
+                total += w.J[4 * i + other, j] * (m.slot[i, other] == m.slot[i, 1])
+            out[3][k, i, j] = -w.lam[m.place[i]] * total
 
 
 @inner
@@ -111,16 +129,18 @@ def first_stage(w, v, part):
 
 
 @kernel
-def march(m, w, q, v, t_end, steps, every, out):
-    """RK4 from 0 to t_end, closed after every step, every so many steps recorded; (status, row, t)."""
+def march(m, w, q, v, t_end, steps, every, out, begin, end):
+    """RK4 from 0 to t_end: steps begin ... end - 1, closed before each, every so many recorded; (status, row, t)."""
     h = t_end / steps
-    for step in range(steps + 1):
+    for step in range(begin, end):
         t = t_end * (step / steps)
         status, row = close(m, w, t, q)
         if status != DONE:
             return status, row, t
         close_rates(m, w, t, q, v)
         accelerations(m, w, t, q, v)
+        if not finite(w.x):
+            return NOT_FINITE, row, t
         if step % every == 0:
             record(m, w, q, v, out, step // every)
         if step == steps:
@@ -137,11 +157,12 @@ def march(m, w, q, v, t_end, steps, every, out):
 
 
 @kernel
-def trace(m, w, q, times, out):
-    """Positions, velocities and accelerations of a fully driven system at the times, from q at t = 0."""
-    t, v = 0.0, w.v
-    v[:], w.x[:] = 0.0, 0.0
-    for k in range(times.shape[0]):
+def trace(m, w, q, times, out, begin, end):
+    """Samples begin ... end - 1 of a fully driven system at the times, the first one q at t = 0; (status, row, t)."""
+    t, v = times[max(begin - 1, 0)], w.v
+    if begin == 0:
+        v[:], w.x[:] = 0.0, 0.0
+    for k in range(begin, end):
         turn = 0.0
         for i in range(q.shape[0] - 1):
             turn = max(turn, abs(v[i, 2] * (times[k] - t)) + abs(0.5 * w.x[i, 2] * (times[k] - t) ** 2))

@@ -9,11 +9,11 @@ import numpy as np
 import scipy.sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from . import planar_rows as kinds
-from .planar_joints import Joint
-from .planar_march import evaluate
-from .planar_parts import GROUND, NONE, Body, Ground, Part, Row, pair
-from .planar_rows import Model, Work
+from . import rows as kinds
+from .joints import Joint
+from .march import evaluate
+from .parts import GROUND, Body, Ground, Part, Row, pair
+from .rows import Model, Work
 
 DEPENDENT = 1e-10  # singular values of the scaled rows, over the largest
 KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
@@ -32,7 +32,8 @@ class System:
     Raises
     ------
     ValueError
-        For two parts of one name, a part of a body or joint that is not in the system, redundant rows.
+        For two parts of one name, a part of a body or joint that is not in the system; at the first run for redundant
+        rows.
     """
 
     bodies: Sequence[Body]
@@ -130,16 +131,19 @@ def lower(system: System, centripetal: bool = True) -> Lowered:
             both = [row, Row(kinds.SECOND, row.bodies, row.values)] if row.kind == kinds.COINCIDE else [row]
             rows += both
             joint_of += [i] * len(both)
-    slot, value, motion = table(rows, index, 4)
+    pieces = [np.empty((0, 5))]
+    slot, value, motion = table(rows, index, 4, pieces)
     entry, product, place, first = pattern(rows, slot, len(system.bodies))
     loads = [part.load() for part in system.loads]
-    load_slot, load_value, load_motion = table(loads, index, 2)
+    load_slot, load_value, load_motion = table(loads, index, 2, pieces)
     load = np.column_stack([integers([row.kind for row in loads]), load_slot])
     poses = np.array([(*body.position, body.angle) for body in (*system.bodies, GROUND)])
+    even = steady(rows)
     model = Model(
-        np.array([body_row(body) for body in (*system.bodies, GROUND)]), integers([row.kind for row in rows]), slot,
-        value, motion.any(axis=1), motion, entry, product, place, first, load, load_value, load_motion,
-        np.array(system.gravity), np.array([float(centripetal), max(1.0, np.abs(poses[:, :2]).max())]),
+        np.array([body_row(body, id(body) in even) for body in (*system.bodies, GROUND)]),
+        integers([row.kind for row in rows]), slot, value, motion.any(axis=1), motion, entry, product, place, first,
+        load, load_value, load_motion, np.concatenate(pieces), np.array(system.gravity),
+        np.array([float(centripetal), max(1.0, np.abs(poses[:, :2]).max())]),
     )  # fmt: skip
     lowered = Lowered(model, integers(joint_of), poses)
     refuse_redundant(system, lowered)
@@ -151,22 +155,46 @@ def integers(values: Sequence) -> np.ndarray:
     return np.array(values, dtype=np.int64)
 
 
-def body_row(body: Body | Ground) -> tuple:
-    """mass, I_G, r_G, 1/sqrt(mass), 1/sqrt(I_G); the ground takes no part in sums."""
+def steady(rows: list[Row]) -> set[int]:
+    """id of the bodies whose rate the rows keep constant: the ground and what a slide, weld or driver ties to such."""
+    found, before = {id(GROUND)}, 0
+    turns = [row for row in rows if row.kind == kinds.ANGLE and row.motion.steady()]
+    while len(found) > before:
+        before = len(found)
+        for row in turns:
+            others = {id(body) for body in row.bodies} - found
+            found |= others if len(others) == 1 else set()
+    return found
+
+
+def body_row(body: Body | Ground, even: bool) -> tuple:
+    """mass, I_G, r_G, 1/sqrt(mass), 1/sqrt(I_G); the ground takes no part in sums.
+
+    A point mass has I_G = 0. Where its rate is constant, alpha = 0 and any I_G gives the same motion and reactions.
+    """
     if body is GROUND:
         return (0.0,) * 6
-    return (body.mass, body.inertia, *body.com, 1 / np.sqrt(body.mass), 1 / np.sqrt(body.inertia))
+    if body.inertia == 0.0 and not even:
+        raise ValueError(
+            f"body '{body.name}': inertia 0, but its rate can change; give a number > 0 or hold it by a Slider"
+        )
+    inertia = body.inertia or body.mass
+    return (body.mass, inertia, *body.com, 1 / np.sqrt(body.mass), 1 / np.sqrt(inertia))
 
 
-def table(rows: list[Row], index: dict[int, int], width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Bodies (m, width), numbers (m, 8) and motions (m, 9) of rows or loads; missing bodies are the ground."""
+def table(
+    rows: list[Row], index: dict[int, int], width: int, pieces: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Bodies (m, width), numbers (m, 8), motions (m, 11) of rows or loads, their splines appended to the pieces."""
     ground = len(index) - 1
     slot, value = np.full((len(rows), width), ground, dtype=np.int64), np.zeros((len(rows), 8))
-    motion = np.zeros((len(rows), 9))
+    motion = np.zeros((len(rows), 11))
     for i, row in enumerate(rows):
         slot[i, : len(row.bodies)] = [index[id(body)] for body in row.bodies]
         value[i, : len(row.values)] = row.values
-        motion[i] = (row.motion or NONE).numbers()
+        own = row.motion.pieces()
+        motion[i] = (*row.motion.numbers(), sum(map(len, pieces)) if len(own) else 0, len(own))
+        pieces.append(own)
     return slot, value, motion
 
 

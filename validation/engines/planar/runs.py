@@ -1,23 +1,7 @@
-"""A planar multibody solver, independent of mbsd3d: three coordinates per body, everything else said in its words.
-
-    [ M  J' ] [ v_dot ]   [ Q - h ]      per body q = (x, y, theta) of a reference point O, v = q_dot, s = R r_G:
-    [ J  0  ] [  lam  ] = [ gamma ]      M = [[m, 0, -m s_y], [0, m, m s_x], [-m s_y, m s_x, I_G + m s^2]],
-                                         h = (-m w^2 s_x, -m w^2 s_y, 0)
-
-Where r_G is not zero, h is as important as M: without it, the bearing of an engine crank is a tenth wrong while every
-motion stays right (``centripetal=False`` shows that).
-
-Examples
---------
->>> from validation.engines import planar
->>> rod = planar.Body("rod", mass=2.0, inertia=0.1, com=(0.5, 0.0))
->>> hinge = planar.Revolute(planar.GROUND, rod, at=(0, 0), name="hinge")
->>> solution = planar.simulate(planar.System([rod], [hinge]), 1.0, dt=1e-3)
->>> bool(abs(solution.energy().total).max() < 1e-9)
-True
-"""
+"""Runs of a planar mechanism: through time by Runge-Kutta, or position by position of a driven one."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,41 +10,12 @@ from numpy.typing import ArrayLike
 from mbsd3d.errors import AssemblyError, IntegrationError
 from mbsd3d.parts import number
 
-from .planar_joints import AngleDriver, Distance, Driver, Fixed, Gear, Joint, Revolute, Rolling, SlideDriver, Slider
-from .planar_loads import Force, Spring, TorsionSpring
-from .planar_march import DONE, NOT_CLOSED, SINGULAR, close, evaluate, march, trace
-from .planar_parts import GROUND, Body, Motion, Polynomial, Sine, rate
-from .planar_solution import Energy, Reaction, Solution
-from .planar_system import Lowered, System, lower
+from .march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
+from .rows import Model, Work
+from .solution import Solution
+from .system import Lowered, System, lower
 
-__all__ = [
-    "GROUND",
-    "AngleDriver",
-    "Body",
-    "Distance",
-    "Driver",
-    "Energy",
-    "Fixed",
-    "Force",
-    "Gear",
-    "Joint",
-    "Motion",
-    "Polynomial",
-    "Reaction",
-    "Revolute",
-    "Rolling",
-    "Sine",
-    "SlideDriver",
-    "Slider",
-    "Solution",
-    "Spring",
-    "System",
-    "TorsionSpring",
-    "kinematics",
-    "rate",
-    "simulate",
-]
-
+PIECE = 0.1  # s of computation between two looks at Ctrl-C
 INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
 
 
@@ -86,9 +41,12 @@ def simulate(
     Raises
     ------
     ValueError
-        For redundant rows or initial velocities that contradict the joints.
+        For redundant rows, initial velocities that contradict the joints, a table that ends before the run, a point
+        mass whose rate can change.
     IntegrationError
-        If the joints cannot be closed or become singular, naming joint and time.
+        If rows become singular or numbers are not finite, naming joint or body and time.
+    AssemblyError
+        If a joint cannot close, naming it, time and gap.
     """
     t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
     if output is not None and (output != int(output) or output < 2):
@@ -96,12 +54,14 @@ def simulate(
     steps = max(int(np.ceil(t_end / dt * (1 - 1e-12))), 1)
     samples = steps if output is None else int(output) - 1
     every = -(-steps // samples)
+    covered(system, 0.0, t_end)
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     work, q = lowered.work(), lowered.q.copy()
     v = initial_velocity(system, lowered, work, q)
     out = storage(lowered, samples + 1)
     began = time.perf_counter()
-    status, row, t = march(lowered.model, work, q, v, t_end, every * samples, every, out)
+    arguments = lowered.model, work, q, v, t_end, every * samples, every, out
+    status, row, t = in_pieces(march, arguments, every * samples + 1)
     seconds = time.perf_counter() - began
     explain(system, lowered, work, status, row, t)
     return Solution(system, t_end * (np.arange(samples + 1) / samples), out, seconds)
@@ -126,23 +86,47 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
     Raises
     ------
     ValueError
-        If freedoms are left.
-    IntegrationError
-        If the joints cannot be closed or become singular, naming joint and time.
+        If freedoms are left, and as in `simulate`.
+    IntegrationError, AssemblyError
+        As in `simulate`.
     """
     times = np.atleast_1d(np.asarray(times, dtype=float))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():
         raise ValueError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
+    covered(system, min(0.0, times.min()), max(0.0, times.max()))
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     left = 3 * len(system.bodies) - lowered.model.kind.size
     if left:
         raise ValueError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
     work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
     began = time.perf_counter()
-    status, row, t = trace(lowered.model, work, q, np.concatenate([[0.0], times]), out)
+    status, row, t = in_pieces(trace, (lowered.model, work, q, np.concatenate([[0.0], times]), out), times.size + 1)
     seconds = time.perf_counter() - began
     explain(system, lowered, work, status, row, t)
     return Solution(system, times, tuple(array[1:] for array in out), seconds)
+
+
+def in_pieces(loop: Callable, arguments: tuple, count: int) -> tuple[int, int, float]:
+    """A compiled loop over 0 ... count - 1, in pieces of `PIECE` so that Ctrl-C ends it; numbers as of one piece."""
+    begin, size, status = 0, 100, (DONE, 0, 0.0)
+    while begin < count and status[0] == DONE:
+        end, began = min(begin + size, count), time.perf_counter()
+        status = loop(*arguments, begin, end)
+        seconds = max(time.perf_counter() - began, 1e-9)
+        size = max(1, int((end - begin) * min(10.0, PIECE / seconds)))
+        begin = end
+    return status
+
+
+def covered(system: System, low: float, high: float) -> None:
+    """A ValueError that names a part whose motion is not known from low to high [s]."""
+    for part in (*system.joints, *system.loads):
+        first, last = part.motion.interval if hasattr(part, "motion") else (-np.inf, np.inf)
+        if low < first or high > last:
+            raise ValueError(
+                f"{system.name(part)}: its table covers {first:g} s to {last:g} s and is asked for {low:g} s to "
+                f"{high:g} s; extend it or stay inside"
+            )
 
 
 def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
@@ -166,7 +150,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     b = np.concatenate([work.rate, values])
     if not np.any(b):
         return v
-    root = np.linalg.inv(scaling(system, work))
+    root = np.linalg.inv(scaling(lowered.model, work))
     found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
     wrong = np.abs(A @ found - b)
     if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
@@ -181,13 +165,13 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
     return v
 
 
-def scaling(system: System, work: Any) -> np.ndarray:
+def scaling(model: Model, work: Work) -> np.ndarray:
     """U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
-    U = np.zeros((3 * len(system.bodies),) * 2)
-    for i, body in enumerate(system.bodies):
+    U = np.zeros((3 * len(model.body) - 3,) * 2)
+    for i, (mass, inertia) in enumerate(model.body[:-1, :2]):
         x, y = work.frame[i, 2:]
-        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(body.inertia / body.mass)]])
-        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(body.mass) * block
+        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(inertia / mass)]])
+        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(mass) * block
     return U
 
 
@@ -195,12 +179,16 @@ def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, 
     """The error of a status, naming the joint."""
     if status == DONE:
         return
+    if status == NOT_FINITE:
+        body = np.argmax(~np.isfinite(work.x[:-1] + work.q[:-1]).all(axis=1))
+        advice = "take a smaller dt, or keep the ends of springs apart"
+        raise IntegrationError(
+            "planar: numbers are not finite", time=t, part=f"body '{system.bodies[body].name}'", advice=advice
+        )
     at = row if status != SINGULAR else int(np.flatnonzero(lowered.model.place == row)[0])
     joint = system.name(system.joints[lowered.joint_of[at]])
     if status == SINGULAR:
         advice = "a dead point or a redundancy: move the pose, drive another joint, or remove one"
         raise IntegrationError("planar: rows singular", time=t, part=joint, advice=advice)
-    if status == NOT_CLOSED:
-        gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
-        raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)
-    raise IntegrationError("planar: numbers are not finite", time=t, part=joint, advice="take a smaller dt")
+    gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
+    raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)

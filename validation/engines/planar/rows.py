@@ -24,16 +24,17 @@ class Model(NamedTuple):
     body: np.ndarray  # (n + 1, 6): mass [kg], I_G [kg m^2], r_G (2) [m], 1/sqrt(mass), 1/sqrt(I_G)
     kind: np.ndarray  # (m,)
     slot: np.ndarray  # (m, 4) bodies; n is the ground
-    value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of planar_parts
+    value: np.ndarray  # (m, 8): points in body axes, factors, lengths; see `Row` of parts
     driven: np.ndarray  # (m,) whether a row has a motion
-    motion: np.ndarray  # (m, 9): f(t) = sum c_k t^k (6) + A sin(w t + phase)
+    motion: np.ndarray  # (m, 11): f(t) = sum c_k t^k (6) + A sin(w t + phase); or first of its pieces, their number
     entry: np.ndarray  # (e, 3): place in J (4 row + slot), place of the row in S, body
     product: np.ndarray  # (p, 4): line and column of S, the two places in J
     place: np.ndarray  # (m,) place of a row in S
     first: np.ndarray  # (m,) first column of a line of S
     load: np.ndarray  # (k, 3): kind, bodies
     load_value: np.ndarray  # (k, 8)
-    load_motion: np.ndarray  # (k, 9)
+    load_motion: np.ndarray  # (k, 11)
+    piece: np.ndarray  # (p, 5) of splines: start [s], c_0 ... c_3 of the time since then
     gravity: np.ndarray  # (2,) [m/s^2]
     scale: np.ndarray  # (2,): 1 or 0 with or without the centripetal term; size of the system, at least 1 [m]
 
@@ -58,8 +59,25 @@ class Work(NamedTuple):
 
 
 @inner
-def motion(f, t):
-    """f, f_dot, f_ddot of the nine numbers of a motion."""
+def spline(piece, low, high, t):
+    """The cubic of the last piece low ... high - 1 that has begun at t; the first and the last one go on."""
+    while high - low > 1:
+        middle = (low + high) // 2
+        if piece[middle, 0] <= t:
+            low = middle
+        else:
+            high = middle
+    p = piece[low]
+    s = t - p[0]
+    x = p[1] + s * (p[2] + s * (p[3] + s * p[4]))
+    return x, p[2] + s * (2.0 * p[3] + 3.0 * s * p[4]), 2.0 * p[3] + 6.0 * s * p[4]
+
+
+@inner
+def motion(m, f, t):
+    """f, f_dot, f_ddot of the eleven numbers of a motion."""
+    if f[10] > 0.0:
+        return spline(m.piece, int(f[9]), int(f[9] + f[10]), t)
     x, v, a = 0.0, 0.0, 0.0
     for k in range(5, -1, -1):
         a = a * t + 2.0 * v
@@ -100,7 +118,7 @@ def rows(m, w, t, q):
         kind, a, b, p = m.kind[i], m.slot[i, 0], m.slot[i, 1], m.value[i]
         if kind == SECOND:
             continue
-        f = motion(m.motion[i], t)[0] if m.driven[i] else 0.0
+        f = motion(m, m.motion[i], t)[0] if m.driven[i] else 0.0
         if kind == ANGLE:  # sum f_k theta_k + offset = f(t)
             total = p[4] - f
             for k in range(4):
@@ -139,7 +157,7 @@ def rates(m, w, t, q, v):
             continue
         w.rate[i], w.gamma[i] = 0.0, 0.0
         if m.driven[i]:
-            _, w.rate[i], w.gamma[i] = motion(m.motion[i], t)
+            _, w.rate[i], w.gamma[i] = motion(m, m.motion[i], t)
         if kind == ANGLE:
             continue
         Ax, Ay = arm(w.frame[a], p[0], p[1])

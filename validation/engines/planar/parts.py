@@ -1,4 +1,4 @@
-"""The words of a planar mechanism: motions, bodies and parts, in world coordinates at a reference pose."""
+"""The words of a planar mechanism: bodies and parts, in world coordinates at a reference pose."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d.parts import number
+
+from .motions import NONE, Motion
 
 
 def pair(value: ArrayLike, what: str) -> np.ndarray:
@@ -28,55 +30,6 @@ def direction(value: ArrayLike, what: str) -> np.ndarray:
     if length < 1e-12:
         raise ValueError(f"{what} has zero length; give a direction")
     return array / length
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """f(t) = sum c_k t^k + amplitude sin(frequency t + phase)."""
-
-    def numbers(self) -> tuple:
-        """The nine numbers of f: c_0 ... c_5, amplitude, frequency [rad/s], phase [rad]."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True, eq=False)
-class Polynomial(Motion):
-    """c_0 + c_1 t + ... of degree 5 at most; a constant rate w is ``Polynomial((0, w))``."""
-
-    coefficients: tuple
-
-    def __post_init__(self) -> None:
-        if not 0 < len(self.coefficients) <= 6:
-            raise ValueError(f"Polynomial: {len(self.coefficients)} coefficients; give 1 to 6")
-        values = tuple(number(c, f"Polynomial: c_{k}") for k, c in enumerate(self.coefficients))
-        object.__setattr__(self, "coefficients", values)
-
-    def numbers(self) -> tuple:
-        return (*self.coefficients, *(0.0,) * (6 - len(self.coefficients)), 0.0, 0.0, 0.0)
-
-
-def rate(speed: float) -> Polynomial:
-    """A constant rate, ``speed t`` [rad/s or m/s]."""
-    return Polynomial((0.0, speed))
-
-
-@dataclass(frozen=True, eq=False)
-class Sine(Motion):
-    """amplitude sin(frequency t + phase), frequency in rad/s."""
-
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("amplitude", "frequency", "phase"):
-            object.__setattr__(self, name, number(getattr(self, name), f"Sine: {name}"))
-
-    def numbers(self) -> tuple:
-        return (*(0.0,) * 6, self.amplitude, self.frequency, self.phase)
-
-
-NONE, UNIT = Polynomial((0.0,)), Polynomial((1.0,))
 
 
 class Ground:
@@ -104,7 +57,7 @@ class Body:
     ----------
     name : str
     mass, inertia : float
-        [kg], and about the centre of mass [kg m^2]; both > 0.
+        [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its rate constant.
     com : (2,) array_like
         r_G, from the reference point O, body axes [m].
     position, angle
@@ -129,7 +82,8 @@ class Body:
 
     def __post_init__(self) -> None:
         what = f"body '{self.name}'"
-        values = {name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in ("mass", "inertia")}
+        values: dict[str, Any] = {"mass": number(self.mass, f"{what}: mass", positive=True)}
+        values["inertia"] = number(self.inertia, f"{what}: inertia", minimum=0.0)
         values |= {name: pair(getattr(self, name), f"{what}: {name}") for name in ("com", "position")}
         values["angle"] = number(self.angle, f"{what}: angle")
         if self.velocity is not None:
