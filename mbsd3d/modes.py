@@ -14,6 +14,7 @@ from .parts import number
 from .selection import choose_rows
 from .solution import Solution
 from .threads import on_one_thread
+from .view.viewable import Viewable
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 MARKERS = "osD^v<>pP*X"
@@ -169,7 +170,7 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Any
@@ -179,8 +180,7 @@ class Motion:
     system = Solution.system
     _body = Solution._body
     position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
-    com, point, animate = Solution.com, Solution.point, Solution.animate
-    export_gif, export_mp4, export_glb = Solution.export_gif, Solution.export_mp4, Solution.export_glb
+    com, point = Solution.com, Solution.point
 
 
 @on_one_thread

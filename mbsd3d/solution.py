@@ -16,6 +16,7 @@ from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_w
 from .record import Record
 from .rotations import matrix
 from .state import State
+from .view.viewable import Viewable
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Drift:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Solution:
+class Solution(Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
 
     Examples
@@ -317,11 +318,19 @@ class Solution:
         settings.update(changes)
         return simulate(self.system, self.final.t if t_end is None else t_end, **settings)
 
-    def plot(self, quantity: str = "energy", *parts: Any, **options: Any) -> Any:
-        """Matplotlib figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plots`."""
+    def plot(
+        self,
+        quantity: Any = "energy",
+        *parts: Any,
+        against: Any = None,
+        degrees: bool = False,
+        dark: bool = False,
+        axes: Any = None,
+    ) -> Any:
+        """Figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plots.plot_quantity`."""
         from .plots import plot_quantity
 
-        return plot_quantity(self, quantity, *parts, **options)
+        return plot_quantity(self, quantity, *parts, against=against, degrees=degrees, dark=dark, axes=axes)
 
     def report(
         self,
@@ -335,104 +344,6 @@ class Solution:
         from .report import make_report
 
         return make_report(self, path, title=title, curves=curves, dark=dark)
-
-    def animate(
-        self,
-        path: str | Path | None = None,
-        *,
-        curves: Any = None,
-        traces: Any = None,
-        shown: Any = (),
-        frames: int | None = None,
-        speed: float | None = None,
-        title: str | None = None,
-        dark: bool | None = None,
-        live: bool = False,
-    ) -> Any:
-        """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            Where the page is written too; ".html" is appended if it is missing.
-        curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
-            None = a few that tell most; () = none.
-        traces : list of (body, world point at the reference pose [m]), optional
-            Points whose paths are drawn; None = centres of mass; () = none.
-        shown : list of layers, optional
-            Shown from the start besides the usual ones, e.g. ["angular momentum"]; all have switches.
-        frames : int, optional
-            >= 2; None = as many as the motion needs and the page bears.
-        speed : float, optional
-            Model time per real time; None = real time for runs of 2 ... 30 s, else a round factor for about 10 s.
-        title : str, optional
-        dark : bool, optional
-            None = what the reader's system prefers.
-        live : bool
-            Whether a server on this machine shows the motion instead (``path`` is not written then).
-
-        Returns
-        -------
-        View
-            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
-
-        Raises
-        ------
-        ValueError
-            Naming the option, part or package and the remedy.
-        """
-        from .view.show import animate
-
-        return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
-
-    def picture(self, t: Any = None, **options: Any) -> Any:
-        """Shaded matplotlib figure of a moment, or of several; see `mbsd3d.view.picture.picture_of_solution`."""
-        from .view.picture import picture_of_solution
-
-        return picture_of_solution(self, t, **options)
-
-    def export_gif(self, path: str | Path, **options: Any) -> Path:
-        """Write the motion as an animated GIF; see `mbsd3d.view.film.export_gif`."""
-        from .view.film import export_gif
-
-        return export_gif(self, path, **options)
-
-    def export_mp4(self, path: str | Path, **options: Any) -> Path:
-        """Write the motion as an MP4 film, which needs ffmpeg; see `mbsd3d.view.film.export_mp4`."""
-        from .view.film import export_mp4
-
-        return export_mp4(self, path, **options)
-
-    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
-        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
-
-        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
-        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
-
-        Parameters
-        ----------
-        path : str or Path
-            ".glb" is appended if it is missing; an older file is replaced in one go.
-        frames : int, optional
-            Number of frames in equal steps of time; None = enough for a smooth film.
-        traces : sequence of (body, (3,) array_like), optional
-            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
-            move, () = none.
-
-        Returns
-        -------
-        Path
-            The file; the same solution gives the same bytes.
-
-        Raises
-        ------
-        ValueError
-            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
-            the system, or the folder cannot be written.
-        """
-        from .view.gltf import export_run
-
-        return export_run(self, path, frames, traces)
 
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""

@@ -13,7 +13,7 @@ from mbsd3d import GROUND, Body, Spherical, System, simulate
 from mbsd3d.rotations import matrix
 from mbsd3d.view.content import LENGTH, TURN
 from mbsd3d.view.drawing import bounds, draw_system, frame_camera
-from mbsd3d.view.motion import frames_of
+from mbsd3d.view.frames import frames_of
 
 
 def camera_of(seen):

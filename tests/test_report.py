@@ -26,8 +26,8 @@ from mbsd3d import (
     measures,
     simulate,
 )  # fmt: skip
-from mbsd3d.facts import MOST
-from mbsd3d.wording import counted, digits, triple
+from mbsd3d.report.facts import MOST
+from mbsd3d.report.wording import counted, digits, triple
 
 HOSTILE = (
     "<script>alert('1')</script>",

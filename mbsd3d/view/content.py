@@ -5,17 +5,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..style import DARK, LIGHT
+from .copies import Links
+from .curves import Curve
 from .drawing import Drawing, bounds, frame_camera
-from .motion import Arrows, Curve, Frames, Trace
+from .frames import Frames
+from .grid import length_text
+from .layers import MARKS, USUAL
+from .motion import Arrows, Trace
 from .packing import pack
 from .recorder import Recording
-from .stage import FOV, Stage, build_stage, heads_of
-from .sticks import Links
+from .stage import FOV, Stage, build_stage
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
 ARROW = 2e-4  # of arrows, in units of the longest
 VALUE = 1e-6  # of curves, in units of their range
+TRACE = 10  # characters a number of a trace takes, whose points are in the scene four times
 
 
 class Content(NamedTuple):
@@ -28,14 +33,18 @@ class Content(NamedTuple):
     curves: list[Curve]
     speed: float  # model time per real time
     title: str
-    shown: tuple[str, ...] = ()  # layers, besides those that always are
+    shown: tuple[str, ...] = USUAL  # layers
     timed: bool = True  # whether the time is one of a run
 
 
-def length_text(length: float) -> str:
-    """A length with a unit in which it is a usual number."""
-    unit, factor = ("mm", 1e3) if length < 0.01 else ("km", 1e-3) if length >= 1000.0 else ("m", 1.0)
-    return f"{length * factor:g} {unit}"
+def weight_of(content: Content) -> int:
+    """Characters that what moves takes in a page, all but the curves."""
+    frames, size = content.frames, content.drawing.size
+    arrays = [(frames.r, LENGTH * size), (frames.e, TURN)]
+    for kind in content.arrows:
+        arrays += [(kind.points, ARROW * size), (kind.vectors, ARROW * kind.longest)]
+    traces = sum(trace.points.size for trace in content.traces)
+    return sum(len(pack(values, step)["data"]) for values, step in arrays) + TRACE * traces
 
 
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
@@ -86,25 +95,24 @@ def links_data(links: Links) -> dict[str, Any]:
 
 def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, Any]:
     """Arrows of one kind: where, how large, and what the legend says."""
-    longest = float(np.sqrt((kind.vectors**2).sum(axis=-1)).max())
     return {
         "kind": kind.kind,
         "unit": kind.unit.replace("^2", "²"),
-        "heads": heads_of(kind),
+        "heads": kind.heads,
         "colour": kind.colour,
         "uncertain": any(kind.uncertain),
         "node": stage.arrows[i].name,
-        "longest": longest,
+        "longest": kind.longest,
         "factor": stage.factors[i],
         "points": pack(kind.points, ARROW * size),
-        "vectors": pack(kind.vectors, ARROW * longest),
+        "vectors": pack(kind.vectors, ARROW * kind.longest),
     }
 
 
 def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
     """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
-    marks = {kind.kind: {"colour": kind.colour, "heads": heads_of(kind)} for kind in content.arrows}
-    inner = (*marks, "centre of mass", "reference point")
+    marks = {kind.kind: {"colour": kind.colour, "heads": kind.heads} for kind in content.arrows}
+    inner = (*marks, *MARKS)
     return [
         {
             "name": name,
