@@ -11,8 +11,8 @@ from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
 from .nearby import closed
 from .parts import number
+from .poses import Poses
 from .selection import choose_rows
-from .solution import Solution
 from .threads import on_one_thread
 from .view.viewable import Viewable
 
@@ -170,17 +170,12 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(Viewable):
+class Motion(Poses, Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Any
     t: np.ndarray
     arrays: dict[str, np.ndarray]
-
-    system = Solution.system
-    _body = Solution._body
-    position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
-    com, point = Solution.com, Solution.point
 
 
 @on_one_thread

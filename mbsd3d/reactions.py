@@ -11,6 +11,7 @@ import numpy as np
 
 from .blocks import BlockRows, displacement_units, islands
 from .evaluation import load_rows, rows_at
+from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
 from .rank import redundant_combinations
@@ -87,6 +88,33 @@ def minimum_norm(
             mu = lam[k, own] / scale[own]
             shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
     return shared
+
+
+def reaction_of(solution: Any, joints: tuple) -> Reaction:
+    """See `Solution.reaction`."""
+    system, compiled = solution.system, solution.compiled
+    parts = [system.part(joint, "joints") for joint in joints]
+    if not parts:
+        raise ValueError("solution.reaction: no joint given; give one or more joints")
+    body = parts[0].b
+    for part in parts[1:]:
+        if part.b is not body:
+            raise ValueError(
+                f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
+                f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
+            )
+    unique, samples = unique_wrench(compiled, solution._middle, parts), solution.t.size
+    lam = solution.arrays["lam"] if unique else solution._multipliers
+    total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
+    index, data = compiled.body_index[id(body)], compiled.data()
+    for part in parts:
+        rows = compiled.rows[id(part)]
+        wrenches(compiled.model, data, solution.t, solution.arrays["state"], lam, rows.start, rows.stop, index, one)
+        total += one
+    point = parts[0].reaction_points(solution)
+    origin = np.zeros((samples, 3)) if body is GROUND else solution.position(body)
+    force = total[:, :3]
+    return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
 
 
 def every_reaction(solution: Any, samples: np.ndarray) -> list[Reaction]:

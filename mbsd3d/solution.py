@@ -9,10 +9,10 @@ import numpy as np
 
 from .certificate import Certificate, certify, estimate
 from .drivers import Driver
-from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
-from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .poses import Poses
+from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, reaction_of, unique_wrench
 from .record import Record
 from .rotations import matrix
 from .state import State
@@ -46,7 +46,7 @@ class Drift:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Solution(Viewable):
+class Solution(Poses, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
 
     Examples
@@ -86,30 +86,9 @@ class Solution(Viewable):
         return cls(compiled, arrays, record, end)
 
     @property
-    def system(self) -> Any:
-        """The system that was simulated."""
-        return self.compiled.system
-
-    @property
     def t(self) -> np.ndarray:
         """(samples,) times [s]."""
         return self.arrays["t"]
-
-    def _body(self, body: Any) -> int:
-        index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
-        return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
-
-    def position(self, body: Any) -> np.ndarray:
-        """Reference point of a body [m]."""
-        return self.arrays["q"][:, self._body(body), :3]
-
-    def orientation(self, body: Any) -> np.ndarray:
-        """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
-        return self.arrays["q"][:, self._body(body), 3:]
-
-    def rotation(self, body: Any) -> np.ndarray:
-        """(samples, 3, 3) rotation matrix of a body, body -> world."""
-        return matrix(self.orientation(body))
 
     def velocity(self, body: Any) -> np.ndarray:
         """Velocity of the reference point [m/s]."""
@@ -130,14 +109,6 @@ class Solution(Viewable):
     def alpha(self, body: Any) -> np.ndarray:
         """Angular acceleration [rad/s^2], world axes."""
         return self.arrays["acceleration"][:, self._body(body), 3:]
-
-    def com(self, body: Any) -> np.ndarray:
-        """Centre of mass [m]."""
-        return self.point(body, self.system.part(body).com)
-
-    def point(self, body: Any, local: Any) -> np.ndarray:
-        """World position of a point given in body axes from the reference point [m]."""
-        return self.position(body) + self.rotation(body) @ np.asarray(local, float)
 
     def _coordinate(self, joint: Any, kind: str) -> np.ndarray:
         from .joints import coordinate_of
@@ -169,18 +140,6 @@ class Solution(Viewable):
         v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def body_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
-        """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
-        if body is GROUND:
-            return np.broadcast_to(axis, (self.t.size, 3))
-        return self.rotation(body) @ body.local_axis(axis)
-
-    def body_point(self, body: Any, point: np.ndarray) -> np.ndarray:
-        """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
-        if body is GROUND:
-            return np.broadcast_to(point, (self.t.size, 3))
-        return self.point(body, body.local_point(point))
-
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
@@ -208,29 +167,7 @@ class Solution(Viewable):
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
         constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
         """
-        parts = [self.system.part(joint, "joints") for joint in joints]
-        if not parts:
-            raise ValueError("solution.reaction: no joint given; give one or more joints")
-        body = parts[0].b
-        for part in parts[1:]:
-            if part.b is not body:
-                raise ValueError(
-                    f"solution.reaction: '{self.system.name(part)}' acts on '{part.b.name}', "
-                    f"'{self.system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
-                )
-        unique, samples = unique_wrench(self.compiled, self._middle, parts), self.t.size
-        lam = self.arrays["lam"] if unique else self._multipliers
-        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
-        index = self.compiled.body_index[id(body)]
-        data = self.compiled.data()
-        for part in parts:
-            rows = self.compiled.rows[id(part)]
-            wrenches(self.compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
-            total += one
-        point = parts[0].reaction_points(self)
-        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
-        force = total[:, :3]
-        return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+        return reaction_of(self, joints)
 
     def effort(self, driver: Any) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

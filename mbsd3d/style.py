@@ -54,6 +54,7 @@ DARK = Theme(
 )
 COLOURS, GREY = LIGHT.lines, LIGHT.muted
 MARK, INNER = "#6b6b6b", "#e0e0e0"  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
+CELLS = {"light": (190, 150), "dark": (52, 84)}  # grey of the lines of a ground grid in space, thin and thick ones
 SHADED = 0.72  # brightness of the darker sectors of round bodies, by which one sees them turn
 PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 

@@ -16,14 +16,13 @@ from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
 from mbsd3d.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view import live, page, show
-from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, pack, unpack
 from mbsd3d.view.curves import curves_of
 from mbsd3d.view.drawing import draw_system
 from mbsd3d.view.frames import frames_of, sensible_speed
 from mbsd3d.view.grid import length_text, round_down, round_up
 from mbsd3d.view.meshes import flat_normals
 from mbsd3d.view.motion import arrows_of
-from mbsd3d.view.packing import pack, unpack
 from mbsd3d.view.recorder import Recording, import_viser
 from mbsd3d.view.stage import LONGEST, build_stage
 from mbsd3d.view.sticks import arrow, laid

@@ -27,14 +27,14 @@ PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 MANY = 3000  # more triangles and strokes than this go into a vector file as an image
 
 
-def rgb(colour: str) -> np.ndarray:
+def tone(colour: str) -> np.ndarray:
     """(3,) of "#rrggbb" as matplotlib counts, 0 ... 1."""
     return channels(colour) / 255.0
 
 
 def shadow_on(sheet: Theme) -> np.ndarray:
     """The colour of shadows on a paper."""
-    paper = rgb(sheet.paper)
+    paper = tone(sheet.paper)
     return paper * (0.93 if paper.mean() > 0.5 else 0.6)
 
 
@@ -119,7 +119,7 @@ class Painter:
 
     def strokes(self, strokes: np.ndarray, colour: str, pen: float) -> Items:
         """Straight lines (k, 2, 3) as items."""
-        return strokes_as_items(split_strokes(strokes, self.longest)[0], rgb(colour), pen, 0.0)
+        return strokes_as_items(split_strokes(strokes, self.longest)[0], tone(colour), pen, 0.0)
 
     def paint(
         self,
@@ -175,7 +175,7 @@ class Painter:
 
     def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
         """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
-        floor, paper, grid = self.low[2], rgb(self.sheet.paper), rgb(self.sheet.grid)
+        floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
         axes.add_collection(
             PolyCollection(self.on_paper(shadows), facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1),
@@ -223,7 +223,7 @@ class Painter:
 
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""
-        return 0.6 * rgb(colour) + 0.4 * rgb(self.sheet.ink)
+        return 0.6 * tone(colour) + 0.4 * tone(self.sheet.ink)
 
 
 def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Any]:

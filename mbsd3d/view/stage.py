@@ -12,7 +12,7 @@ import numpy as np
 
 from ..shapes import Mesh
 from ..shapes.surfaces import joined
-from ..style import SHADED, channels, paler, rgb
+from ..style import CELLS, SHADED, channels, paler, rgb
 from .copies import Links, add_copies, lay
 from .drawing import Drawing, bounds, frame_camera
 from .frames import Frames
@@ -100,7 +100,8 @@ def build_stage(
         add_trace(scene, stage, i, trace)
     add_grid(scene, stage, drawing, low, high)
     for layer in stage.layers:
-        stage.show(layer, layer in stage.shown)
+        if layer not in stage.shown:  # nodes are visible when they are made
+            stage.show(layer, False)
     light(scene)
     aim(camera, stage, low, high)
     scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
@@ -189,12 +190,13 @@ def add_trace(scene: Any, stage: Stage, i: int, trace: Trace) -> None:
 
 def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: np.ndarray) -> None:
     """A ground grid whose lines are at round coordinates."""
+    thin, thick = CELLS["light"]
     cell, span = stage.cell, float((high - low)[:2].max())
     count = 2.0 * np.ceil(0.75 * span / cell + 1.0)
     middle = np.round(0.5 * (low + high)[:2] / cell) * cell
     node = scene.add_grid(
         "/grid", count * cell * stage.scale, count * cell * stage.scale, cell_size=cell * stage.scale,
         section_size=5.0 * cell * stage.scale, position=np.array([*middle, min(drawing.floor, low[2])]) * stage.scale,
-        cell_color=(190, 190, 190), section_color=(150, 150, 150), shadow_opacity=0.25,
+        cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25,
     )  # fmt: skip
     stage.layers["ground grid"].append(node)
