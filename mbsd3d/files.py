@@ -28,14 +28,14 @@ BROKEN = (
 
 def with_suffix(path: str | Path, suffix: str) -> Path:
     """The path, with the suffix appended unless it is there."""
+    if not isinstance(path, str | os.PathLike) or not Path(path).name:
+        raise ValueError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
     path = Path(path)
     return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
 
 
 def ready_path(path: Any, suffix: str) -> Path:
     """The path with its suffix; a missing folder is found before the work, not after it."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"path = {path!r}; give the name of a file")
     path = with_suffix(path, suffix)
     if not path.parent.is_dir():
         raise ValueError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")

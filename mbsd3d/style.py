@@ -60,7 +60,9 @@ PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mi
 
 
 def theme(dark: bool) -> Theme:
-    """The theme of dark or of light paper."""
+    """The theme of dark or of light paper; ValueError for what is neither True nor False."""
+    if dark not in (True, False):
+        raise ValueError(f"dark = {dark!r}; give True or False")
     return DARK if dark else LIGHT
 
 
@@ -99,6 +101,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
     settings = {
         "font.family": [FONT],
         "mathtext.fontset": "dejavusans",
+        "text.parse_math": False,  # a name may have dollars in it
         "svg.hashsalt": "mbsd3d",  # else the ids in an SVG are random
         "svg.fonttype": "path",
         "figure.facecolor": look.paper,

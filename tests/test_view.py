@@ -180,7 +180,7 @@ def test_a_mode_is_animated():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"frames": 1}, "frames = 1; give a whole number of at least 2"),
+        ({"frames": 1}, "frames = 1; give a whole number >= 2"),
         ({"frames": True}, "frames = True"),
         ({"frames": 2.5}, "frames = 2.5"),
         ({"speed": 0}, "speed: 0.0 is not positive"),
@@ -190,7 +190,7 @@ def test_a_mode_is_animated():
         ({"hidden": 3}, "hidden = 3; give a list of layers"),
         ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' stands in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
-        ({"path": 5}, "path = 5; give the name of a file"),
+        ({"path": 5}, "path = 5 names no file"),
         (
             {"path": "nowhere/page"},
             "'nowhere/page.html' cannot be written: there is no folder 'nowhere'; make it first",

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..files import package_version, with_suffix, write_atomically
-from ..style import DARK, LIGHT
+from ..style import DARK, LIGHT, theme
 from ..threads import on_one_thread
 from .exhibits import figure_of, picture_of, wanted_curves
 from .facts import (
@@ -27,7 +27,7 @@ from .facts import (
     thinned,
     warnings,
 )
-from .wording import digits
+from .wording import digits, title_of
 
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
 MEANING = {
@@ -114,6 +114,8 @@ def make_report(
         raise ValueError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):
         raise ValueError(f"report: title {title!r} is no text; give one, or None")
+    if dark is not None:
+        theme(dark)
     record, certificate = solution.record, solution.certificate
     as_built = {"as_built": record.tolerance * solution.compiled.model.length} if record.tolerance else {}
     diagnosis = solution.system.check(**as_built)
@@ -155,16 +157,6 @@ def template() -> Any:
     folder = Path(__file__).parent.parent / "templates"
     options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     return Environment(loader=FileSystemLoader(folder), **options).get_template("report.html")
-
-
-def title_of(system: Any) -> str:
-    """The names of the bodies, the first ones of many."""
-    names = [body.name for body in system.bodies]
-    if len(names) == 1:
-        return names[0]
-    if len(names) <= 4:
-        return f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
 
 
 def check_row(check: Any) -> dict[str, Any]:

@@ -31,3 +31,13 @@ def counted(number: int, word: str) -> str:
     if number != 1:
         word = word[:-1] + "ies" if word.endswith("y") else word + "s"
     return f"{number} {word}"
+
+
+def title_of(system: Any) -> str:
+    """The names of the bodies, the first ones of many."""
+    names = [body.name for body in system.bodies]
+    if len(names) == 1:
+        return names[0]
+    if len(names) <= 4:
+        return f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"

@@ -55,7 +55,7 @@ def frames_of(solution: Any, count: int | None = None) -> Frames:
     if not t.size:
         raise ValueError("the solution has no samples, so nothing can be shown; run it to a later time")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
-        raise ValueError(f"frames = {count!r}; give a whole number of at least 2")
+        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
     return frames_at(solution, times)
 

@@ -109,7 +109,10 @@ def picture_of_solution(
 
 def moments(solution: Any, run: Frames, t: Any) -> Frames:
     """The poses at the given times, at the last one for None; of a solution not interpolated but integrated."""
-    times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
+    try:
+        times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
+    except (TypeError, ValueError):
+        times = np.empty(0)
     if times.ndim != 1 or not times.size:
         raise ValueError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
     if hasattr(solution, "at"):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 CLIENT = "1.1."  # the client's build this package's player drives
-NEEDED = "{} needs the package viser; install it: pip install mbsd3d[view]"
+NEEDED = "{} needs the package viser; install it: pip install 'mbsd3d[view]'"
 
 
 def import_viser(user: str) -> Any:

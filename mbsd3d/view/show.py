@@ -9,6 +9,7 @@ import numpy as np
 from ..files import ready_path
 from ..parts import number
 from ..progress import Progress
+from ..report.wording import title_of
 from ..state import State
 from .content import Content, weight_of
 from .curves import curves_of
@@ -26,11 +27,11 @@ def show_system(
     system: Any, path: Any, state: Any, shown: Any, hidden: Any, title: str | None, dark: bool | None, live: bool
 ) -> Any:
     """See `System.show`."""
-    check_options(path, title, dark)
+    check_options(path, title, dark, live)
     if not (state is None or isinstance(state, State)):
         raise ValueError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
     (r, e), t = poses_of(system, state), np.array([0.0 if state is None else state.t])
-    title = title or ("reference pose" if state is None else "a pose")
+    title = title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}"
     still, layers = Frames(t, r[None], e[None]), page_layers(system, shown, hidden)
     content = Content(draw_system(system), still, [], [], [], 1.0, title, layers, timed=state is not None)
     return deliver(content, path, dark, live, "system.show")
@@ -41,7 +42,7 @@ def animate(
     speed: float | None, title: str | None, dark: bool | None, live: bool,
 ) -> Any:  # fmt: skip
     """See `Solution.animate`."""
-    check_options(path, title, dark)
+    check_options(path, title, dark, live)
     layers = page_layers(solution.system, shown, hidden)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
@@ -66,7 +67,8 @@ def gather(
     lines = curves_of(solution, frames, curves) if frames.t.size > 1 else []
     progress.update(4.0)
     seconds = float(frames.t[-1] - frames.t[0])
-    return Content(drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or "motion", layers)
+    title, speed = title or title_of(solution.system), speed or sensible_speed(seconds)
+    return Content(drawing, frames, arrows, paths, lines, speed, title, layers)
 
 
 def page_layers(system: Any, shown: Any, hidden: Any) -> tuple[str, ...]:
@@ -74,7 +76,7 @@ def page_layers(system: Any, shown: Any, hidden: Any) -> tuple[str, ...]:
     return layers_of(shown, hidden, (*USUAL, "body names") if len(system.bodies) <= FEW else USUAL)
 
 
-def check_options(path: Any, title: Any, dark: Any) -> None:
+def check_options(path: Any, title: Any, dark: Any, live: Any) -> None:
     """ValueError for options of another type, and for a folder that is not there: before the work, not after it."""
     if path is not None:
         ready_path(path, ".html")
@@ -82,6 +84,8 @@ def check_options(path: Any, title: Any, dark: Any) -> None:
         raise ValueError(f"title = {title!r}; give a text, or None")
     if dark is not None and not isinstance(dark, bool | np.bool_):
         raise ValueError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
+    if not isinstance(live, bool | np.bool_):
+        raise ValueError(f"live = {live!r}; give True for a server on this machine, or False")
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:

@@ -198,5 +198,6 @@ def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: 
         "/grid", count * cell * stage.scale, count * cell * stage.scale, cell_size=cell * stage.scale,
         section_size=5.0 * cell * stage.scale, position=np.array([*middle, min(drawing.floor, low[2])]) * stage.scale,
         cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25,
+        fade_distance=max(100.0, 4.0 * frame_camera(low, high, FOV).distance * stage.scale),  # 100: viser's own
     )  # fmt: skip
     stage.layers["ground grid"].append(node)

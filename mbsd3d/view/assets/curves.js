@@ -8,13 +8,13 @@ function element(tag, properties = {}, ...children) {
   return made;
 }
 
-// Round values between low and high, about `count` of them.
+// Round values between low and high, about `count` of them, and never one alone: it tells no scale.
 function ticks(low, high, count) {
   const rough = (high - low) / count, decade = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((factor) => factor * decade).find((s) => s >= rough * 0.999);
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
-  return {found, step};
+  return found.length > 1 || count > 9 ? {found, step} : ticks(low, high, count + 1);
 }
 
 // As many digits as the step needs; powers of ten only for very large and small numbers.
