@@ -91,8 +91,10 @@ def plot_quantity(
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
             draw_panel(target, solution.t, panel, across, look, legend=legend != before)
-            alike = [values for other in panels if other.unit == panel.unit for _, values in other.lines]
-            set_range(target, panel, max(float(np.nanmax(np.abs(x), initial=0.0)) for x in alike))
+            size = largest(panels, panel.unit)
+            if panel.unit == "[N m]":  # a moment is rounding beside what the forces make on the model's length
+                size = max(size, largest(panels, "[N]") * float(solution.compiled.model.length))
+            set_range(target, panel, size)
             before = legend
         label_across(targets, across, every=axes is not None)
         if axes is None:
@@ -174,6 +176,12 @@ def write_legend(axes: Any, drawn: list[Line2D], note: str, look: Theme) -> None
         text.set_parse_math(False)
         text.set_text(name)
     legend.get_title().set_parse_math(False)
+
+
+def largest(panels: list[Panel], unit: str) -> float:
+    """Largest value of a unit."""
+    alike = [values for panel in panels if panel.unit == unit for _, values in panel.lines]
+    return max((float(np.nanmax(np.abs(x), initial=0.0)) for x in alike), default=0.0)
 
 
 def set_range(axes: Any, panel: Panel, size: float) -> None:

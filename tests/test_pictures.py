@@ -265,6 +265,8 @@ def test_dark_paper_and_layers(solution):
         ({"shown": ["force"]}, "shown: layer 'force' is unknown; give some of bodies"),
         ({"t": 0.3}, "t = 0.3 s is outside the run"),
         ({"t": []}, "give a time"),
+        ({"t": "end"}, "t = 'end'; give a time"),
+        ({"dark": "yes"}, "dark = 'yes'; give True or False"),
         ({"traces": [("foot", (0, 0, 0))]}, "'foot' is not one of the bodies"),
     ],
 )
@@ -292,3 +294,11 @@ def test_small_large_and_bare_systems(size):
 def test_a_time_next_to_a_sample_is_that_sample(solution):
     almost = np.nextafter(solution.t[7], 1.0)
     assert np.array_equal(solution.at(float(almost)).q, solution.state(7).q)
+
+
+def test_a_name_with_dollars_is_written_as_it_is():
+    """Read as a formula, this one is an error of matplotlib's."""
+    bead = System([Body("ma$$e_1", 1.0, (0.1, 0.1, 0.1), omega=(1.0, 0.3, 0.2))])
+    figure = simulate(bead, 0.1, output=3).picture(shown=["body names"])
+    figure.savefig(io.BytesIO())
+    assert len(figure.axes) == 1

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from pages import COUNT, END, HINGE, SETTLED, covered, differing, scene, seek
 
+from mbsd3d.view.page import asset
+
 
 def test_play_goes_at_the_chosen_speed_and_pause_holds(page):
     page.page.locator("#speed").select_option("0.1")
@@ -170,3 +172,10 @@ def test_every_control_can_be_reached_in_any_window(page, width, height):
     canvas = page.page.locator("#root canvas").first.bounding_box()
     assert abs(canvas["width"] - box["width"]) <= 1 and abs(canvas["height"] - box["height"]) <= 1
     assert covered(scene(page))[0] > 0.02
+
+
+def test_every_axis_has_two_values_at_least(page):
+    """One value alone, such as 0, tells no scale."""
+    ticks = "(() => {" + asset("curves.js") + "return [[-15, 14.9, 1], [-0.9, 1.9, 2], [3, 71, 3], [0.11, 0.19, 3]]"
+    for found in page.run(ticks + ".map((x) => ticks(...x).found)})()"):
+        assert 2 <= len(found) <= 8

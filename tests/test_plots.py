@@ -188,3 +188,11 @@ def test_files_are_the_same_bytes_twice(solution, tmp_path):
     assert [path.name for path in first] == ["a.v1.png", "a.v1.svg"]
     assert all(a.read_bytes() == b.read_bytes() for a, b in zip(first, second, strict=True))
     assert b"dc:date" not in first[1].read_bytes()
+
+
+def test_a_moment_that_is_rounding_beside_the_force_is_flat():
+    """A pendulum in its plane: the hinge carries 10 N and no moment, which comes out as some 1e-16 N m."""
+    rod = Body("rod", 1.0, (0.1, 0.1, 0.1), position=(0.3, 0, 0.1), com=(0.2, 0, -0.05))
+    swing = simulate(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")]), 1.0)
+    force, moment = swing.plot("reaction", "hinge").axes
+    assert np.diff(force.get_ylim()) > 5.0 and np.diff(moment.get_ylim()) > 0.1

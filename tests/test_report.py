@@ -21,11 +21,11 @@ from mbsd3d import (
     Revolute,
     System,
     accelerations,
-    facts,
     load,
     measures,
     simulate,
 )  # fmt: skip
+from mbsd3d.report import facts
 from mbsd3d.report.facts import MOST
 from mbsd3d.report.wording import counted, digits, triple
 

@@ -63,7 +63,7 @@ def test_solids_are_closed_and_have_their_volume(shape, volumes):
     assert found.is_watertight and found.is_winding_consistent  # outward: the volume is positive
     assert found.volume == pytest.approx(volumes[0], rel=1e-12)
     assert 0.82 * volumes[1] < found.volume <= volumes[1] * (1 + 1e-12)  # 0.827 is a hexagon, the tube of the torus
-    assert len(found.faces) <= 432
+    assert len(found.faces) <= 528  # a scene of 100 balls stays below 2 MB
 
 
 @pytest.mark.parametrize("shape", SOLIDS[3:], ids=lambda x: type(x).__name__)

@@ -195,6 +195,8 @@ def test_a_mode_is_animated():
             {"path": "nowhere/page"},
             "'nowhere/page.html' cannot be written: there is no folder 'nowhere'; make it first",
         ),
+        ({"path": ""}, "path = '' names no file; give a name such as 'result.html'"),
+        ({"live": "yes"}, "live = 'yes'; give True for a server on this machine, or False"),
         ({"traces": [("nobody", (0, 0, 0))]}, "'nobody' is not one of the bodies"),
     ],
 )
@@ -206,6 +208,23 @@ def test_wrong_options(run, options, message):
 def test_a_wrong_state():
     with pytest.raises(ValueError, match="show: state = 3; give a State"):
         System([Body("stone", 1.0, (1, 1, 1))]).show(state=3)
+
+
+def test_a_page_is_named_after_its_bodies():
+    system = chain(2, first="drum")
+    assert "<h1>drum: reference pose</h1>" in System(system.bodies[:1]).show().html
+    moving = simulate(system, 0.1, output=3).animate(frames=2)
+    assert "<title>drum and link 1</title>" in moving.html and "<h1>drum and link 1</h1>" in moving.html
+
+
+def test_the_grid_of_a_long_flight_is_seen():
+    """Viser's own grid fades out at 100 scene units; here the camera is some 10 000 away."""
+    stone = Body("stone", 1.0, (0.01, 0.02, 0.03), velocity=(70, 10, 70), omega=(1, 5, 2))
+    drawing, frames = draw_system(system := System([stone])), frames_of(simulate(system, 14.0))
+    recording = Recording("test")
+    build_stage(recording.scene, camera := recording.camera, drawing, frames)
+    away = np.linalg.norm(np.subtract(camera.position, camera.look_at))
+    assert away > 1000.0 and recording.scene._handle_from_node_name["/grid"].fade_distance > 2.0 * away
 
 
 def test_a_run_of_one_moment_is_a_still_page(run):
@@ -223,7 +242,7 @@ def test_a_missing_or_other_viser(monkeypatch):
         import_viser("show")
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(
-        ValueError, match=r"system.show needs the package viser; install it: pip install mbsd3d\[view\]"
+        ValueError, match=r"system.show needs the package viser; install it: pip install 'mbsd3d\[view\]'"
     ):
         System([Body("stone", 1.0, (1, 1, 1))]).show()
 

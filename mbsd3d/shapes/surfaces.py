@@ -15,7 +15,7 @@ SUFFIXES = (".stl", ".obj", ".ply", ".glb")
 TRIANGLES = 20_000  # of a mesh file: more make pages that open slowly
 BYTES = 100_000_000  # of a mesh file: more is not even read
 SHARP = np.radians(30)  # edges of mesh files bent by more stay sharp
-ROUND, BANDS = 28, 14  # sections about the axis and from pole to pole of a ball: 728 triangles
+ROUND, BANDS = 24, 12  # sections about the axis and from pole to pole of a ball: 528 triangles
 TURNS = 48  # sections of cylinders; all are multiples of 4, so that sectors end at edges
 
 
