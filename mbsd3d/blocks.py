@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 
 def displacement_units(length: float, n: int) -> np.ndarray:
@@ -21,6 +22,15 @@ class BlockRows(NamedTuple):
     def take(self, rows: np.ndarray) -> "BlockRows":
         """Some of the rows."""
         return BlockRows(self.body[rows], self.J[rows], self.n)
+
+    def alone(self, rows: np.ndarray) -> "BlockRows":
+        """Some of the rows, and of the bodies those that they touch."""
+        body, J = self.body[rows], self.J[rows]
+        on = (body >= 0) & (body < self.n)
+        bodies, numbers = np.unique(body[on], return_inverse=True)
+        renumbered = np.full_like(body, -1)
+        renumbered[on] = numbers
+        return BlockRows(renumbered, J, bodies.size)
 
     def scaled(self, rows: np.ndarray, length: float) -> "BlockRows":
         """Rows times ``rows``, columns in units of ``length`` and radians."""
@@ -43,6 +53,16 @@ class BlockRows(NamedTuple):
         columns = 6 * self.body[i, slot][:, None] + np.arange(6)
         at = (np.repeat(i, 6), columns.ravel())
         return csr_array((self.J[i, slot].ravel(), at), shape=(self.body.shape[0], 6 * self.n))
+
+
+def islands(rows: BlockRows) -> list[np.ndarray]:
+    """Rows that hang together by bodies, each set ascending: sets share no body, so nothing couples them."""
+    m = rows.body.shape[0]
+    i, slot = np.nonzero((rows.body >= 0) & (rows.body < rows.n))
+    graph = coo_array((np.ones(i.size), (i, m + rows.body[i, slot])), shape=(m + rows.n,) * 2)
+    labels = connected_components(graph, directed=False)[1][:m]
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1) if m else []
 
 
 def scaled(A: csr_array, rows: np.ndarray, columns: np.ndarray) -> csr_array:

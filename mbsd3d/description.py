@@ -16,8 +16,8 @@ from .elements import ForceElement
 from .joints import Joint
 from .parts import GROUND, Body, Ground
 from .schema import Document, check, place_of, roles, struct, types
+from .shapes import Shape
 from .signals import Signal
-from .solids import Shape
 from .system import System
 
 FORMAT = 2  # rises when a description or a file of the old form cannot be read any more

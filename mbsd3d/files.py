@@ -31,7 +31,15 @@ def with_suffix(path: str | Path, suffix: str) -> Path:
     if not isinstance(path, str | os.PathLike) or not Path(path).name:
         raise ValueError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
     path = Path(path)
-    return path if path.name.endswith(suffix) else path.with_name(path.name + suffix)
+    return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
+
+
+def ready_path(path: Any, suffix: str) -> Path:
+    """The path with its suffix; a missing folder is found before the work, not after it."""
+    path = with_suffix(path, suffix)
+    if not path.parent.is_dir():
+        raise ValueError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")
+    return path
 
 
 def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Path:

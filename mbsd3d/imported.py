@@ -8,11 +8,11 @@ import numpy as np
 from .couplings import Gear, RackPinion
 from .drivers import AngleDriver, SlideDriver
 from .forces import TorsionSpring
-from .geoms import shapes
 from .inertia import combine
 from .joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
 from .parts import GROUND, Body
 from .rotations import matrix
+from .shapes.geoms import shapes
 from .system import System
 
 KINDS = (

@@ -11,9 +11,10 @@ from .errors import AssemblyError
 from .evaluation import coordinate_row, load_state
 from .nearby import closed
 from .parts import number
+from .poses import Poses
 from .selection import choose_rows
-from .solution import Solution
 from .threads import on_one_thread
+from .view.viewable import Viewable
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 MARKERS = "osD^v<>pP*X"
@@ -169,18 +170,12 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Poses, Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Any
     t: np.ndarray
     arrays: dict[str, np.ndarray]
-
-    system = Solution.system
-    _body = Solution._body
-    position, orientation, rotation = Solution.position, Solution.orientation, Solution.rotation
-    com, point, animate = Solution.com, Solution.point, Solution.animate
-    export_gif, export_mp4, export_glb = Solution.export_gif, Solution.export_mp4, Solution.export_glb
 
 
 @on_one_thread

@@ -71,7 +71,7 @@ def joint_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
         name = "slide_rate" if quantity == "rate" and joint.angle() is None else quantity
         groups.setdefault(name, []).append((system.name(joint), getattr(solution, quantity)(joint)))
     if not groups:
-        raise ValueError(f"plot: no joint of this system has the quantity {quantity}; give another quantity")
+        raise ValueError(f"no joint of this system has the quantity {quantity}; give another quantity")
     return [scalar_panel(name.replace("_", " "), unit_of(name), lines) for name, lines in groups.items()]
 
 
@@ -85,7 +85,7 @@ def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     drivers = [solution.system.part(part, "joints") for part in parts]
     drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
     if not drivers:
-        raise ValueError("plot: this system has no driver, so there is no effort; give another quantity")
+        raise ValueError("this system has no driver, so there is no effort; give another quantity")
     return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
 
 
@@ -94,7 +94,7 @@ def state_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
     found = [column for force in forces for column in columns_of_states(solution, force)]
     if not found:
-        raise ValueError("plot: these forces have no own states; give another quantity")
+        raise ValueError("these forces have no own states; give another quantity")
     return panels_by_unit("state", found)
 
 
@@ -111,7 +111,7 @@ def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     system = solution.system
     joints = [system.part(part, "joints") for part in parts] or system.joints
     if not joints:
-        raise ValueError("plot: this system has no joint, so there is no reaction; give another quantity")
+        raise ValueError("this system has no joint, so there is no reaction; give another quantity")
     found = {system.name(joint): solution.reaction(joint) for joint in joints}
     shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
     note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
@@ -179,9 +179,9 @@ def panels_of(solution: Any, quantity: Any, parts: tuple = ()) -> list[Panel]:
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
-        raise ValueError(f"plot: quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
+        raise ValueError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in OF_THE_SYSTEM:
-        raise ValueError(f"plot: {quantity} is that of the whole system; give no parts")
+        raise ValueError(f"{quantity} is that of the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
 
 
@@ -189,11 +189,11 @@ def panels_of_several(solution: Any, wanted: Any, parts: tuple) -> list[Panel]:
     """Panels of a list of quantities, each with or without parts."""
     example = "e.g. ['energy', ('angle', 'hinge')]"
     if parts:
-        raise ValueError(f"plot: parts of several quantities stand beside them; give {example}")
+        raise ValueError(f"curves: parts of several quantities stand beside them; give {example}")
     try:
         entries = [(entry,) if isinstance(entry, str) else tuple(entry) for entry in wanted]
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str) for entry in entries):
-        raise ValueError(f"plot: {wanted!r} is no quantity; give a name, or a list of names and tuples, {example}")
+        raise ValueError(f"{wanted!r} is no quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

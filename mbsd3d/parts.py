@@ -133,7 +133,7 @@ class Body:
             if getattr(self, name) is not None:
                 set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
         if self.shape is not None:
-            from .guesses import as_shape
+            from .shapes.guesses import as_shape
 
             set_field(self, "shape", as_shape(self))
 

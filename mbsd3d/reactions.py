@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .blocks import displacement_units
+from .blocks import BlockRows, displacement_units, islands
 from .evaluation import load_rows, rows_at
+from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
 from .rank import redundant_combinations
@@ -26,48 +27,94 @@ class Reaction:
     unique: bool
 
 
+class Open(NamedTuple):
+    """Shares that the constraints leave open, among rows that no other rows touch."""
+
+    rows: np.ndarray  # (m,) which
+    N: np.ndarray  # (m, k) left null space of their scaled J
+
+
 class MiddleRows(NamedTuple):
     """The rows at the middle sample, where no special start position hides the general rank."""
 
-    N: np.ndarray  # (rows, k) left null space of the scaled J
+    open: list[Open]
+    place: np.ndarray  # (rows,) of each row in the list, -1 where nothing is open
     J: np.ndarray  # (rows, 4, 6) blocks per slot
+
+
+def open_shares(rows: BlockRows) -> list[Open]:
+    """What scaled rows leave open, island by island: a null space of all rows would grow with the cube of a system."""
+    found = ((own, redundant_combinations(rows.alone(own))) for own in islands(rows))
+    return [Open(own, N) for own, N in found if N.shape[1]]
 
 
 def middle_rows(compiled: Compiled, t: np.ndarray, states: np.ndarray, left_out: int | None = None) -> MiddleRows:
     """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
     data, k = compiled.data(), t.size // 2
-    if not compiled.model.row.size or not t.size or left_out == 0:
-        return MiddleRows(np.zeros((compiled.model.row.size, 0)), data.row["J"])
-    return MiddleRows(redundant_combinations(rows_at(compiled, data, t[k], states[k])), data.row["J"])
+    place = np.full(compiled.model.row.size, -1)
+    if not place.size or not t.size or left_out == 0:
+        return MiddleRows([], place, data.row["J"])
+    found = open_shares(rows_at(compiled, data, t[k], states[k]))
+    for i, (own, _) in enumerate(found):
+        place[own] = i
+    return MiddleRows(found, place, data.row["J"])
 
 
 def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
     """True if the summed wrench of the joints' rows on their body b is determined by the constraints."""
-    if not middle.N.shape[1]:
+    if not middle.open:
         return True
-    model, G = compiled.model, np.zeros((6, compiled.model.row.size))
-    body = compiled.body_index[id(parts[0].b)]
-    for part in parts:
-        span = compiled.rows[id(part)]
-        for k in range(span.start, span.stop):
-            for slot in range(4):
-                if model.row["body"][k, slot] == body:
-                    G[:, k] += middle.J[k, slot] * model.row["scale"][k] * displacement_units(model.length, 1)
-    return bool(np.abs(G @ middle.N).max() < 1e-7)
+    model, body = compiled.model, compiled.body_index[id(parts[0].b)]
+    rows = np.concatenate([np.arange(model.row.size)[compiled.rows[id(part)]] for part in parts])
+    on_b = model.row["body"][rows] == body
+    G = np.where(on_b[:, :, None], middle.J[rows], 0.0).sum(axis=1) * model.row["scale"][rows, None]
+    G *= displacement_units(model.length, 1)
+    for i in set(middle.place[rows].tolist()) - {-1}:
+        _, mine, theirs = np.intersect1d(rows, middle.open[i].rows, return_indices=True)
+        if np.abs(G[mine].T @ middle.open[i].N[theirs]).max() >= 1e-7:
+            return False
+    return True
 
 
 def minimum_norm(
     compiled: Compiled, middle: MiddleRows, t: np.ndarray, states: np.ndarray, lam: np.ndarray
 ) -> np.ndarray:
     """Multipliers of least norm in the model's own units that give the same forces."""
-    if not middle.N.shape[1]:
+    if not middle.open:
         return lam
-    data, scale, shared = compiled.data(), compiled.model.row["scale"], np.empty_like(lam)
+    data, scale, shared = compiled.data(), compiled.model.row["scale"], lam.copy()
     for k in range(t.size):
-        N = redundant_combinations(rows_at(compiled, data, t[k], states[k]))
-        mu = lam[k] / scale
-        shared[k] = (mu - N @ (N.T @ mu)) * scale
+        for own, N in open_shares(rows_at(compiled, data, t[k], states[k])):
+            mu = lam[k, own] / scale[own]
+            shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
     return shared
+
+
+def reaction_of(solution: Any, joints: tuple) -> Reaction:
+    """See `Solution.reaction`."""
+    system, compiled = solution.system, solution.compiled
+    parts = [system.part(joint, "joints") for joint in joints]
+    if not parts:
+        raise ValueError("solution.reaction: no joint given; give one or more joints")
+    body = parts[0].b
+    for part in parts[1:]:
+        if part.b is not body:
+            raise ValueError(
+                f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
+                f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
+            )
+    unique, samples = unique_wrench(compiled, solution._middle, parts), solution.t.size
+    lam = solution.arrays["lam"] if unique else solution._multipliers
+    total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
+    index, data = compiled.body_index[id(body)], compiled.data()
+    for part in parts:
+        rows = compiled.rows[id(part)]
+        wrenches(compiled.model, data, solution.t, solution.arrays["state"], lam, rows.start, rows.stop, index, one)
+        total += one
+    point = parts[0].reaction_points(solution)
+    origin = np.zeros((samples, 3)) if body is GROUND else solution.position(body)
+    force = total[:, :3]
+    return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
 
 
 def every_reaction(solution: Any, samples: np.ndarray) -> list[Reaction]:

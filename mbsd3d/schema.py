@@ -22,8 +22,8 @@ from .model import Switches
 from .parts import Body, Ground
 from .primitives import Coordinate
 from .record import METHODS, Record
+from .shapes import Shape
 from .signals import Signal
-from .solids import Shape
 from .state import State
 
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]

@@ -9,13 +9,14 @@ import numpy as np
 
 from .certificate import Certificate, certify, estimate
 from .drivers import Driver
-from .kernels.batch import wrenches
 from .model import Compiled
 from .parts import GROUND
-from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .poses import Poses
+from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, reaction_of, unique_wrench
 from .record import Record
 from .rotations import matrix
 from .state import State
+from .view.viewable import Viewable
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Drift:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Solution:
+class Solution(Poses, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
 
     Examples
@@ -85,30 +86,9 @@ class Solution:
         return cls(compiled, arrays, record, end)
 
     @property
-    def system(self) -> Any:
-        """The system that was simulated."""
-        return self.compiled.system
-
-    @property
     def t(self) -> np.ndarray:
         """(samples,) times [s]."""
         return self.arrays["t"]
-
-    def _body(self, body: Any) -> int:
-        index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
-        return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
-
-    def position(self, body: Any) -> np.ndarray:
-        """Reference point of a body [m]."""
-        return self.arrays["q"][:, self._body(body), :3]
-
-    def orientation(self, body: Any) -> np.ndarray:
-        """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
-        return self.arrays["q"][:, self._body(body), 3:]
-
-    def rotation(self, body: Any) -> np.ndarray:
-        """(samples, 3, 3) rotation matrix of a body, body -> world."""
-        return matrix(self.orientation(body))
 
     def velocity(self, body: Any) -> np.ndarray:
         """Velocity of the reference point [m/s]."""
@@ -129,14 +109,6 @@ class Solution:
     def alpha(self, body: Any) -> np.ndarray:
         """Angular acceleration [rad/s^2], world axes."""
         return self.arrays["acceleration"][:, self._body(body), 3:]
-
-    def com(self, body: Any) -> np.ndarray:
-        """Centre of mass [m]."""
-        return self.point(body, self.system.part(body).com)
-
-    def point(self, body: Any, local: Any) -> np.ndarray:
-        """World position of a point given in body axes from the reference point [m]."""
-        return self.position(body) + self.rotation(body) @ np.asarray(local, float)
 
     def _coordinate(self, joint: Any, kind: str) -> np.ndarray:
         from .joints import coordinate_of
@@ -168,18 +140,6 @@ class Solution:
         v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def body_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
-        """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
-        if body is GROUND:
-            return np.broadcast_to(axis, (self.t.size, 3))
-        return self.rotation(body) @ body.local_axis(axis)
-
-    def body_point(self, body: Any, point: np.ndarray) -> np.ndarray:
-        """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
-        if body is GROUND:
-            return np.broadcast_to(point, (self.t.size, 3))
-        return self.point(body, body.local_point(point))
-
     def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
@@ -207,29 +167,7 @@ class Solution:
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
         constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
         """
-        parts = [self.system.part(joint, "joints") for joint in joints]
-        if not parts:
-            raise ValueError("solution.reaction: no joint given; give one or more joints")
-        body = parts[0].b
-        for part in parts[1:]:
-            if part.b is not body:
-                raise ValueError(
-                    f"solution.reaction: '{self.system.name(part)}' acts on '{part.b.name}', "
-                    f"'{self.system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
-                )
-        unique, samples = unique_wrench(self.compiled, self._middle, parts), self.t.size
-        lam = self.arrays["lam"] if unique else self._multipliers
-        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
-        index = self.compiled.body_index[id(body)]
-        data = self.compiled.data()
-        for part in parts:
-            rows = self.compiled.rows[id(part)]
-            wrenches(self.compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
-            total += one
-        point = parts[0].reaction_points(self)
-        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
-        force = total[:, :3]
-        return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+        return reaction_of(self, joints)
 
     def effort(self, driver: Any) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
@@ -317,11 +255,19 @@ class Solution:
         settings.update(changes)
         return simulate(self.system, self.final.t if t_end is None else t_end, **settings)
 
-    def plot(self, quantity: str = "energy", *parts: Any, **options: Any) -> Any:
-        """Matplotlib figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plots`."""
+    def plot(
+        self,
+        quantity: Any = "energy",
+        *parts: Any,
+        against: Any = None,
+        degrees: bool = False,
+        dark: bool = False,
+        axes: Any = None,
+    ) -> Any:
+        """Figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plots.plot_quantity`."""
         from .plots import plot_quantity
 
-        return plot_quantity(self, quantity, *parts, **options)
+        return plot_quantity(self, quantity, *parts, against=against, degrees=degrees, dark=dark, axes=axes)
 
     def report(
         self,
@@ -335,104 +281,6 @@ class Solution:
         from .report import make_report
 
         return make_report(self, path, title=title, curves=curves, dark=dark)
-
-    def animate(
-        self,
-        path: str | Path | None = None,
-        *,
-        curves: Any = None,
-        traces: Any = None,
-        shown: Any = (),
-        frames: int | None = None,
-        speed: float | None = None,
-        title: str | None = None,
-        dark: bool | None = None,
-        live: bool = False,
-    ) -> Any:
-        """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            Where the page is written too; ".html" is appended if it is missing.
-        curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
-            None = a few that tell most; () = none.
-        traces : list of (body, world point at the reference pose [m]), optional
-            Points whose paths are drawn; None = centres of mass; () = none.
-        shown : list of layers, optional
-            Shown from the start besides the usual ones, e.g. ["angular momentum"]; all have switches.
-        frames : int, optional
-            >= 2; None = as many as the motion needs and the page bears.
-        speed : float, optional
-            Model time per real time; None = real time for runs of 2 ... 30 s, else a round factor for about 10 s.
-        title : str, optional
-        dark : bool, optional
-            None = what the reader's system prefers.
-        live : bool
-            Whether a server on this machine shows the motion instead (``path`` is not written then).
-
-        Returns
-        -------
-        View
-            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
-
-        Raises
-        ------
-        ValueError
-            Naming the option, part or package and the remedy.
-        """
-        from .view.show import animate
-
-        return animate(self, path, curves, traces, shown, frames, speed, title, dark, live)
-
-    def picture(self, t: Any = None, **options: Any) -> Any:
-        """Shaded matplotlib figure of a moment, or of several; see `mbsd3d.view.picture.picture_of_solution`."""
-        from .view.picture import picture_of_solution
-
-        return picture_of_solution(self, t, **options)
-
-    def export_gif(self, path: str | Path, **options: Any) -> Path:
-        """Write the motion as an animated GIF; see `mbsd3d.view.film.export_gif`."""
-        from .view.film import export_gif
-
-        return export_gif(self, path, **options)
-
-    def export_mp4(self, path: str | Path, **options: Any) -> Path:
-        """Write the motion as an MP4 film, which needs ffmpeg; see `mbsd3d.view.film.export_mp4`."""
-        from .view.film import export_mp4
-
-        return export_mp4(self, path, **options)
-
-    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
-        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
-
-        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
-        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
-
-        Parameters
-        ----------
-        path : str or Path
-            ".glb" is appended if it is missing; an older file is replaced in one go.
-        frames : int, optional
-            Number of frames in equal steps of time; None = enough for a smooth film.
-        traces : sequence of (body, (3,) array_like), optional
-            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
-            move, () = none.
-
-        Returns
-        -------
-        Path
-            The file; the same solution gives the same bytes.
-
-        Raises
-        ------
-        ValueError
-            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
-            the system, or the folder cannot be written.
-        """
-        from .view.gltf import export_run
-
-        return export_run(self, path, frames, traces)
 
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
 LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
 
@@ -51,6 +53,10 @@ DARK = Theme(
     bad="#5c3016",
 )
 COLOURS, GREY = LIGHT.lines, LIGHT.muted
+MARK, INNER = "#6b6b6b", "#e0e0e0"  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
+CELLS = {"light": (190, 150), "dark": (52, 84)}  # grey of the lines of a ground grid in space, thin and thick ones
+SHADED = 0.72  # brightness of the darker sectors of round bodies, by which one sees them turn
+PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
 def theme(dark: bool) -> Theme:
@@ -63,6 +69,28 @@ def theme(dark: bool) -> Theme:
 def colour(i: int) -> str:
     """Colour of body or line ``i`` on light paper."""
     return LIGHT.colour(i)
+
+
+def channels(colour: str) -> np.ndarray:
+    """(3,) red, green and blue, 0 ... 255, of "#rrggbb"."""
+    return np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], float)
+
+
+def rgb(colour: str, brightness: float = 1.0) -> tuple[int, int, int]:
+    """The same as whole numbers, darker for a brightness below 1."""
+    red, green, blue = np.rint(brightness * channels(colour)).astype(int).tolist()
+    return red, green, blue
+
+
+def paler(colour: str) -> str:
+    """The colour of what is not certain, or stands back."""
+    return "#" + bytes(np.rint((1.0 - FADED) * channels(colour) + FADED * channels(PALE)).astype(np.uint8)).hex()
+
+
+def linear(shares: np.ndarray) -> np.ndarray:
+    """Brightnesses 0 ... 1 of sRGB without the display's curve, as renderers count."""
+    shares = np.asarray(shares)
+    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from .elements import ForceElement
 from .joints import Joint
 from .parts import GROUND, Body, vector
 from .state import State
+from .view.drawable import Drawable
 
 if TYPE_CHECKING:
     from .model import Compiled
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class System:
+class System(Drawable):
     """A mechanism.
 
     Parameters
@@ -227,55 +228,6 @@ class System:
         from .modelfile import read_model
 
         return read_model(path)
-
-    def show(
-        self,
-        path: str | Path | None = None,
-        *,
-        state: State | None = None,
-        title: str | None = None,
-        dark: bool | None = None,
-        live: bool = False,
-    ) -> Any:
-        """A page that shows the mechanism in space; one HTML file that needs no network.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            Where the page is written too; ".html" is appended if it is missing.
-        state : State, optional
-            None = the reference pose.
-        title : str, optional
-        dark : bool, optional
-            None = what the reader's system prefers.
-        live : bool
-            Whether a server on this machine shows it instead (``path`` is not written then).
-
-        Returns
-        -------
-        View
-            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
-
-        Raises
-        ------
-        ValueError
-            For a state of another system, a shape that cannot be drawn, a missing package.
-        """
-        from .view.show import show_system
-
-        return show_system(self, path, state, title, dark, live)
-
-    def picture(self, state: State | None = None, **options: Any) -> Any:
-        """Shaded matplotlib figure at a state or the reference pose; see `mbsd3d.view.picture.picture_of_system`."""
-        from .view.picture import picture_of_system
-
-        return picture_of_system(self, state, **options)
-
-    def export_glb(self, path: str | Path) -> Path:
-        """Write the reference pose as a glTF 2.0 file; see `Solution.export_glb`."""
-        from .view.gltf import export_pose
-
-        return export_pose(self, path)
 
     def total_mass(self) -> float:
         """[kg]"""

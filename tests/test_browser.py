@@ -15,7 +15,7 @@ from mbsd3d.demos.report import write
 from mbsd3d.rotations import matrix
 from mbsd3d.view.content import LENGTH, TURN
 from mbsd3d.view.drawing import bounds, draw_system, frame_camera
-from mbsd3d.view.motion import frames_of
+from mbsd3d.view.frames import frames_of
 
 
 def camera_of(seen):

@@ -14,7 +14,7 @@ from mbsd3d.shapes import Box, Disc, MeshFile
 from mbsd3d.state import State
 from mbsd3d.view.drawing import draw_system, poses_of
 
-LAYERS = {"body", "joint", "centre of mass", "reference point"}
+LAYERS = {"bodies", "joints", "centre of mass", "reference point"}
 
 
 def world(points, body, poses):
@@ -75,7 +75,7 @@ def test_every_joint_has_a_solid_at_its_point_and_its_axes(kind, seed):
     system = example_system(kind, seed)
     joint, drawing, poses = system.joints[-1], draw_system(system), poses_of(system)
     name = system.name(joint)
-    own = [piece for piece in layer(drawing, "joint") if piece.name == name]
+    own = [piece for piece in layer(drawing, "joints") if piece.name == name]
     points = [joint.point()]
     if kind is RollingDisc:
         points = [joint.centre]
@@ -88,7 +88,7 @@ def test_every_joint_has_a_solid_at_its_point_and_its_axes(kind, seed):
     drawn = [world(piece.mesh.vertices, piece.body, poses) for piece in own]
     for point in points:  # the solids are symmetric about their points
         assert any(np.allclose(vertices.mean(axis=0), point, atol=1e-9) for vertices in drawn), name
-    wires = [wire for wire in drawing.wires if wire.layer == "joint" and wire.name == name]
+    wires = [wire for wire in drawing.wires if wire.layer == "joints" and wire.name == name]
     axes = {k: getattr(joint, k, None) for k in ("axis", "axis_a", "axis_b", "normal", "lateral")}
     directions = np.array([np.diff(world(wire.points, wire.body, poses), axis=0)[0] for wire in wires])
     for axis in (axis for axis in axes.values() if axis is not None):
@@ -102,7 +102,7 @@ def test_axes_stay_with_the_body_they_are_fixed_in():
     at, axis, axis_b = rng.normal(size=3), (1.0, 2.0, 2.0), (1.0, 2.0, 2.1)
     hinge = Revolute(one, two, at=at, at_b=at + 0.01, axis=axis, axis_b=axis_b)
     drawing = draw_system(System([one, two], [hinge]))
-    first, second = (wire for wire in drawing.wires if wire.layer == "joint")
+    first, second = (wire for wire in drawing.wires if wire.layer == "joints")
     poses = poses_of(System([one, two]))
     assert (first.body, second.body) == (0, 1)
     for wire, point, direction in ((first, at, hinge.axis), (second, at + 0.01, hinge.axis_b)):
@@ -126,7 +126,7 @@ def test_a_new_joint_needs_no_glyph_of_its_own():
     body = random_body(np.random.default_rng(3))
     Odd.b = body
     system = System([body], [Wing(GROUND, body, at=(0, 0, 0), axis=(1, 2, 2)), Odd(name="odd")])
-    names = [piece.name for piece in layer(draw_system(system), "joint")]
+    names = [piece.name for piece in layer(draw_system(system), "joints")]
     assert names == ["Wing 1", "odd"]
 
 
@@ -138,7 +138,7 @@ def test_bodies_are_drawn_true_to_scale_after_a_turn():
     state = State(0.0, np.array([1.0, 2.0, 3.0, *(2.0 * turn)]), np.zeros(6))  # viewers need unit quaternions
     poses = poses_of(system, state)
     assert np.allclose(poses[1][0], turn) and np.array_equal(poses[1][1], GROUND.orientation)
-    box, disc = layer(draw_system(system), "body")
+    box, disc = layer(draw_system(system), "bodies")
     assert (box.colour, disc.colour) == ("#ff6347", "#0072B2")
     corners = (world(box.mesh.vertices, 0, poses) - (1, 2, 3)) @ matrix(turn) - (0.1, 0.2, 0.3)
     assert np.allclose(np.abs(corners), 0.5 * lengths, atol=1e-12)
@@ -153,7 +153,7 @@ def test_wheels_have_their_outer_radius_and_touch_the_floor():
     assert max(reach) == pytest.approx(0.35, rel=1e-12)  # the ring; the lens of the body is inside
     assert drawing.floor == pytest.approx(0.0, abs=0.002 * 0.35)  # a ring of 60 chords
     hub = Body("hub", 2.0, (0.06, 0.12, 0.06), position=(0.3, 0.1, 0.35), shape=Disc(0.1, axis="y"))
-    (own,) = layer(draw_system(System([hub], [RollingDisc(GROUND, hub, axis=(0, 1, 0), radius=0.35)])), "body")
+    (own,) = layer(draw_system(System([hub], [RollingDisc(GROUND, hub, axis=(0, 1, 0), radius=0.35)])), "bodies")
     assert np.ptp(own.mesh.vertices[:, 0]) == pytest.approx(0.2)
 
 
@@ -168,7 +168,7 @@ def test_arms_and_links_reach_the_joints(moving):
     link = next(link for link in drawing.links if link.name == "spring")
     assert np.allclose([world(x, k, poses) for k, x in link.ends], [move(at_a), move(at_b)], atol=1e-12)
     assert len(drawing.links) == 1 + sum(type(joint).__name__ == "Distance" for joint in system.joints)
-    arms = {wire.body: world(wire.points, wire.body, poses) for wire in drawing.wires if wire.layer == "body"}
+    arms = {wire.body: world(wire.points, wire.body, poses) for wire in drawing.wires if wire.layer == "bodies"}
     assert np.allclose(arms[1][::3], move(a.centre), atol=1e-12) and np.isnan(arms[1][2::3]).all()
     assert np.linalg.norm(arms[4] - move(at_b), axis=1)[-1] < 1e-12
 
@@ -189,18 +189,18 @@ def test_pictures_of_small_and_large_things_are_the_same(scale):
 
 def test_the_least_of_systems_and_a_long_chain_are_drawn():
     point = draw_system(System([Body("pin", 0.0, (0, 0, 0), com=(0.1, 0, 0), position=(0, 0, 5))]))
-    assert point.size == 1.0 and len(layer(point, "body")) == 1 and point.floor == 5.0
+    assert point.size == 1.0 and len(layer(point, "bodies")) == 1 and point.floor == 5.0
     wire = System([Body("wire", 1.0, (1, 1, 1), shape=[(0, 0, 0), (0, 0, 2)])])
     drawing = draw_system(wire)
-    assert layer(drawing, "body") == [] and drawing.size == 2.0 and drawing.wires[0].layer == "body"
+    assert layer(drawing, "bodies") == [] and drawing.size == 2.0 and drawing.wires[0].layer == "bodies"
     chain = revolute_chain(1000)
     start = time.perf_counter()
     drawing = draw_system(chain)
     assert time.perf_counter() - start < 3.0  # 0.4 s
-    assert len(layer(drawing, "body")) == len(layer(drawing, "joint")) == 1000
-    barrel = np.ptp(layer(drawing, "joint")[7].mesh.vertices, axis=0).max()
+    assert len(layer(drawing, "bodies")) == len(layer(drawing, "joints")) == 1000
+    barrel = np.ptp(layer(drawing, "joints")[7].mesh.vertices, axis=0).max()
     assert (
-        barrel < np.ptp(layer(drawing, "body")[7].mesh.vertices, axis=0).max()
+        barrel < np.ptp(layer(drawing, "bodies")[7].mesh.vertices, axis=0).max()
     )  # sized after the links, not the chain
 
 

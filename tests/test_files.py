@@ -35,7 +35,7 @@ from mbsd3d.description import describe, rebuild
 from mbsd3d.files import write_atomically
 from mbsd3d.model import compile_system
 from mbsd3d.schema import types
-from mbsd3d.solids import Solid
+from mbsd3d.shapes import Solid
 
 UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"
 

@@ -18,7 +18,7 @@ from mbsd3d.style import DARK, LIGHT
 from mbsd3d.view import film
 from mbsd3d.view.reel import Reel
 
-SMALL = {"width": 160, "names": False}
+SMALL = {"width": 160, "hidden": ["body names", "joint names"]}
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_every_frame_of_the_gif_is_another_picture(solution, tmp_path):
 
 
 def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
-    options = {"speed": 0.5, "fps": 20, "arrows": ["reaction force"], "dark": True, "height": 100, **SMALL}
+    options = {"speed": 0.5, "fps": 20, "shown": ["reaction force"], "dark": True, "height": 100, **SMALL}
     first, second = (solution.export_gif(tmp_path / name, **options) for name in ("a.gif", "b.GIF"))
     assert first.read_bytes() == second.read_bytes() and second.name == "b.GIF"
     images, _ = frames_of_gif(first)
@@ -120,7 +120,7 @@ def test_a_mode_moves_too(tmp_path):
         ({"width": 32}, "width = 32; give a whole number from 64"),
         ({"width": 480.5}, "width = 480.5; give a whole"),
         ({"height": 1e9}, "height = .*; give a whole"),
-        ({"arrows": "forces"}, "film: arrow 'forces' is unknown"),
+        ({"shown": "forces"}, "shown: layer 'forces' is unknown"),
         ({"curves": ["energy"], "width": 200}, "width = 200 is too small for curves; give at least 320"),
         ({"curves": ["speed"]}, "'speed' is unknown"),
         ({"colour": 1}, "colour"),

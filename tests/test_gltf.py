@@ -23,9 +23,9 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.shapes import Mesh
-from mbsd3d.view.asset import linear
-from mbsd3d.view.links import directions, unit_coil, unit_rod
-from mbsd3d.view.skin import skin
+from mbsd3d.style import channels, linear
+from mbsd3d.view.meshes import skin
+from mbsd3d.view.sticks import rolled, unit_coil, unit_rod
 
 COMPONENT = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
@@ -301,7 +301,7 @@ def test_wrong_input_is_refused(solution, tmp_path, monkeypatch):
 
 def test_colours_become_linear():
     # IEC 61966-2-1: ((0.5020 + 0.055) / 1.055)^2.4 = 0.2159, and 10/255/12.92 below the knee
-    assert linear("#80ff0a") == pytest.approx([0.215861, 1.0, 0.003035, 1.0], abs=1e-6)
+    assert linear(channels("#80ff0a") / 255.0) == pytest.approx([0.215861, 1.0, 0.003035], abs=1e-6)
 
 
 def test_normals_are_those_of_the_solids():
@@ -330,7 +330,7 @@ def test_odd_meshes_get_normals():
 def test_links_turn_without_spinning():
     s = np.linspace(0.0, 1.0, 200)[:, None]
     spans = np.hstack([np.sin(9 * s), np.cos(5 * s) * 0.3, np.cos(9 * s)]) * (1.5 + s)
-    lengths, e = directions(spans, 1e-6)
+    lengths, e = rolled(spans, 1e-6)
     x, y, z, w = np.roll(e, -1, axis=1).T
     tips = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
     assert np.allclose(tips * lengths[:, None], spans, atol=1e-12)
@@ -338,7 +338,7 @@ def test_links_turn_without_spinning():
     straight = np.arccos(np.clip((tips[1:] * tips[:-1]).sum(axis=1), -1, 1))
     assert np.allclose(turns, straight, atol=1e-6)  # arccos near 1 loses half the digits
     through = np.array([[0, 0, 2.0], [0, 0, 1.0], [0, 0, 0], [0, 0, -1.0]])
-    lengths, e = directions(through, 1e-6)
+    lengths, e = rolled(through, 1e-6)
     assert lengths.tolist() == [2.0, 1.0, 1e-6, 1.0] and np.array_equal(e[0], e[2]) and abs(e[3] @ e[2]) < 1e-12
 
 

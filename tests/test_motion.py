@@ -20,8 +20,9 @@ from mbsd3d import (
 )
 from mbsd3d.reactions import every_reaction
 from mbsd3d.rotations import matrix
-from mbsd3d.view.between import FAR
-from mbsd3d.view.motion import arrows_of, curves_of, frames_of, traces_of
+from mbsd3d.view.curves import curves_of
+from mbsd3d.view.frames import FAR, frames_of
+from mbsd3d.view.motion import arrows_of, traces_of
 
 ROUNDING = 1e-13  # of metres, rad/s, N ... of order 1 ... 20
 
@@ -122,7 +123,7 @@ def test_a_single_sample_is_a_single_frame(solution):
 
 @pytest.mark.parametrize("count", [1, 0, -3, 2.5, "many", True])
 def test_a_wrong_count_is_refused(solution, count):
-    with pytest.raises(ValueError, match="frames = .*; give a whole number of at least 2"):
+    with pytest.raises(ValueError, match="frames = .*; give a whole number >= 2"):
         frames_of(solution, count)
 
 
@@ -242,12 +243,12 @@ def test_what_one_door_hinge_carries_is_said_to_be_open():
 @pytest.mark.parametrize(
     ("wanted", "message"),
     [
-        (["speed"], "curve 'speed' is unknown; give one of energy, position"),
+        (["speed"], "quantity 'speed' is unknown; give one of energy, position"),
         ([("angle", "foot")], "'foot' is not one of the joints of this system"),
         ([("energy", WHEEL)], "energy is that of the whole system"),
         (["slide"], "no joint of this system has the quantity slide"),
-        ([3], "curve 3 is unknown"),
-        ([()], r"curve \(\) is unknown"),
+        ([3], r"\[3\] is no quantity"),
+        ([()], r"\[\(\)\] is no quantity"),
         ("energy", "curves = 'energy'; give a list"),
     ],
 )

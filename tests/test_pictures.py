@@ -15,15 +15,19 @@ from mbsd3d import GROUND, Body, Revolute, System, inertia, simulate
 from mbsd3d.plots import save_figure
 from mbsd3d.rotations import matrix
 from mbsd3d.shapes import Box, Sphere
-from mbsd3d.style import DARK, LIGHT
+from mbsd3d.style import DARK, LIGHT, paler
+from mbsd3d.view.camera import lens_of, turned, window
 from mbsd3d.view.drawing import Camera, draw_system, poses_of
-from mbsd3d.view.lens import lens_of, round_cell, turned, window
-from mbsd3d.view.motion import arrows_of, frames_of
-from mbsd3d.view.names import Name, extent, place
+from mbsd3d.view.frames import frames_of
+from mbsd3d.view.grid import round_down
+from mbsd3d.view.labels import Name, extent, place
+from mbsd3d.view.layers import MARKS, NAMES
+from mbsd3d.view.motion import arrows_of
 from mbsd3d.view.painter import Painter, new_sheet
-from mbsd3d.view.pointers import longest_of, paler, pointers_of
-from mbsd3d.view.solids import Solids, outlines, split_strokes, split_triangles
+from mbsd3d.view.pointers import pointers_of
+from mbsd3d.view.shading import Solids, outlines, split_strokes, split_triangles
 
+HIDDEN, BARE = (*NAMES, "ground grid"), ("bodies", "joints")
 CAMERA = Camera(np.array([2.3, -3.1, 1.7]), np.array([0.2, 0.4, -0.3]), 4.5)
 
 
@@ -67,7 +71,7 @@ def test_the_window_holds_all_and_has_the_ratio_of_the_paper():
     assert np.all(points > low) and np.all(points < high)
     assert (high - low)[0] / (high - low)[1] == pytest.approx(1.5)
     assert np.all(np.ptp(window(np.zeros((1, 2)), (6.0, 4.0)), axis=0) > 0.0)  # a point is not blown up to infinity
-    assert [round_cell(x) for x in (0.1, 0.19, 0.2, 7.3, 1e-4)] == [0.1, 0.1, 0.2, 5.0, 1e-4]
+    assert [round_down(x) for x in (0.1, 0.19, 0.2, 7.3, 1e-4)] == [0.1, 0.1, 0.2, 5.0, 1e-4]
 
 
 def test_marks_of_the_bodies_lie_on_the_paper_where_they_should(solution):
@@ -76,16 +80,18 @@ def test_marks_of_the_bodies_lie_on_the_paper_where_they_should(solution):
     painter = Painter(draw_system(solution.system), lens_of(CAMERA), r[None], e[None], (5.0, 4.0))
     axle = solution.body_point(solution.system.part(WHEEL), np.array([-0.4, 0.3, 0.2]))[13]
     spots = np.array([*(solution.com(name)[13] for name in (UPPER_ARM, LOWER_ARM, WHEEL)), axle])
-    drawn = painter.on_paper(np.array([R @ t.point + p for t, R, p in of_tags(painter, r, e) if t.text != "elbow"]))
+    drawn = painter.on_paper(
+        np.array([R @ t.point + p for t, R, p in of_tags(draw_system(solution.system).tags, r, e) if t.text != "elbow"])
+    )
     expected = (seen_by(CAMERA, spots) - painter.corner) * painter.scale
     assert np.allclose(drawn[[0, 1, 2]], expected[:3], atol=1e-9) and np.allclose(drawn[4], expected[3], atol=1e-9)
     assert np.all(drawn > 0) and np.all(drawn < (360.0, 288.0))
 
 
-def of_tags(painter: Painter, r: np.ndarray, e: np.ndarray) -> list[tuple]:
+def of_tags(tags: list, r: np.ndarray, e: np.ndarray) -> list[tuple]:
     """Names with the poses of their bodies."""
     R = matrix(e)
-    return [(tag, R[tag.body], r[tag.body]) for tag in painter.drawing.tags]
+    return [(tag, R[tag.body], r[tag.body]) for tag in tags]
 
 
 BOXES = [((0.9, 0.1, 0.0), (0.2, 0.5, 0.5), "#ff0000"), ((-0.6, 0.0, 0.1), (0.2, 1.3, 1.3), "#0000ff")]
@@ -106,7 +112,7 @@ def test_the_nearer_of_two_boxes_hides_the_other(azimuth, elevation):
     bodies = [Body(tint, 1.0, (1, 1, 1), position=place, shape=Box(size, colour=tint)) for place, size, tint in BOXES]
     r, e = poses_of(System(bodies))
     lens = lens_of(turned(CAMERA, azimuth, elevation))
-    painter = Painter(draw_system(System(bodies)), lens, r[None], e[None], (4.0, 3.0), names=False, ground=False)
+    painter = Painter(draw_system(System(bodies)), lens, r[None], e[None], (4.0, 3.0), layers=BARE)
     figure, axes = new_sheet((4.0, 3.0), LIGHT)
     painter.paint(axes, [(r, e)])
     image, seen = pixels_of(figure), []
@@ -150,7 +156,7 @@ def test_small_triangles_make_up_the_large_one():
 
 def test_a_box_shows_three_faces_and_nine_edges():
     drawing = draw_system(System([Body("box", 1.0, (1, 1, 1), shape=Box((0.3, 0.5, 0.7)))]))
-    solids = Solids([piece for piece in drawing.pieces if piece.layer == "body"], 100.0)
+    solids = Solids([piece for piece in drawing.pieces if piece.layer == "bodies"], 100.0)
     items = solids.placed(np.zeros((1, 3)), np.eye(3)[None], lens_of(CAMERA), 1.0)
     assert np.sum(items.width == 0.0) == 6 and np.sum(items.width > 0.0) == 9
     centres = items.corners[items.width == 0.0].mean(axis=1)
@@ -160,7 +166,7 @@ def test_a_box_shows_three_faces_and_nine_edges():
 
 def test_a_round_body_is_lit_from_above_left_and_shows_its_two_tints():
     image = pixels_of(
-        System([Body("ball", 1.0, (1, 1, 1), shape=Sphere(1.0, colour="#808080"))]).picture(ground=False, names=False)
+        System([Body("ball", 1.0, (1, 1, 1), shape=Sphere(1.0, colour="#808080"))]).picture(hidden=HIDDEN)
     )
     ball = image[..., 0].astype(float)
     rows, columns = np.nonzero(ball < 250)
@@ -203,7 +209,7 @@ def test_arrows_are_to_scale_and_say_how_long_they_are():
     forces = next(x for x in arrows_of(run, frames_of(run, 6)) if x.kind == "reaction force")
     pointers = pointers_of(forces, 3, 0.8, lens_of(CAMERA))
     longest = np.linalg.norm(np.stack([run.reaction(j).force for j in hinges]), axis=-1).max()
-    assert longest_of(forces) == pytest.approx(longest)
+    assert forces.longest == pytest.approx(longest)
     assert pointers.legend == f"reaction force, longest {longest:.3g} N, pale: not unique"
     assert pointers.pieces[0].colour == paler(forces.colour) != forces.colour
     tip = run.reaction("low").point[3] + 0.8 / longest * run.reaction("low").force[3]
@@ -212,7 +218,7 @@ def test_arrows_are_to_scale_and_say_how_long_they_are():
 
 
 def test_picture_of_a_moment(solution):
-    figure = solution.picture(0.1234, arrows="reaction force", traces=[(LOWER_ARM, (0.32, 0.1, -0.4))])
+    figure = solution.picture(0.1234, shown="reaction force", traces=[(LOWER_ARM, (0.32, 0.1, -0.4))])
     assert isinstance(figure, Figure) and not matplotlib.pyplot.get_fignums()
     texts = {text.get_text() for text in figure.axes[0].texts}
     assert {UPPER_ARM, LOWER_ARM, WHEEL, "shoulder", "elbow", "axle", "motor", "t = 0.1234 s"} <= texts
@@ -221,7 +227,7 @@ def test_picture_of_a_moment(solution):
 
 
 def test_several_moments_in_one_picture(solution):
-    one, three = (solution.picture(t, traces=(), ground=False, names=False) for t in (0.2, [0.0, 0.1, 0.2]))
+    one, three = (solution.picture(t, traces=(), hidden=HIDDEN) for t in (0.2, [0.0, 0.1, 0.2]))
     few, many = (polygons(figure) for figure in (one, three))
     assert 2.5 * few < many < 3.5 * few  # as many front faces in every pose, within a few
     assert "t = 0, 0.1, 0.2 s" in {text.get_text() for text in three.axes[0].texts}
@@ -244,7 +250,7 @@ def test_dark_paper_and_layers(solution):
     figure = solution.system.picture(dark=True)
     assert figure.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(DARK.paper))
     assert pixels_of(figure).mean() < 80
-    bare, marked = (solution.system.picture(layers=x) for x in ((), ("centre of mass", "reference point")))
+    bare, marked = (solution.system.picture(**x) for x in ({"hidden": ["bodies", "joints"]}, {"shown": MARKS}))
     assert polygons(bare) < polygons(marked)
 
 
@@ -255,13 +261,12 @@ def test_dark_paper_and_layers(solution):
         ({"size": (3, -1)}, "size: -1.0 is not positive"),
         ({"view": (1, 2, 3)}, "view: .* is no pair"),
         ({"view": (0, 90)}, "elevation = 90; give -89"),
-        ({"layers": ("bodies",)}, "layer 'bodies' is unknown; give some of 'body'"),
-        ({"arrows": ["force"]}, "arrow 'force' is unknown; give some of 'angular velocity'"),
+        ({"hidden": ("body",)}, "hidden: layer 'body' is unknown; give some of bodies"),
+        ({"shown": ["force"]}, "shown: layer 'force' is unknown; give some of bodies"),
         ({"t": 0.3}, "t = 0.3 s is outside the run"),
         ({"t": []}, "give a time"),
         ({"t": "end"}, "t = 'end'; give a time"),
         ({"dark": "yes"}, "dark = 'yes'; give True or False"),
-        ({"frames": 3}, "option 'frames' is unknown; there are names, layers"),
         ({"traces": [("foot", (0, 0, 0))]}, "'foot' is not one of the bodies"),
     ],
 )
@@ -283,7 +288,7 @@ def test_small_large_and_bare_systems(size):
         image = pixels_of(system.picture())
         assert image.min() < 120  # something is drawn
     grid = next(x.get_text() for x in System([rod]).picture().axes[0].texts if "grid" in x.get_text())
-    assert grid == {1e-3: "grid 0.2 mm", 1.0: "grid 0.2 m", 1e4: "grid 2000 m"}[size]
+    assert grid == {1e-3: "grid 0.2 mm", 1.0: "grid 0.2 m", 1e4: "grid 2 km"}[size]
 
 
 def test_a_time_next_to_a_sample_is_that_sample(solution):
@@ -294,6 +299,6 @@ def test_a_time_next_to_a_sample_is_that_sample(solution):
 def test_a_name_with_dollars_is_written_as_it_is():
     """Read as a formula, this one is an error of matplotlib's."""
     bead = System([Body("ma$$e_1", 1.0, (0.1, 0.1, 0.1), omega=(1.0, 0.3, 0.2))])
-    figure = simulate(bead, 0.1, output=3).picture(names=True)
+    figure = simulate(bead, 0.1, output=3).picture(shown=["body names"])
     figure.savefig(io.BytesIO())
     assert len(figure.axes) == 1

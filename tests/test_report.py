@@ -21,13 +21,13 @@ from mbsd3d import (
     Revolute,
     System,
     accelerations,
-    facts,
     load,
     measures,
     simulate,
 )  # fmt: skip
-from mbsd3d.facts import MOST
-from mbsd3d.wording import counted, digits, triple
+from mbsd3d.report import facts
+from mbsd3d.report.facts import MOST
+from mbsd3d.report.wording import counted, digits, triple
 
 HOSTILE = (
     "<script>alert('1')</script>",

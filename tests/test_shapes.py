@@ -6,10 +6,10 @@ import trimesh
 from models import random_body, random_inertia, random_orientation
 
 from mbsd3d import Body, inertia, rotation
-from mbsd3d.guesses import THIN, shapes_of
 from mbsd3d.rotations import matrix
 from mbsd3d.shapes import Box, Capsule, Cylinder, Disc, Ellipsoid, Lines, MeshFile, Sphere, Torus
-from mbsd3d.surfaces import BANDS, ROUND, TURNS, normals
+from mbsd3d.shapes.guesses import THIN, shapes_of
+from mbsd3d.shapes.surfaces import BANDS, ROUND, TURNS, normals
 
 PLAIN = Body("plain", 1.0, (1, 1, 1))
 SOLIDS = (

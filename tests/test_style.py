@@ -84,10 +84,11 @@ def test_colours_of_figures_stand_in_one_place():
     """Lines, papers and texts take their colours from the theme; the paint of bodies is the user's and the demos'."""
     folder = Path(mbsd3d.__file__).parent
     literal = re.compile(r"color\w*[\"']?\s*[=:]\s*[\"'](?!none|auto)")
-    files = [path for path in folder.rglob("*.py") if path.name not in ("animation.py", "scene.py")]
+    files = list(folder.rglob("*.py"))
     assert len(files) > 100 and not [path.name for path in files if literal.search(path.read_text())]
-    for name in ("plots", "panels", "modes", "report", "exhibits", "facts", "demos/drawing", "demos/wall"):
-        assert not re.search(r"[\"']#[0-9a-fA-F]{3,8}[\"']", (folder / f"{name}.py").read_text()), name
+    hexes = re.compile(r"[\"']#[0-9a-fA-F]{6}[\"']")
+    mixing = [path.name for path in files if hexes.search(path.read_text())]
+    assert sorted(mixing) == ["pictures.py", "style.py"]  # the pictures of the README have steel of their own
 
 
 def test_settings_of_the_user_change_nothing_and_are_kept(tmp_path):

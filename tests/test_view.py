@@ -9,20 +9,23 @@ import threading
 
 import numpy as np
 import pytest
+import trimesh
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simulate
 from mbsd3d.linearization import linearize
 from mbsd3d.rotations import matrix
+from mbsd3d.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view import live, page, show
-from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, length_text
+from mbsd3d.view.content import ARROW, LENGTH, TURN, VALUE, pack, unpack
+from mbsd3d.view.curves import curves_of
 from mbsd3d.view.drawing import draw_system
-from mbsd3d.view.meshes import arrow, creased, linear
-from mbsd3d.view.motion import arrows_of, curves_of, frames_of
-from mbsd3d.view.packing import pack, unpack
+from mbsd3d.view.frames import frames_of, sensible_speed
+from mbsd3d.view.grid import length_text, round_down, round_up
+from mbsd3d.view.meshes import flat_normals
+from mbsd3d.view.motion import arrows_of
 from mbsd3d.view.recorder import Recording, import_viser
-from mbsd3d.view.speed import sensible_speed
-from mbsd3d.view.stage import LONGEST, build_stage, round_length
-from mbsd3d.view.sticks import laid
+from mbsd3d.view.stage import LONGEST, build_stage
+from mbsd3d.view.sticks import arrow, laid
 
 EVIL = "</script><script>alert(1)</script> <img src=x onerror=alert(2)> \"'\\ /a//b {{ 7 }} \u2028 ü 😀 \ud800"
 
@@ -138,7 +141,7 @@ def test_pages_are_small():
 
 def test_frames_fall_only_if_nobody_asked_for_them(run, monkeypatch):
     full = run.animate()
-    monkeypatch.setattr(show, "LARGEST", len(full.html) - 1)
+    monkeypatch.setattr(show, "LARGEST", 20_000)
     assert 2 <= run.animate().frames < full.frames
     assert run.animate(frames=full.frames).html == full.html
 
@@ -183,12 +186,17 @@ def test_a_mode_is_animated():
         ({"speed": 0}, "speed: 0.0 is not positive"),
         ({"title": 3}, "title = 3; give a text"),
         ({"dark": "yes"}, "dark = 'yes'; give True, False"),
-        ({"curves": ["angles"]}, "curve 'angles' is unknown"),
+        ({"curves": ["angles"]}, "quantity 'angles' is unknown"),
+        ({"hidden": 3}, "hidden = 3; give a list of layers"),
+        ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' stands in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
-        ({"path": 5}, "animate: path = 5; give the name of a file"),
+        ({"path": 5}, "path = 5 names no file"),
+        (
+            {"path": "nowhere/page"},
+            "'nowhere/page.html' cannot be written: there is no folder 'nowhere'; make it first",
+        ),
         ({"path": ""}, "path = '' names no file; give a name such as 'result.html'"),
         ({"live": "yes"}, "live = 'yes'; give True for a server on this machine, or False"),
-        ({"path": "nowhere/page"}, "'nowhere/page' cannot be written: there is no folder 'nowhere'; make it first"),
         ({"traces": [("nobody", (0, 0, 0))]}, "'nobody' is not one of the bodies"),
     ],
 )
@@ -278,22 +286,27 @@ def test_rods_and_arrows_lie_along_vectors():
     assert np.allclose(laid(np.zeros((1, 3))), [[1, 0, 0, 0]])
 
 
-def test_sharp_edges_are_split_and_smooth_ones_kept():
-    import trimesh
+@pytest.mark.parametrize(
+    "mesh", [block(), cylinder(), cylinder(24), ball(), torus(0.3, 0.02), capsule(0.2, 0.5), arrow(1), arrow(2)]
+)
+def test_vertices_are_shared_across_smooth_edges_only(mesh):
+    flat = flat_normals(mesh.vertices[mesh.faces])
+    bends = np.einsum("mci,mi->mc", normals(mesh)[mesh.faces], flat)
+    off_axis = np.linalg.norm(mesh.vertices[mesh.faces][..., :2], axis=2) > 1e-9  # tips and poles have no normal
+    assert bends[off_axis].min() > np.cos(
+        np.radians(35.0)
+    )  # 60 degrees about the tube of a torus, of which a corner sees half
 
-    box, ball = trimesh.creation.box((1, 2, 3)), trimesh.creation.icosphere(3)
-    for mesh, corners in ((box, 24), (ball, len(ball.vertices))):
-        vertices, faces = creased(mesh.vertices, mesh.faces)
-        assert len(vertices) == corners
-        assert np.array_equal(vertices[faces], mesh.vertices[mesh.faces])
-    for heads in (1, 2):
-        vertices, faces = arrow(heads)
-        assert np.isclose(vertices[:, 2].max(), 1.0) and np.isclose(vertices[:, 2].min(), 0.0)
-        assert trimesh.Trimesh(vertices, faces).volume > 0.0  # faces look outwards
+
+@pytest.mark.parametrize("heads", [1, 2])
+def test_arrows_reach_from_zero_to_one(heads):
+    found = arrow(heads)
+    assert np.isclose(found.vertices[:, 2].max(), 1.0) and np.isclose(found.vertices[:, 2].min(), 0.0)
+    assert trimesh.Trimesh(found.vertices, found.faces).volume > 0.0  # faces look outwards
 
 
 def test_round_numbers():
     assert [sensible_speed(t) for t in (0.0, 0.628, 1.9, 2.0, 30.0, 31.0, 4e4)] == [1, 0.05, 0.2, 1, 1, 2, 5000]
-    assert [round_length(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.2, 0.5, 10.0, 2e-5]
+    assert [round_up(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.2, 0.5, 10.0, 2e-5]
     assert [length_text(x) for x in (0.0005, 0.01, 500.0, 2000.0)] == ["0.5 mm", "0.01 m", "500 m", "2 km"]
-    assert linear(np.array([0, 255, 188])).tolist() == [0, 255, 128]  # the middle of light is 188 of 255
+    assert [round_down(x) for x in (0.1, 0.11, 0.3, 7.0, 2e-5)] == [0.1, 0.1, 0.2, 5.0, 2e-5]

@@ -19,7 +19,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )
-from mbsd3d.style import COLOURS
+from mbsd3d.style import COLOURS, GREY
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
@@ -61,7 +61,7 @@ def shaft(outer: float | None, *forks: tuple[float, str]) -> list[Any]:
         for side in (-0.115, 0.115):
             place = side * across + [0.5 * (inner + end) + 0.01 * np.sign(end), 0, 0]
             made.append(shapes.Box(np.array([0.22, 0.06, 0.06]) - 0.03 * across, at=place))
-        made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour="#707070"))
+        made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour=GREY))
     return made
 
 

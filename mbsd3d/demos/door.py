@@ -8,7 +8,7 @@ from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
-from mbsd3d.style import COLOURS
+from mbsd3d.style import COLOURS, GREY
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, theory_dots
@@ -22,7 +22,7 @@ ABOUT_HINGES = MASS * (WIDTH**2 / 3 + THICKNESS**2 / 12)  # kg m^2
 FREQUENCY = np.sqrt(MASS * GRAVITY * np.sin(LEAN) * LEVER / ABOUT_HINGES)  # of small swings [rad/s]
 SHAPE = (
     shapes.Box((WIDTH, THICKNESS, HEIGHT)),
-    shapes.Cylinder(0.015, 0.2, "y", at=(0.93 * WIDTH, 0, 0), colour="#707070"),
+    shapes.Cylinder(0.015, 0.2, "y", at=(0.93 * WIDTH, 0, 0), colour=GREY),
 )
 AXIS = np.array([np.sin(LEAN), 0.0, np.cos(LEAN)])
 

@@ -9,7 +9,7 @@ from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, shapes, simulate
 from mbsd3d.rotations import multiply
-from mbsd3d.style import COLOURS, LIGHT
+from mbsd3d.style import COLOURS, GREY, LIGHT
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
@@ -22,7 +22,7 @@ AT_2_S = (-0.15041682274564178, -0.7241655916368959, -0.673022269560444)  # m, T
 TIP = 0.25  # m, of the stem beyond the disc, as drawn; a thin disc of 0.25 m has these moments of inertia
 SHAPE = (
     shapes.Disc(0.25, 0.03, "y"),
-    shapes.Cylinder(0.02, DISTANCE + TIP, "y", at=(0, 0.5 * (TIP - DISTANCE), 0), colour="#707070"),
+    shapes.Cylinder(0.02, DISTANCE + TIP, "y", at=(0, 0.5 * (TIP - DISTANCE), 0), colour=GREY),
 )
 TILT = np.radians(75.0)  # of the steadily precessing tops, from the vertical
 

@@ -22,10 +22,13 @@ from mbsd3d import (
 )
 from mbsd3d.files import write_atomically
 from mbsd3d.shapes import Box, Cylinder, Disc
+from mbsd3d.style import COLOURS
+from mbsd3d.view.layers import NAMES
 
 from .heavy_top import falling_top
 
-STEEL, RED, BLUE = "#8A9BA8", "#D55E00", "#0072B2"
+STEEL, RED, BLUE = "#8A9BA8", COLOURS[1], COLOURS[0]
+BARE = (*NAMES, "ground grid")
 
 
 def t_handle() -> Solution:
@@ -86,12 +89,10 @@ def make(folder: Path) -> list[Path]:
     flip = np.linspace(0.6, 2.76, 10)
     handle, joint, top = t_handle(), cardan_joint(), simulate(falling_top(), 1.53, output=601)
     tip = [("T-handle", (0.0, 0.0, 0.09))]
-    strip = handle.picture(flip, traces=tip, size=(9.0, 2.6), view=(-70, 14), ground=False, names=False)
-    forces = joint.picture(
-        0.3, traces=(), arrows=["reaction force", "reaction moment"], size=(6.4, 3.6), view=(-70, 26)
-    )
+    strip = handle.picture(flip, traces=tip, size=(9.0, 2.6), view=(-70, 14), hidden=BARE)
+    forces = joint.picture(0.3, traces=(), shown=["reaction force", "reaction moment"], size=(6.4, 3.6), view=(-70, 26))
     return [
-        top.export_gif(folder / "heavy_top.gif", width=400, height=320, traces=[("top", (0, 1.25, 0))], names=False),
+        top.export_gif(folder / "heavy_top.gif", width=400, height=320, traces=[("top", (0, 1.25, 0))], hidden=NAMES),
         write_atomically(folder / "dzhanibekov.png", png(strip)),
         write_atomically(folder / "cardan.png", png(forces)),
     ]

@@ -5,18 +5,16 @@ from typing import Any
 import numpy as np
 
 from ..contacts import RollingDisc
-from ..guesses import shapes_of
 from ..joints import perpendiculars
 from ..parts import GROUND
 from ..rotations import quaternion_from_matrix
-from ..shapes import Ellipsoid, Lines
-from ..solids import Shape
-from ..style import GREY, colour
-from ..surfaces import ball, block, joined, moved
+from ..shapes import Ellipsoid, Lines, Shape
+from ..shapes.guesses import shapes_of
+from ..shapes.surfaces import ball, block, joined, moved
+from ..style import GREY, INNER, MARK, colour
 from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
 from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 
-DARK, LIGHT = "#6b6b6b", "#e0e0e0"  # seen on white and on dark paper; seen inside bodies
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
@@ -36,9 +34,9 @@ class Artist:
                 tint = shape.colour or colour(i)
                 try:
                     if isinstance(shape, Lines):
-                        self.drawing.wires.append(Wire(body.name, "body", i, shape.line(body), tint))
+                        self.drawing.wires.append(Wire(body.name, "bodies", i, shape.line(body), tint))
                     else:
-                        self.drawing.pieces.append(Piece(body.name, "body", i, shape.mesh(body), tint))
+                        self.drawing.pieces.append(Piece(body.name, "bodies", i, shape.mesh(body), tint))
                 except ValueError as error:
                     raise ValueError(f"body '{body.name}': {error}") from error
 
@@ -64,22 +62,22 @@ class Artist:
                 first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
                 self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
         for i, points in strokes.items():
-            self.drawing.wires.append(Wire(self.system.bodies[i].name, "body", i, np.array(points[:-1]), colour(i)))
+            self.drawing.wires.append(Wire(self.system.bodies[i].name, "bodies", i, np.array(points[:-1]), colour(i)))
 
     def circles(self) -> None:
         """Rolling and pitch circles."""
         for joint in self.system.joints:
             for body, mesh in circles(joint):
-                self.drawing.pieces.append(Piece(self.system.name(joint), "joint", self.place[id(body)], mesh, DARK))
+                self.drawing.pieces.append(Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, MARK))
 
     def names(self) -> None:
         """Of bodies at their centres of mass, of joints at their points."""
         add = self.drawing.tags.append
         for i, body in enumerate(self.system.bodies):
-            add(Tag(body.name, "body", i, body.com, colour(i)))
+            add(Tag(body.name, "body names", i, body.com, colour(i)))
         for joint in self.system.joints:
             body, point = anchor(joint)
-            add(Tag(self.system.name(joint), "joint", self.place[id(body)], body.local_point(point), DARK))
+            add(Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), MARK))
 
     def grain(self, size: float) -> float:
         """Size of joints: a twenty-fifth of the mechanism's, but not more than a part of that of a usual body."""
@@ -96,8 +94,8 @@ class Artist:
         for i, body in enumerate(self.system.bodies):
             centre = dot._replace(vertices=dot.vertices + body.com)
             if not shapes_of(body):
-                add(Piece(body.name, "body", i, moved(ball(), 0.5 * size * np.eye(3), body.com), colour(i)))
-            add(Piece(body.name, "centre of mass", i, centre, LIGHT))
+                add(Piece(body.name, "bodies", i, moved(ball(), 0.5 * size * np.eye(3), body.com), colour(i)))
+            add(Piece(body.name, "centre of mass", i, centre, INNER))
             add(Piece(body.name, "reference point", i, cross, GREY))
 
     def joints(self, size: float) -> None:
@@ -105,9 +103,9 @@ class Artist:
         for joint in self.system.joints:
             name = self.system.name(joint)
             for body, mesh in solids(joint, size):
-                self.drawing.pieces.append(Piece(name, "joint", self.place[id(body)], mesh, DARK))
+                self.drawing.pieces.append(Piece(name, "joints", self.place[id(body)], mesh, MARK))
             for body, ends in spokes(joint, 3.0 * size):
-                self.drawing.wires.append(Wire(name, "joint", self.place[id(body)], ends, DARK))
+                self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
 
     def draw(self) -> Drawing:
         """All of it: what has a size of its own first, since that gives the size of the marks."""

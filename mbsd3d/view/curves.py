@@ -1,14 +1,13 @@
 """Curves beside the scene: the panels of `Solution.plot` over the time of the frames."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..certificate import scales_of
-
-if TYPE_CHECKING:
-    from .motion import Frames
+from ..panels import Panel, panels_of
+from .frames import Frames
 
 LINES = 6  # in one curve at most, unless asked for
 STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
@@ -22,7 +21,7 @@ class Curve(NamedTuple):
     lines: list[tuple[str, np.ndarray]]
 
 
-def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve]:
+def curves_of(solution: Any, frames: Frames, wanted: Any = None) -> list[Curve]:
     """Curves over the time of the frames: the panels of `Solution.plot` with their labels and units.
 
     Parameters
@@ -48,7 +47,7 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
     if "v" not in solution.arrays:
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
-        raise ValueError(f"animate: curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
+        raise ValueError(f"curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
     scale = scales_of(solution)
     least = {
         "[N]": scale.force,
@@ -58,29 +57,17 @@ def curves_of(solution: Any, frames: "Frames", wanted: Any = None) -> list[Curve
     }
     panels = []
     for entry in telling(solution) if wanted is None else wanted:
-        found = panels_of(solution, entry)
+        found = panels_of(solution, [entry])
         panels += [panel for panel in found if largest(panel) > STILL * least.get(panel.unit, 0.0)] or found[:1]
     return [curve(solution.t, frames.t, panel) for panel in panels]
 
 
-def panels_of(solution: Any, entry: Any) -> list[Any]:
-    """The panels of "quantity" or ("quantity", part, ...)."""
-    from ..panels import OF_THE_SYSTEM, PANELS
-
-    quantity, *parts = entry if isinstance(entry, tuple | list) and entry else (entry,)
-    if not isinstance(quantity, str) or quantity not in PANELS:
-        raise ValueError(f"animate: curve {quantity!r} is unknown; give one of {', '.join(PANELS)}")
-    if parts and quantity in OF_THE_SYSTEM:
-        raise ValueError(f"animate: {quantity} is that of the whole system; give no parts")
-    return PANELS[quantity](solution, quantity, tuple(parts))
-
-
-def largest(panel: Any) -> float:
+def largest(panel: Panel) -> float:
     """Largest absolute value of a panel."""
     return max(float(np.abs(values).max()) for _, values in panel.lines)
 
 
-def curve(samples: np.ndarray, t: np.ndarray, panel: Any) -> Curve:
+def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
     """A panel read at the times [s], between samples along straight lines."""
     label = f"{panel.label} ({' '.join(panel.note.split())})" if panel.note else panel.label
     lines = [(name, np.interp(t, samples, values)) for name, values in panel.lines]

@@ -21,7 +21,7 @@ class Piece(NamedTuple):
     """Triangles that move with a body."""
 
     name: str  # of the body or joint they show
-    layer: str  # "body", "joint", "centre of mass" or "reference point": what a switch shows and hides together
+    layer: str  # "bodies", "joints", "centre of mass" or "reference point", see `mbsd3d.view.layers`
     body: int
     mesh: Mesh  # body axes from O
     colour: str  # "#rrggbb"
@@ -31,7 +31,7 @@ class Wire(NamedTuple):
     """A polyline that moves with a body; rows of NaN separate its strokes."""
 
     name: str
-    layer: str  # "body" (arms to the joints, shapes given as polylines) or "joint" (axes)
+    layer: str  # "bodies" (arms to the joints, shapes given as polylines) or "joints" (axes)
     body: int
     points: np.ndarray  # (k, 3) body axes from O [m]
     colour: str
@@ -49,7 +49,7 @@ class Tag(NamedTuple):
     """A name at a point of a body."""
 
     text: str
-    layer: str  # "body" or "joint"
+    layer: str  # "body names" or "joint names"
     body: int
     point: np.ndarray  # (3,) body axes from O [m]
     colour: str

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..files import with_suffix, write_atomically
+from ..files import ready_path, write_atomically
 from ..parts import number
 from ..progress import Progress
+from ..style import channels
 from .reel import Reel
 
 GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
@@ -26,41 +27,13 @@ NO_FFMPEG = (
 )
 
 
-def export_gif(solution: Any, path: str | Path, *, fps: float = 25, **options: Any) -> Path:
-    """Write the motion as an animated GIF that repeats for ever; the same run gives the same bytes.
-
-    Parameters
-    ----------
-    solution : Solution or Motion
-        What moves.
-    path : str or Path
-        ".gif" is added if it is not there.
-    fps : float
-        Frames per second of the film > 0, at most 50 (viewers slow down what is faster).
-    **options
-        speed : float or None
-            Seconds of the run per second of the film; None = real time for a run of 2 to 6 s, else a round factor
-            that makes a film of about 4 s.
-        width, height : int
-            [pixel]; 480, and None = 3/4 of the width; curves come below.
-        curves, traces, arrows, ground, names, layers, view, dark
-            See `Reel` and `picture_of_system`.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If an option or the folder is none, or nothing moves because the run has one moment only.
-    """
+def export_gif(solution: Any, path: str | Path, *, fps: float, **options: Any) -> Path:
+    """See `Solution.export_gif`; ``options`` are those of `Reel`."""
     from PIL import Image
 
-    if number(fps, "export_gif: fps", positive=True) > GIF_FASTEST:
-        raise ValueError(f"export_gif: fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
-    path = target(path, ".gif")
+    if number(fps, "fps", positive=True) > GIF_FASTEST:
+        raise ValueError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
+    path = ready_path(path, ".gif")
     reel = Reel(solution, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(reel) - 1, PROBES).astype(int))
     sample = Image.fromarray(np.concatenate([reel.frame(k) for k in probes]))
@@ -79,33 +52,13 @@ def export_gif(solution: Any, path: str | Path, *, fps: float = 25, **options: A
     return write_atomically(path, buffer.getvalue())
 
 
-def export_mp4(solution: Any, path: str | Path, *, fps: float = 25, width: int = 960, **options: Any) -> Path:
-    """Write the motion as an MP4 film (H.264, yuv420p: plays everywhere) through ffmpeg.
-
-    Parameters
-    ----------
-    solution, fps, **options
-        See `export_gif`; fps has no upper bound, and a film whose speed is not given lasts 2 to 30 s.
-    path : str or Path
-        ".mp4" is added if it is not there.
-    width : int
-        Even [pixel].
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If there is no ffmpeg, a size is odd, or as for `export_gif`.
-    """
-    command, path = ffmpeg(), target(path, ".mp4")
-    reel = Reel(solution, fps=fps, width=width, **options)
+def export_mp4(solution: Any, path: str | Path, **options: Any) -> Path:
+    """See `Solution.export_mp4`; ``options`` are those of `Reel`."""
+    command, path = ffmpeg(), ready_path(path, ".mp4")
+    reel = Reel(solution, **options)
     for side, length in (("width", reel.width), ("height", reel.height)):
         if length % 2:
-            raise ValueError(f"export_mp4: {side} = {length} is odd; give an even one")
+            raise ValueError(f"{side} = {length} is odd; give an even one")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{reel.width}x{reel.height}", "-r", f"{reel.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
@@ -148,7 +101,7 @@ def ffmpeg() -> str:
 
 def with_paper(tones: np.ndarray, paper: str) -> np.ndarray:
     """The (k, 3) tones, the one nearest to the paper made equal to it: else the ground of the film is tinted."""
-    exact = np.array([int(paper[k : k + 2], 16) for k in (1, 3, 5)], np.uint8)
+    exact = channels(paper).astype(np.uint8)
     return np.where((nearest_tones(exact[None, None], tones)[0, 0] == np.arange(len(tones)))[:, None], exact, tones)
 
 
@@ -160,12 +113,3 @@ def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
     wide = tones.astype(np.int32)
     distance = (wide**2).sum(axis=1) - 2 * colours @ wide.T
     return distance.argmin(axis=1).astype(np.uint8)[same].reshape(image.shape[:2])
-
-
-def target(path: str | Path, suffix: str) -> Path:
-    """The path with the suffix added unless it has it; a missing folder is found before the work, not after it."""
-    named = with_suffix(path, suffix)
-    path = Path(path)
-    if not path.parent.is_dir():
-        raise ValueError(f"cannot write '{path}': there is no folder '{path.parent}'; make it first")
-    return path if path.suffix.lower() == suffix else named

@@ -13,15 +13,14 @@ import numpy as np
 from ..files import package_version, with_suffix, write_atomically
 from ..rotations import rotation
 from ..shapes import Mesh
-from ..style import GREY
-from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
+from ..style import GREY, SHADED
 from .drawing import Drawing, Piece, Wire, draw_system, poses_of
-from .links import SLENDER, directions, unit_coil, unit_rod
-from .motion import Frames, Trace, frames_of, moved, traces_of
+from .frames import Frames, frames_of
+from .gltf_asset import LINE_STRIP, LINES, TRIANGLES, Asset
+from .motion import Trace, moved, traces_of
+from .sticks import ROD, SLENDER, rolled, unit_coil, unit_rod
 
-LAYERS = ("body", "joint")  # marks of centres and reference points belong to switches, which glTF does not have
-DARK = 0.72  # brightness of the darker sectors of a round body
-ROD = 0.004  # radius of a rod and least one of a spring, in sizes of the mechanism
+LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
 SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
 UPRIGHT = rotation("x", -90, degrees=True)
 
@@ -91,7 +90,7 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
         places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
         node = asset.moving(name, root, clock, **places)
         for (layer, part), items in shown[i].items():
-            label = f"{part} shape" if layer == "body" else f"{part} on {name}"
+            label = f"{part} shape" if layer == "bodies" else f"{part} on {name}"
             primitives = [primitive for item in items for primitive in primitives_of(asset, item)]
             if primitives:
                 asset.node(label, node, asset.mesh(label, primitives))
@@ -113,7 +112,7 @@ def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
 def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
     """One set of triangles for each shade; they share their corners."""
     skin = asset.skin(mesh)
-    for shade, brightness in ((0, 1.0), (1, DARK)):
+    for shade, brightness in ((0, 1.0), (1, SHADED)):
         faces = skin.faces[skin.shade == shade]
         if faces.size:
             paint = asset.material(colour, brightness, double_sided=not skin.closed)
@@ -125,7 +124,7 @@ def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None
     clock, least = frames.t - frames.t[0], ROD * drawing.size
     for link in drawing.links:
         start, end = (moved(frames, body, point) for body, point in link.ends)
-        lengths, e = directions(end - start, SHORTEST * drawing.size)
+        lengths, e = rolled(end - start, SHORTEST * drawing.size)
         width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if link.spring else least)
         mesh = asset.mesh(
             "coil" if link.spring else "rod", list(solid(asset, unit_coil() if link.spring else unit_rod(), GREY))

@@ -11,7 +11,7 @@ import numpy as np
 from ..contacts import RollingDisc
 from ..couplings import GearMesh
 from ..joints import Joint, perpendiculars
-from ..surfaces import Mesh, ball, block, cylinder, moved, torus
+from ..shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
 LOCKED = 5  # rows from which a joint without an angle cannot turn

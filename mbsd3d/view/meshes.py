@@ -1,68 +1,81 @@
-"""Triangles as a scene wants them: corners split at sharp edges, arrows of length 1, tinted colours."""
+"""What is computed from triangles: edges, normals at every corner, which faces can be seen.
+
+The meshes of shapes share vertices across smooth edges only, see `mbsd3d.shapes.surfaces`: so a mean over the faces of
+a vertex is its normal, here as in any viewer, and no angle is looked at again.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
-SHARP = 0.6  # angle between two faces [rad] from which on their edge is drawn as one
-SECTIONS = 12
+from ..shapes import Mesh
+from ..shapes.surfaces import normals
 
 
-def creased(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same triangles, in order, such that only faces which meet smoothly share corners.
+class Skin(NamedTuple):
+    """A mesh without faces that have no area."""
 
-    Scenes average the normals of the faces at a corner: a box would look like a ball.
-    """
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64)
-    key = edges[:, 0] * len(vertices) + edges[:, 1]
-    order = np.argsort(key, kind="stable")
-    same = key[order][1:] == key[order][:-1]
-    a, b = order[:-1][same] // 3, order[1:][same] // 3
-    smooth = (normals[a] * normals[b]).sum(axis=1) > np.cos(SHARP)
-    a, b = a[smooth], b[smooth]
-    patch = connected_components(coo_matrix((np.ones(a.size), (a, b)), shape=(len(faces),) * 2), directed=False)[1]
-    split = faces.ravel().astype(np.int64) * (int(patch.max(initial=0)) + 1) + np.repeat(patch, 3)
-    _, first, new = np.unique(split, return_index=True, return_inverse=True)
-    return vertices[faces.ravel()[first]], new.reshape(-1, 3)
+    vertices: np.ndarray  # (k, 3) [m]
+    normals: np.ndarray  # (k, 3) unit vectors
+    faces: np.ndarray  # (m, 3)
+    shade: np.ndarray  # (m,)
+    closed: bool  # nobody can look at the faces from behind
 
 
-def alone(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The given faces with those vertices only that they use."""
-    low = int(faces.min())
-    used = np.zeros(int(faces.max()) - low + 1, bool)
-    used[faces - low] = True
-    return vertices[low : low + used.size][used], (np.cumsum(used) - 1)[faces - low]
+def skin(mesh: Mesh) -> Skin:
+    """The mesh with its normals; a face with a corner whose faces cancel out has its own normal."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    spans = np.cross(b - a, c - a)
+    areas = np.linalg.norm(spans, axis=1)
+    seen = areas > 0.0
+    faces, flat, shade = mesh.faces[seen], spans[seen] / areas[seen, None], mesh.shade[seen]
+    found = normals(mesh._replace(faces=faces))
+    lost = ~found.any(axis=1)[faces].all(axis=1)
+    vertices = np.concatenate([mesh.vertices, mesh.vertices[faces[lost]].reshape(-1, 3)])
+    found = np.concatenate([found, np.repeat(flat[lost], 3, axis=0)])
+    faces = np.array(faces)
+    faces[lost] = len(mesh.vertices) + np.arange(3 * lost.sum()).reshape(-1, 3)
+    used, faces = np.unique(faces, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    return Skin(vertices[used], found[used], faces, shade, is_closed(vertices[used], faces))
 
 
-def arrow(heads: int) -> tuple[np.ndarray, np.ndarray]:
-    """An arrow from the origin to (0, 0, 1) with one head or two, one behind the other."""
-    shaft, head, long = 0.018, 0.055, 0.17
-    profile = [(0.0, 0.0), (shaft, 0.0), (shaft, 1.0 - heads * long)]
-    for k in range(heads, 0, -1):
-        profile += [(head, 1.0 - k * long), (shaft if k > 1 else 0.0, 1.0 - (k - 1) * long)]
-    return revolved(profile)
+def is_closed(vertices: np.ndarray, faces: np.ndarray) -> bool:
+    """Whether every edge is passed in both directions, as the edges between faces of a solid are."""
+    _, places = np.unique(vertices.astype(np.float32), axis=0, return_inverse=True)  # sharp edges have vertices twice
+    edges = places.reshape(-1)[faces[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2)
+    return np.array_equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
 
 
-def revolved(profile: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
-    """(radius, height) turned about z, bottom to top; sharp edges are split."""
-    import trimesh
-
-    mesh = trimesh.creation.revolve(np.array(profile), sections=SECTIONS)
-    return creased(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+def with_shade(mesh: Mesh, shade: int) -> Mesh:
+    """The faces of one shade, with those vertices only that they use."""
+    used, faces = np.unique(mesh.faces[mesh.shade == shade], return_inverse=True)
+    return Mesh(mesh.vertices[used], faces.reshape(-1, 3), np.full(faces.size // 3, shade))
 
 
-def tint(colour: str, shade: int = 0, *, pale: bool = False) -> tuple[int, int, int]:
-    """RGB of "#rrggbb"; darker for shade 1, half way to grey if pale."""
-    rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], float)
-    rgb = rgb * 0.72 if shade else rgb
-    rgb = 0.45 * rgb + 0.55 * 190.0 if pale else rgb
-    return tuple(int(x) for x in np.rint(rgb))
+def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Faces (m, 3) with one number for all vertices at the same place, and those places."""
+    grain = 1e-7 * float(np.ptp(vertices, axis=0).max() or 1.0)
+    _, first, same = np.unique(np.round(vertices / grain), axis=0, return_index=True, return_inverse=True)
+    return same.reshape(-1)[faces], vertices[first]
 
 
-def linear(colours: np.ndarray) -> np.ndarray:
-    """RGB 0 ... 255 without the display's curve: viser takes colours of copies as they are."""
-    x = np.asarray(colours) / 255.0
-    return np.rint(255.0 * np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)).astype(np.uint8)
+def flat_normals(triangles: np.ndarray) -> np.ndarray:
+    """Unit normals of the planes of triangles (m, 3, 3); zero for one without area."""
+    return unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
+
+
+def edges_of(faces: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k, 2, 3) edges and (k, 2, 3) the normals of both faces at each; an open edge has its face twice."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    face = np.repeat(np.arange(len(faces)), 3)
+    order = np.lexsort((face, ends[:, 1], ends[:, 0]))
+    ends, face = ends[order], face[order]
+    new = np.flatnonzero(np.r_[True, (np.diff(ends, axis=0) != 0).any(axis=1)])
+    last = np.r_[new[1:], len(ends)] - 1
+    return vertices[ends[new]], normals[np.stack([face[new], face[last]], axis=1)]
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors of length one; zero stays."""
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)

@@ -1,6 +1,5 @@
-"""How a mechanism moves: frames in equal steps of time, arrows, traces and curves; no plotting library."""
+"""What is shown of a motion besides the bodies: arrows and traces; no plotting library."""
 
-import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -10,25 +9,12 @@ from ..certificate import scales_of
 from ..parts import GROUND, vector
 from ..reactions import every_reaction
 from ..rotations import matrix
-from ..style import COLOURS, colour
-from .between import Between, between, one_sheet, poses, turns
-from .curves import Curve, curves_of
-from .speed import sensible_speed
+from ..style import COLOURS, colour, paler
+from .frames import Between, Frames, between
+from .layers import ARROWS
 
-__all__ = ["Arrows", "Curve", "Frames", "Trace", "arrows_of", "curves_of", "frames_of", "traces_of"]
-
-TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
-MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
 TRACES = 12  # drawn at most, unless asked for
 NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
-
-
-class Frames(NamedTuple):
-    """Poses of all bodies and the ground (last)."""
-
-    t: np.ndarray  # (frames,) [s]
-    r: np.ndarray  # (frames, n + 1, 3) [m]
-    e: np.ndarray  # (frames, n + 1, 4) unit quaternions of one sheet: neighbours have a positive product
 
 
 class Arrows(NamedTuple):
@@ -42,6 +28,21 @@ class Arrows(NamedTuple):
     vectors: np.ndarray  # (frames, k, 3) world [unit]
     uncertain: tuple[bool, ...]  # True where a reaction is not determined by the constraints
 
+    @property
+    def longest(self) -> float:
+        """Largest magnitude over the frames [unit]."""
+        return float(np.linalg.norm(self.vectors, axis=-1).max(initial=0.0))
+
+    @property
+    def heads(self) -> int:
+        """Two for axial vectors (rotations, moments), as on paper; one for forces."""
+        return 1 if self.kind == "reaction force" else 2
+
+    @property
+    def tints(self) -> list[str]:
+        """Colours of the arrows; uncertain ones are pale."""
+        return [paler(self.colour) if unsure else self.colour for unsure in self.uncertain]
+
 
 class Trace(NamedTuple):
     """The path of a point."""
@@ -49,51 +50,6 @@ class Trace(NamedTuple):
     name: str
     colour: str
     points: np.ndarray  # (frames, 3) world [m]
-
-
-def frames_of(solution: Any, count: int | None = None) -> Frames:
-    """Frames in equal steps of time from the first to the last sample.
-
-    Between samples the motion is interpolated, see `mbsd3d.view.between`; at a sample it is the sample.
-
-    Parameters
-    ----------
-    solution : Solution or Motion
-        n bodies, at least one sample.
-    count : int or None
-        Frames >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at
-        most 1000, and fewer where that makes more than 200 000 poses.
-
-    Returns
-    -------
-    Frames
-
-    Raises
-    ------
-    ValueError
-        If there is no sample, or the count is no whole number >= 2.
-    """
-    t = solution.t
-    if not t.size:
-        raise ValueError("animate: the solution has no samples; run it to a later time")
-    if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
-        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
-    times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
-    r, e = poses(solution, between(solution, times))
-    ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (times.size, 1, 4))
-    r = np.concatenate([r, np.zeros((times.size, 1, 3))], axis=1)
-    return Frames(times, r, one_sheet(np.concatenate([e, ground], axis=1)))
-
-
-def enough_frames(solution: Any) -> int:
-    """Frames for a smooth picture of a run."""
-    span = float(solution.t[-1] - solution.t[0])
-    if "v" in solution.arrays:
-        fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
-    else:
-        fastest = float((turns(solution) / np.diff(solution.t)).max())
-    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
-    return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
 
 
 def arrows_of(solution: Any, frames: Frames) -> list[Arrows]:
@@ -129,14 +85,14 @@ def arrows_of(solution: Any, frames: Frames) -> list[Arrows]:
         moments.append((name, point, found.moment, not found.unique))
     fastest = max(1.0, *(float(np.abs(w).max()) for _, _, w, _ in spins))
     kinds = (
-        ("angular velocity", "rad/s", spins, fastest),
-        ("angular momentum", "kg m^2/s", momenta, scale.angular_momentum),
-        ("reaction force", "N", forces, scale.force),
-        ("reaction moment", "N m", moments, scale.moment),
+        ("rad/s", spins, fastest, COLOURS[2]),
+        ("kg m^2/s", momenta, scale.angular_momentum, COLOURS[5]),
+        ("N", forces, scale.force, COLOURS[1]),
+        ("N m", moments, scale.moment, COLOURS[3]),
     )
     made = [
-        gather(kind, unit, COLOURS[tint], where, [x for x in found if np.abs(x[2]).max() > NOTHING * size])
-        for tint, (kind, unit, found, size) in zip((2, 5, 1, 3), kinds, strict=True)
+        gather(kind, unit, tint, where, [x for x in found if np.abs(x[2]).max() > NOTHING * size])
+        for kind, (unit, found, size, tint) in zip(ARROWS, kinds, strict=True)
     ]
     return [arrows for arrows in made if arrows.names]
 
@@ -197,7 +153,7 @@ def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
     system = solution.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
     if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
-        raise ValueError(f"animate: traces = {points!r}; give a list of (body, (x, y, z))")
+        raise ValueError(f"traces = {points!r}; give a list of (body, (x, y, z))")
     if points is not None:
         found = [trace_point(system, entry) for entry in points]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
@@ -212,7 +168,7 @@ def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
 def trace_point(system: Any, entry: Any) -> tuple[Any, np.ndarray]:
     """Body and point in its axes, of an entry (body or name, world point at the reference pose)."""
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise ValueError(f"animate: trace {entry!r} is no pair; give (body, (x, y, z))")
+        raise ValueError(f"trace {entry!r} is no pair; give (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
-    return body, body.local_point(vector(point, f"animate: trace of body '{body.name}'"))
+    return body, body.local_point(vector(point, f"trace of body '{body.name}'"))

@@ -8,33 +8,33 @@ from typing import Any
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from ..rotations import matrix
-from ..style import LIGHT, Theme
+from ..style import LIGHT, Theme, channels
+from .camera import Lens, window
 from .drawing import Drawing
-from .lens import Lens, round_cell, window
+from .grid import length_text, round_down
+from .labels import Name, place, write
+from .layers import USUAL
 from .motion import Trace
-from .names import Name, place, write
 from .pointers import Pointers
-from .solids import SEAM, Items, Solids, join, outlines, split_strokes, strokes_as_items
+from .shading import SEAM, Items, Solids, join, outlines, split_strokes, strokes_as_items
 
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 MANY = 3000  # more triangles and strokes than this go into a vector file as an image
-LEGIBLE = 14  # names that a picture can hold
 
 
-def rgb(colour: str) -> np.ndarray:
-    """(3,) of a colour's name."""
-    return np.array(to_rgb(colour))
+def tone(colour: str) -> np.ndarray:
+    """(3,) of "#rrggbb" as matplotlib counts, 0 ... 1."""
+    return channels(colour) / 255.0
 
 
 def shadow_on(sheet: Theme) -> np.ndarray:
     """The colour of shadows on a paper."""
-    paper = rgb(sheet.paper)
+    paper = tone(sheet.paper)
     return paper * (0.93 if paper.mean() > 0.5 else 0.6)
 
 
@@ -54,11 +54,7 @@ class Painter:
     sheet : Theme
         Colours of the paper and of what is drawn on it.
     layers : collection of str
-        Which layers of the drawing are painted.
-    names : bool or None
-        Whether names are written; None = while there are few.
-    ground : bool
-        Whether the floor with its grid and the shadows are painted.
+        Which are painted, see `mbsd3d.view.layers`; "ground grid" is the floor with its grid and the shadows.
     also : (k, 3) ndarray
         More points that must fit, world [m]: paths, tips of arrows.
     fine : float
@@ -74,36 +70,34 @@ class Painter:
         inches: tuple[float, float],
         *,
         sheet: Theme = LIGHT,
-        layers: Collection[str] = ("body", "joint"),
-        names: bool | None = None,
-        ground: bool = True,
+        layers: Collection[str] = USUAL,
         also: np.ndarray | None = None,
         fine: float = FINE,
     ) -> None:
-        self.drawing, self.lens, self.sheet, self.inches, self.ground = drawing, lens, sheet, inches, ground
+        self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
         pieces = [p._replace(colour=hues.get(p.colour, p.colour)) for p in drawing.pieces if p.layer in layers]
         self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
-        tags = [tag for tag in drawing.tags if tag.layer in layers]
-        self.tags = tags if names or (names is None and len(tags) <= LEGIBLE) else []
+        self.tags = [tag for tag in drawing.tags if tag.layer in layers]
+        self.links = drawing.links if "springs and rods" in layers else []
         points = [also] if also is not None and len(also) else []
         R = matrix(e)
         for body, local in [(p.body, p.mesh.vertices) for p in pieces] + [(w.body, w.points) for w in self.wires]:
             points.append((local @ R[:, body].transpose(0, 2, 1) + r[:, None, body]).reshape(-1, 3))
-        for link in drawing.links:
+        for link in self.links:
             points += [R[:, body] @ point + r[:, body] for body, point in link.ends]
         cloud = np.concatenate([*points, r.reshape(-1, 3)[:1]])
         cloud = cloud[np.isfinite(cloud).all(axis=1)]
         self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
         self.size = float((self.high - self.low).max()) or drawing.size or 1.0
-        if ground:  # the shadows belong to the picture
+        if self.ground:  # the shadows belong to the picture
             cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])])
         self.longest = fine * self.size
         self.solids = Solids(pieces, self.longest)
         self.corner, opposite = window(lens.project(cloud)[0], inches)
         self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
         self.choices: list[int] = []  # where the names stood in the picture before
-        self.cell = round_cell(0.22 * self.size)
+        self.cell = round_down(0.22 * self.size)
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
         """World points (..., 3) as points of the paper (..., 2), 1/72 inch from the lower left corner."""
@@ -118,14 +112,14 @@ class Painter:
             strokes = np.stack([points[:-1], points[1:]], axis=1)
             strokes = self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS)
             found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
-        for link in self.drawing.links:
+        for link in self.links:
             ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
             found.append(self.strokes(ends[None], self.sheet.muted, LINK))
         return join(found)
 
     def strokes(self, strokes: np.ndarray, colour: str, pen: float) -> Items:
         """Straight lines (k, 2, 3) as items."""
-        return strokes_as_items(split_strokes(strokes, self.longest)[0], rgb(colour), pen, 0.0)
+        return strokes_as_items(split_strokes(strokes, self.longest)[0], tone(colour), pen, 0.0)
 
     def paint(
         self,
@@ -181,7 +175,7 @@ class Painter:
 
     def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
         """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
-        floor, paper, grid = self.low[2], rgb(self.sheet.paper), rgb(self.sheet.grid)
+        floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
         axes.add_collection(
             PolyCollection(self.on_paper(shadows), facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1),
@@ -229,12 +223,7 @@ class Painter:
 
     def readable(self, colour: str) -> np.ndarray:
         """A colour moved towards the ink, for letters."""
-        return 0.6 * rgb(colour) + 0.4 * rgb(self.sheet.ink)
-
-
-def length_text(length: float) -> str:
-    """A round length with the unit that makes it a short number."""
-    return f"{length:g} m" if length >= 0.01 else f"{1e3 * length:g} mm"
+        return 0.6 * tone(colour) + 0.4 * tone(self.sheet.ink)
 
 
 def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Any]:

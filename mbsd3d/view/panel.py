@@ -7,7 +7,9 @@ import numpy as np
 
 from ..style import Theme, theme
 from .content import Content
-from .motion import Arrows, Curve, Frames
+from .curves import Curve
+from .frames import Frames
+from .motion import Arrows
 from .page import printable
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
@@ -55,7 +57,7 @@ class Panel:
 
     def add_switches(self, arrows: Sequence[Arrows]) -> dict[str, Any]:
         """A check box for every layer that holds something."""
-        longest = {x.kind: float(np.linalg.norm(x.vectors, axis=-1).max()) for x in arrows}
+        longest = {x.kind: x.longest for x in arrows}
         unit = {x.kind: x.unit for x in arrows}
         open_share = {x.kind for x in arrows if any(x.uncertain)}
         boxes = {}

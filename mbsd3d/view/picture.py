@@ -8,24 +8,25 @@ from matplotlib.figure import Figure
 
 from ..parts import number
 from ..style import house, theme
+from .camera import lens_of, turned
 from .drawing import bounds, draw_system, frame_camera, poses_of
-from .lens import lens_of, turned
-from .motion import Arrows, Frames, Trace, arrows_of, frames_of, traces_of
+from .frames import Frames, frames_at, frames_of
+from .layers import ARROWS, MARKS, NAMES, USUAL, layers_of
+from .motion import Arrows, Trace, arrows_of, traces_of
 from .painter import FINE, Painter, new_sheet
 from .pointers import pointers_of, tips_of
 
-LAYERS = ("body", "joint", "centre of mass", "reference point")
-KINDS = ("angular velocity", "angular momentum", "reaction force", "reaction moment")
+LEGIBLE = 14  # names that a picture can hold
 REACH = 0.4  # length of the longest arrow, of the size of what is seen
 
 
-def chosen(what: str, wanted: Collection[str], known: Sequence[str]) -> tuple[str, ...]:
-    """The wanted ones in their order, or a ValueError that names the known ones."""
-    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
-    for name in wanted:
-        if name not in known:
-            raise ValueError(f"{what} {name!r} is unknown; give some of {', '.join(map(repr, known))}")
-    return wanted
+def picture_layers(system: Any, shown: Any, hidden: Any, *, moving: bool) -> tuple[str, ...]:
+    """The layers of a picture: with names where there are few; a system at rest has no arrows."""
+    few = len(system.bodies) + len(system.joints) <= LEGIBLE
+    layers = layers_of(shown, hidden, (*USUAL, *NAMES) if few else USUAL)
+    if not moving and set(ARROWS) & set(layers):
+        raise ValueError(f"shown: a system at rest has no arrows; give some of {', '.join((*NAMES, *MARKS))}")
+    return layers
 
 
 def pair(value: Any, what: str) -> tuple[float, float]:
@@ -43,75 +44,39 @@ def painter_of(
     *,
     paths: Sequence[Trace] = (),
     vectors: Sequence[Arrows] = (),
-    names: bool | None = None,
-    layers: Collection[str] = ("body", "joint"),
-    view: Sequence[float] | None = None,
-    dark: bool = False,
-    ground: bool = True,
+    layers: Collection[str],
+    view: Sequence[float] | None,
+    dark: bool,
     fine: float = FINE,
-    **unknown: Any,
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
-    if unknown:
-        mine = "names, layers, view, dark, ground"
-        raise ValueError(f"option '{next(iter(unknown))}' is unknown; there are {mine}, and those of the method itself")
     drawing = draw_system(system)
     low, high = bounds(drawing, r, e)
     camera = frame_camera(low, high)
     if view is not None:
-        azimuth, elevation = pair(view, "picture: view")
+        azimuth, elevation = pair(view, "view")
         if not -89.0 <= elevation <= 89.0:
-            raise ValueError(f"picture: view: elevation = {elevation:g}; give -89 ... 89 degrees")
+            raise ValueError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
         camera = turned(camera, azimuth, elevation)
-    shown, reach = chosen("picture: layer", layers, LAYERS), REACH * float((high - low).max())
+    reach = REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
-    return Painter(
-        drawing, lens_of(camera), r, e, inches, sheet=theme(dark), layers=shown, names=names, ground=ground, fine=fine,
-        also=np.concatenate(also) if also else None,
-    ), reach  # fmt: skip
+    options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": np.concatenate(also) if also else None}
+    return Painter(drawing, lens_of(camera), r, e, inches, **options), reach
 
 
 def paper_size(size: Any) -> tuple[float, float]:
     """Width and height [inch], both positive."""
-    width, height = pair(size, "picture: size")
-    return number(width, "picture: size", positive=True), number(height, "picture: size", positive=True)
+    width, height = pair(size, "size")
+    return number(width, "size", positive=True), number(height, "size", positive=True)
 
 
-def picture_of_system(system: Any, state: Any = None, *, size: Sequence[float] = (6.4, 4.8), **options: Any) -> Figure:
-    """A system at rest.
-
-    Parameters
-    ----------
-    system : System
-        What to draw.
-    state : State or None
-        Pose; None = the reference pose.
-    size : (float, float)
-        Width and height [inch].
-    **options
-        ground : bool
-            Whether the floor is drawn, with a grid and the shadows of a high sun; it lies under the lowest point.
-        names : bool or None
-            Whether the names of bodies and joints are written; None = if there are at most 14.
-        layers : collection of str
-            Some of "body", "joint", "centre of mass", "reference point"; the first two if not given.
-        view : (float, float) or None
-            Azimuth (from x about z) and elevation of the eye [degrees]; None = the view of `System.show`.
-        dark : bool
-            On dark paper.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not shown; `mbsd3d.plots.save_figure` writes it.
-
-    Raises
-    ------
-    ValueError
-        If the state is one of another system, a shape cannot be drawn, or an option is none.
-    """
+def picture_of_system(
+    system: Any, state: Any, *, shown: Any, hidden: Any, view: Any, size: Sequence[float], dark: bool
+) -> Figure:
+    """See `System.picture`."""
+    layers, inches = picture_layers(system, shown, hidden, moving=False), paper_size(size)
     r, e = poses_of(system, state)
-    painter, _ = painter_of(system, r[None], e[None], paper_size(size), **options)
+    painter, _ = painter_of(system, r[None], e[None], inches, layers=layers, view=view, dark=dark)
     with house(painter.sheet):
         figure, axes = new_sheet(painter.inches, painter.sheet)
         painter.paint(axes, [(r, e)])
@@ -119,65 +84,43 @@ def picture_of_system(system: Any, state: Any = None, *, size: Sequence[float] =
 
 
 def picture_of_solution(
-    solution: Any,
-    t: float | Sequence[float] | None = None,
-    *,
-    traces: Any = None,
-    arrows: Collection[str] = (),
-    size: Sequence[float] = (6.4, 4.8),
-    **options: Any,
+    solution: Any, t: Any, *, traces: Any, shown: Any, hidden: Any, view: Any, size: Sequence[float], dark: bool
 ) -> Figure:
-    """A moment of a run, or several in one picture.
-
-    Parameters
-    ----------
-    solution : Solution
-        At least one sample.
-    t : float, sequence of float, or None
-        Time [s]; several = a multiple exposure; None = the last sample.
-    traces : sequence of (body, point), or None
-        Points whose paths until then (of several times: from the first to the last) are drawn: a body and a world
-        point at the reference pose [m]; () = none, None = the centres of mass.
-    arrows : collection of str
-        Some of "angular velocity", "angular momentum", "reaction force", "reaction moment". Their lengths are to scale
-        within a kind; the legend gives the longest. Shares that the constraints leave open are pale.
-    size, **options
-        See `picture_of_system`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With the time in it.
-
-    Raises
-    ------
-    ValueError
-        If a time is outside the run, a part or a kind of arrow is unknown, or an option is none.
-    """
-    kinds = chosen("picture: arrow", arrows, KINDS)
-    inches = paper_size(size)
+    """See `Solution.picture`."""
+    layers, inches = picture_layers(solution.system, shown, hidden, moving=True), paper_size(size)
     run = frames_of(solution)
+    now = moments(solution, run, t)
+    paths = traces_of(solution, run_until(run, now), traces) if "traces" in layers else []
+    kinds = set(ARROWS) & set(layers)
+    both = Frames(*(np.concatenate(pair) for pair in zip(run, now, strict=True)))  # one scale for every moment
+    vectors = [x for x in arrows_of(solution, both) if x.kind in kinds] if kinds else []
+    painter, reach = painter_of(
+        solution.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark
+    )
+    with house(painter.sheet):
+        figure, axes = new_sheet(inches, painter.sheet)
+        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
+        painter.paint(axes, list(zip(now.r, now.e, strict=True)), traces=paths, arrows=pointers)
+        texts = [f"{time:.4g}" for time in now.t]
+        several = ", ".join(texts) if len(texts) < 6 else f"{texts[0]} ... {texts[-1]}"
+        painter.write_note(axes, f"t = {several} s")
+    return figure
+
+
+def moments(solution: Any, run: Frames, t: Any) -> Frames:
+    """The poses at the given times, at the last one for None; of a solution not interpolated but integrated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
     except (TypeError, ValueError):
         times = np.empty(0)
     if times.ndim != 1 or not times.size:
         raise ValueError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
-    poses = [poses_of(solution.system, solution.at(float(time))) for time in times]
-    shown = Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
-    paths = traces_of(solution, run_until(run, shown), traces)
-    both = Frames(*(np.concatenate(pair) for pair in zip(run, shown, strict=True)))  # one scale for every moment
-    vectors = [x for x in arrows_of(solution, both) if x.kind in kinds] if kinds else []
-    painter, reach = painter_of(solution.system, shown.r, shown.e, inches, paths=paths, vectors=vectors, **options)
-    with house(painter.sheet):
-        figure, axes = new_sheet(inches, painter.sheet)
-        pointers = [pointers_of(x, k, reach, painter.lens) for x in vectors for k in range(run.t.size, both.t.size)]
-        painter.paint(axes, poses, traces=paths, arrows=pointers)
-        moments = [f"{time:.4g}" for time in times]
-        painter.write_note(
-            axes, f"t = {', '.join(moments) if len(moments) < 6 else ' ... '.join(moments[:: len(moments) - 1])} s"
-        )
-    return figure
+    if hasattr(solution, "at"):
+        poses = [poses_of(solution.system, solution.at(float(time))) for time in times]
+        return Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
+    if not (run.t[0] <= times.min() and times.max() <= run.t[-1]):
+        raise ValueError(f"picture: t = {t!r} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
+    return frames_at(solution, times)
 
 
 def run_until(run: Frames, shown: Frames) -> Frames:

@@ -4,13 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..rotations import matrix
 from ..shapes import Mesh
+from ..shapes.surfaces import moved
+from .camera import Lens
 from .drawing import Piece
-from .lens import Lens
 from .motion import Arrows
-from .solids import Items, Solids
+from .shading import Items, Solids
+from .sticks import arrow, laid
 
-SIDES = 14
 THICK, HEAD = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
 SHORTEST = 0.04  # of the longest arrow: shorter ones are not drawn
 
@@ -29,41 +31,16 @@ class Pointers(NamedTuple):
         return Solids(self.pieces, longest).placed(here, R, self.lens, 0.5)
 
 
-def lathe(profile: list[tuple[float, float]], start: np.ndarray, along: np.ndarray) -> Mesh:
-    """The solid with (radius, height) as outline about an axis."""
-    side = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-    side /= np.linalg.norm(side)
-    turn = np.arange(SIDES) * 2.0 * np.pi / SIDES
-    round_about = np.outer(np.cos(turn), side) + np.outer(np.sin(turn), np.cross(along, side))
-    rings = [start + height * along + radius * round_about for radius, height in profile]
-    i, n = np.arange(SIDES), SIDES
-    faces = []
-    for k in range(len(profile) - 1):
-        a, b, c, d = k * n + i, k * n + (i + 1) % n, (k + 1) * n + (i + 1) % n, (k + 1) * n + i
-        faces += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
-    faces = np.concatenate(faces)
-    return Mesh(np.concatenate(rings), faces, np.zeros(len(faces), int))
-
-
-def arrow(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
+def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
     """An arrow that is a short one among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
     length = float(np.linalg.norm(vector))
     head, thin = min(HEAD * reach, 0.8 * length / heads), THICK * reach * min(1.0, length / (2.0 * HEAD * reach))
-    wide, profile = 2.8 * thin, [(0.0, 0.0), (thin, 0.0)]
-    for k in range(heads, 0, -1):
-        tip = length - (k - 1) * head
-        profile += [(thin, tip - head), (wide, tip - head), (0.0 if k == 1 else thin, tip)]
-    return lathe(profile, start, vector / length)
-
-
-def longest_of(arrows: Arrows) -> float:
-    """Largest magnitude over the frames."""
-    return float(np.linalg.norm(arrows.vectors, axis=-1).max(initial=0.0))
+    return moved(arrow(heads, length, thin, head), matrix(laid(vector[None])[0]), start)
 
 
 def tips_of(arrows: Arrows, reach: float) -> np.ndarray:
     """(k, 3) where the arrows of all frames end if the longest has the length ``reach`` [m]."""
-    return (arrows.points + reach / longest_of(arrows) * arrows.vectors).reshape(-1, 3)
+    return (arrows.points + reach / arrows.longest * arrows.vectors).reshape(-1, 3)
 
 
 def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointers:
@@ -85,17 +62,11 @@ def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointer
     Pointers
         Uncertain ones paler; the legend says kind, longest and, if so, that shares are not unique.
     """
-    heads, longest, pieces = 1 if "force" in arrows.kind else 2, longest_of(arrows), []
+    longest, pieces = arrows.longest, []
     for k, name in enumerate(arrows.names):
         vector = reach / longest * arrows.vectors[frame, k]
         if np.linalg.norm(vector) > SHORTEST * reach:
-            tint = paler(arrows.colour) if arrows.uncertain[k] else arrows.colour
-            pieces.append(Piece(name, arrows.kind, 0, arrow(arrows.points[frame, k], vector, reach, heads), tint))
+            mesh = arrow_along(arrows.points[frame, k], vector, reach, arrows.heads)
+            pieces.append(Piece(name, arrows.kind, 0, mesh, arrows.tints[k]))
     unsure = ", pale: not unique" if any(arrows.uncertain) else ""
     return Pointers(pieces, f"{arrows.kind}, longest {longest:.3g} {arrows.unit}{unsure}", arrows.colour, lens)
-
-
-def paler(colour: str) -> str:
-    """Half way to a light grey."""
-    parts = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
-    return "#" + "".join(f"{(part + 0xD8) // 2:02x}" for part in parts)

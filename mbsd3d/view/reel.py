@@ -1,7 +1,7 @@
 """The frames of a film: a painted scene, the time, and curves below it with a moving cursor; images, no file format."""
 
 import textwrap
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,13 @@ from matplotlib.figure import Figure
 
 from ..parts import number
 from ..style import Theme, dress, house, theme
-from .motion import Curve, arrows_of, curves_of, frames_of, traces_of
+from .curves import Curve, curves_of
+from .frames import LONG, SENSIBLE, frames_of, sensible_speed
+from .layers import ARROWS
+from .motion import arrows_of, traces_of
 from .painter import new_sheet
-from .picture import KINDS, chosen, painter_of
+from .picture import painter_of, picture_layers
 from .pointers import pointers_of
-from .speed import LONG, SENSIBLE, sensible_speed
 
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
 STRIP = 0.27  # height of a pair of axes below the scene, of the width
@@ -52,12 +54,10 @@ class Reel:
     curves : sequence or None
         Below the scene: quantities, or (quantity, part, ...) as `Solution.plot` takes them; None = a few that tell
         most, () = none.
-    traces, arrows
-        See `picture_of_solution`.
+    traces, shown, hidden, view, dark
+        See `Solution.picture`.
     usual : (float, float)
         If the speed is not given: the longest run shown in real time, and the length of the film of any other [s].
-    **options
-        See `picture_of_system`.
     """
 
     def __init__(
@@ -70,46 +70,44 @@ class Reel:
         height: int | None = None,
         curves: Sequence[Any] | None = (),
         traces: Any = None,
-        arrows: Collection[str] = (),
+        shown: Any = (),
+        hidden: Any = (),
+        view: Sequence[float] | None = None,
+        dark: bool = False,
         usual: tuple[float, float] = (LONG, SENSIBLE),
-        **options: Any,
     ) -> None:
-        self.fps = number(fps, "film: fps", positive=True)
+        self.fps = number(fps, "fps", positive=True)
         if solution.t.size < 2 or solution.t[-1] <= solution.t[0]:
-            raise ValueError("film: the solution has one moment only; run it longer, or use solution.picture")
+            raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
         span = float(solution.t[-1] - solution.t[0])
-        self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "film: speed", positive=True)
+        self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
         count = round(span * self.fps / self.speed) + 1
         if not 2 <= count <= MOST:
             raise ValueError(
-                f"film: {span:g} s at speed {self.speed:g} and {self.fps:g} frames per second make {count} frames, "
+                f"speed: {span:g} s at speed {self.speed:g} and {self.fps:g} frames per second make {count} frames, "
                 f"not 2 ... {MOST}; give another speed"
             )
-        self.width = whole(width, "film: width", 64, LARGEST)
-        rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "film: height", 64, LARGEST)
+        self.width = whole(width, "width", 64, LARGEST)
+        rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
         self.dpi = max(100.0, self.width / WIDEST)
-        self.sheet = theme(options.get("dark", False))
-        kinds = chosen("film: arrow", arrows, KINDS)
+        self.sheet = theme(dark)
+        layers = picture_layers(solution.system, shown, hidden, moving=True)
+        kinds = set(ARROWS) & set(layers)
         self.frames = frames_of(solution, count)
         self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
-        self.traces = traces_of(solution, frames_of(solution, self.finer * (count - 1) + 1), traces)
+        fine = frames_of(solution, self.finer * (count - 1) + 1)
+        self.traces = traces_of(solution, fine, traces) if "traces" in layers else []
         self.vectors = [x for x in arrows_of(solution, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            solution.system,
-            r,
-            e,
-            inches,
-            paths=self.traces,
-            vectors=self.vectors,
+            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
             fine=max(0.03, COARSE / self.width),
-            **options,
-        )
+        )  # fmt: skip
         found = curves_of(solution, self.frames, curves)
         if found and self.width < LEGIBLE:
-            raise ValueError(f"film: width = {self.width} is too small for curves; give at least {LEGIBLE}")
+            raise ValueError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
         self.height = rows + (self.strip.height if self.strip else 0)
 

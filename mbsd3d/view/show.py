@@ -1,88 +1,63 @@
 """What is asked for is gathered and shown: as a page, or by a server on this machine."""
 
-import os
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..files import with_suffix
+from ..files import ready_path
 from ..parts import number
 from ..progress import Progress
+from ..report.wording import title_of
 from ..state import State
-from ..wording import title_of
-from .content import Content
+from .content import Content, weight_of
+from .curves import curves_of
 from .drawing import draw_system, poses_of
-from .motion import Frames, arrows_of, curves_of, frames_of, traces_of
+from .frames import Frames, frames_of, sensible_speed
+from .layers import USUAL, layers_of
+from .motion import arrows_of, traces_of
 from .page import View, make_page
-from .speed import sensible_speed
-from .stage import ALL
 
-LARGEST = 9e6  # characters of a page whose number of frames was not asked for
+LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
+FEW = 12  # bodies whose names do not hide the scene
 
 
 def show_system(
-    system: Any, path: str | Path | None, state: Any, title: str | None, dark: bool | None, live: bool
+    system: Any, path: Any, state: Any, shown: Any, hidden: Any, title: str | None, dark: bool | None, live: bool
 ) -> Any:
     """See `System.show`."""
-    check_options("show", path, title, dark, live)
+    check_options(path, title, dark, live)
     if not (state is None or isinstance(state, State)):
         raise ValueError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
-    r, e = poses_of(system, state)
-    t = np.array([0.0 if state is None else state.t])
-    drawing = draw_system(system)
-    content = Content(
-        drawing,
-        Frames(t, r[None], e[None]),
-        [],
-        [],
-        [],
-        1.0,
-        title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}",
-        timed=state is not None,
-    )
+    (r, e), t = poses_of(system, state), np.array([0.0 if state is None else state.t])
+    title = title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}"
+    still, layers = Frames(t, r[None], e[None]), page_layers(system, shown, hidden)
+    content = Content(draw_system(system), still, [], [], [], 1.0, title, layers, timed=state is not None)
     return deliver(content, path, dark, live, "system.show")
 
 
 def animate(
-    solution: Any,
-    path: str | Path | None,
-    curves: Any,
-    traces: Any,
-    shown: Any,
-    frames: int | None,
-    speed: float | None,
-    title: str | None,
-    dark: bool | None,
-    live: bool,
-) -> Any:
+    solution: Any, path: Any, *, curves: Any, traces: Any, shown: Any, hidden: Any, frames: int | None,
+    speed: float | None, title: str | None, dark: bool | None, live: bool,
+) -> Any:  # fmt: skip
     """See `Solution.animate`."""
-    check_options("animate", path, title, dark, live)
-    if frames is not None and (isinstance(frames, bool) or not isinstance(frames, int | np.integer) or frames < 2):
-        raise ValueError(f"animate: frames = {frames!r}; give a whole number >= 2, or None")
-    shown = layers_of(shown)
-    if speed is not None:
-        speed = number(speed, "animate: speed", positive=True)
-    if not solution.t.size:
-        raise ValueError("animate: the solution has no samples; run it with output=None or a count")
+    check_options(path, title, dark, live)
+    layers = page_layers(solution.system, shown, hidden)
+    speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
-        drawing, count = draw_system(solution.system), frames
-        while True:
-            moving = frames_of(solution, count)
-            content = gather(solution, drawing, moving, curves, traces, speed, title, progress)._replace(shown=shown)
-            view = deliver(content, None, dark, live, "solution.animate")
-            if live or frames is not None or len(view.html) <= LARGEST or moving.t.size <= 2:
-                break
-            count = max(2, int(0.9 * moving.t.size * LARGEST / len(view.html)))
-    if path is not None and not live:
-        view.save(path)
-    return view
+        drawing = draw_system(solution.system)
+
+        content = gather(solution, drawing, frames_of(solution, frames), curves, traces, speed, title, layers, progress)
+        if frames is None and not live and (weight := weight_of(content)) > LARGEST:
+            fewer = frames_of(solution, max(2, int(content.frames.t.size * LARGEST / weight)))
+            content = gather(solution, drawing, fewer, curves, traces, speed, title, layers, progress)
+        return deliver(content, path, dark, live, "solution.animate")
 
 
 def gather(
     solution: Any, drawing: Any, frames: Frames, curves: Any, traces: Any, speed: float | None, title: str | None,
-    progress: Progress,
+    layers: Sequence[str], progress: Progress,
 ) -> Content:  # fmt: skip
     """All that is shown of a run at these frames."""
     progress.update(1.0)
@@ -92,35 +67,25 @@ def gather(
     lines = curves_of(solution, frames, curves) if frames.t.size > 1 else []
     progress.update(4.0)
     seconds = float(frames.t[-1] - frames.t[0])
-    return Content(
-        drawing, frames, arrows, paths, lines, speed or sensible_speed(seconds), title or title_of(solution.system)
-    )
+    title, speed = title or title_of(solution.system), speed or sensible_speed(seconds)
+    return Content(drawing, frames, arrows, paths, lines, speed, title, layers)
 
 
-def layers_of(shown: Any) -> tuple[str, ...]:
-    """Names of layers, checked."""
-    if isinstance(shown, str) or not isinstance(shown, Iterable):
-        raise ValueError(f"animate: shown = {shown!r}; give a list of layers, e.g. ['angular velocity']")
-    for layer in (shown := tuple(shown)):
-        if layer not in ALL:
-            raise ValueError(f"animate: shown: layer {layer!r} is unknown; give some of {', '.join(ALL)}")
-    return shown
+def page_layers(system: Any, shown: Any, hidden: Any) -> tuple[str, ...]:
+    """The layers that a page shows first; all have switches."""
+    return layers_of(shown, hidden, (*USUAL, "body names") if len(system.bodies) <= FEW else USUAL)
 
 
-def check_options(user: str, path: Any, title: Any, dark: Any, live: Any) -> None:
+def check_options(path: Any, title: Any, dark: Any, live: Any) -> None:
     """ValueError for options of another type, and for a folder that is not there: before the work, not after it."""
-    if not (path is None or isinstance(path, str | os.PathLike)):
-        raise ValueError(f"{user}: path = {path!r}; give the name of a file, or None")
     if path is not None:
-        with_suffix(path, ".html")
-    if path is not None and not Path(path).parent.is_dir():
-        raise ValueError(f"{user}: '{path}' cannot be written: there is no folder '{Path(path).parent}'; make it first")
+        ready_path(path, ".html")
     if not (title is None or isinstance(title, str)):
-        raise ValueError(f"{user}: title = {title!r}; give a text, or None")
+        raise ValueError(f"title = {title!r}; give a text, or None")
     if dark is not None and not isinstance(dark, bool | np.bool_):
-        raise ValueError(f"{user}: dark = {dark!r}; give True, False, or None for what the reader's system prefers")
+        raise ValueError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
     if not isinstance(live, bool | np.bool_):
-        raise ValueError(f"{user}: live = {live!r}; give True for a server on this machine, or False")
+        raise ValueError(f"live = {live!r}; give True for a server on this machine, or False")
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:

@@ -1,74 +1,78 @@
-"""Copies of a body of length 1 along z that are laid along vectors: arrows, rods and springs of a scene."""
+"""Sticks: coils, rods and arrows along z from 0 to 1, and the turns that lay them along vectors."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..rotations import matrix, multiply
-from ..style import GREY
-from .drawing import Link
-from .links import SLENDER, unit_coil, unit_rod
-from .meshes import linear, tint
-from .motion import Frames
+from ..rotations import multiply
+from ..shapes import Mesh
+from ..shapes.surfaces import joined, revolved
 
-ROD = 0.005  # radius of a rod and least one of a spring, in units of the mechanism's size
-NOTHING = 1e-9  # what stands for a length of zero: scales of zero have no inverse
+TURNS, POINTS, SIDES = 10, 12, 6  # of a coil, along each turn, around the wire
+ROD = 0.005  # radius of a rod and least one of a spring, in sizes of the mechanism
+SLENDER = 0.045  # radius of a coil in lengths: there its wire is round
+WIRE = 0.13  # radius of the wire of a coil, in radii of the coil
 Z = np.array([0.0, 0.0, 1.0])
+SHAFT, HEAD = 0.018, 0.17  # radius of an arrow's shaft and length of its head, of its length
+WIDE = 3.0  # radius of a head, in radii of the shaft
+SECTIONS = 12  # of an arrow about its axis
 
 
-class Links:
-    """Springs as coils or joints as rods; all of a kind are one node of the scene.
+def tube(centres: np.ndarray, first: np.ndarray, second: np.ndarray) -> Mesh:
+    """An open tube about centres (k, 3) with elliptic sections of half axes ``first`` and ``second`` (k, 3)."""
+    turn = np.arange(SIDES) * 2.0 * np.pi / SIDES
+    rings = centres[:, None] + np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
+    start = (np.arange(len(centres) - 1) * SIDES)[:, None] + np.arange(SIDES)
+    beside = (np.arange(len(centres) - 1) * SIDES)[:, None] + (np.arange(SIDES) + 1) % SIDES
+    quads = np.stack([start, beside, beside + SIDES, start, beside + SIDES, start + SIDES], axis=-1)
+    faces = quads.reshape(-1, 3)
+    return Mesh(rings.reshape(-1, 3), faces, np.zeros(len(faces), int))
 
-    Each turns from its mean direction over the run by the smallest rotation, so that coils do not spin.
+
+def unit_coil() -> Mesh:
+    """A coil spring of unit radius that closes to its axis at both ends."""
+    along = np.linspace(0.0, 1.0, TURNS * POINTS + 1)[:, None]
+    radius = np.minimum(np.minimum(along, 1.0 - along) * TURNS, 1.0)
+    turn, zero = 2.0 * np.pi * TURNS * along, np.zeros_like(along)
+    out = np.hstack([np.cos(turn), np.sin(turn), zero])
+    return tube(radius * out + along * Z, WIRE * SLENDER * Z + zero, WIRE * out)
+
+
+def unit_rod() -> Mesh:
+    """A thin straight rod."""
+    same = np.ones((2, 1))
+    return tube(np.array([0.0 * Z, Z]), same * [1.0, 0.0, 0.0], same * [0.0, 1.0, 0.0])
+
+
+def arrow(heads: int, length: float = 1.0, shaft: float = SHAFT, head: float = HEAD) -> Mesh:
+    """An arrow from the origin along z with one head or two, one behind the other; all lengths in one unit."""
+    wide, corners = WIDE * shaft, [(0.0, 0.0), (shaft, 0.0), (shaft, length - heads * head)]
+    for k in range(heads, 0, -1):
+        corners += [(wide, length - k * head), (shaft if k > 1 else 0.0, length - (k - 1) * head)]
+    sides = [revolved(np.array(side), SECTIONS) for side in zip(corners, corners[1:], strict=False)]
+    mesh = joined(*sides)  # sides share no vertices: their rims are sharp
+    return mesh._replace(shade=np.zeros_like(mesh.shade))
+
+
+def rolled(spans: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths >= ``least`` (frames,) and unit quaternions (frames, 4) that turn z along spans (frames, 3).
+
+    The turn from frame to frame is the smallest one, so that nothing spins about its own axis.
     """
-
-    def __init__(self, scene: Any, name: str, links: Sequence[Link], frames: Frames, size: float, scale: float) -> None:
-        self.ends, self.scale = [link.ends for link in links], scale
-        spans = np.stack([np.subtract(*reversed(span)) for span in (paths(link, frames) for link in links)], axis=1)
-        lengths = np.sqrt((spans**2).sum(axis=-1)).mean(axis=0)
-        spring = links[0].spring
-        self.radii = np.maximum(SLENDER * lengths if spring else 0.0, ROD * size) + 0.0 * lengths
-        self.rest = directions(spans.sum(axis=0))
-        mesh = unit_coil() if spring else unit_rod()
-        self.node = add_copies(scene, name, mesh.vertices, mesh.faces, len(links), np.array(tint(GREY)))
-        self.move(frames.r[0], frames.e[0])
-
-    def move(self, r: np.ndarray, e: np.ndarray) -> None:
-        """Lay them between their ends at a pose."""
-        ends = np.array([[r[k] + matrix(e[k]) @ p for k, p in pair] for pair in self.ends])
-        lay(self.node, ends[:, 0], ends[:, 1] - ends[:, 0], self.scale, self.radii, self.rest)
-
-
-def paths(link: Link, frames: Frames) -> list[np.ndarray]:
-    """Both ends (frames, 3) of a link, world [m]."""
-    return [frames.r[:, k] + matrix(frames.e[:, k]) @ p for k, p in link.ends]
-
-
-def add_copies(scene: Any, name: str, vertices: np.ndarray, faces: np.ndarray, count: int, colours: np.ndarray) -> Any:
-    """A node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3)."""
-    still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
-    scales = np.full((count, 3), NOTHING)
-    return scene.add_batched_meshes_simple(
-        name, vertices, faces, *still, batched_scales=scales, batched_colors=linear(colours), lod="off", side="double"
-    )
-
-
-def lay(
-    node: Any, points: np.ndarray, vectors: np.ndarray, scale: float, radii: np.ndarray | None = None, rest: Any = Z
-) -> None:
-    """Lay the copies along vectors (k, 3) [m] from points: as wide as they are long, or of given radii [m]."""
-    length = np.sqrt((vectors**2).sum(axis=1))
-    wide = length if radii is None else radii
-    node.batched_positions = (points * scale).astype(np.float32)
-    node.batched_wxyzs = laid(vectors, rest).astype(np.float32)
-    node.batched_scales = (np.column_stack([wide, wide, length]) * scale + NOTHING).astype(np.float32)
+    lengths = np.linalg.norm(spans, axis=-1)
+    known = np.maximum.accumulate(np.where(lengths > least, np.arange(len(spans)), -1))
+    along = unit_or_z(np.where(known[:, None] < 0, Z, spans[known]))  # pressed to a point it keeps its direction
+    steps = smallest(np.vstack([Z, along[:-1]]), along)
+    e = np.empty_like(steps)
+    for k, step in enumerate(steps):
+        e[k] = multiply(step, e[k - 1]) if k else step
+    return np.maximum(lengths, least), e / np.linalg.norm(e, axis=1, keepdims=True)
 
 
 def laid(vectors: np.ndarray, rest: Any = Z) -> np.ndarray:
     """(k, 4) quaternions that turn z into the directions of vectors by way of the unit vectors ``rest``."""
     rest = np.broadcast_to(rest, vectors.shape)
-    return multiply(smallest(rest, directions(vectors)), smallest(np.broadcast_to(Z, rest.shape), rest))
+    return multiply(smallest(rest, unit_or_z(vectors)), smallest(np.broadcast_to(Z, rest.shape), rest))
 
 
 def smallest(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -76,11 +80,11 @@ def smallest(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     e = np.column_stack([1.0 + (a * b).sum(axis=1), np.cross(a, b)])
     norm = np.sqrt((e**2).sum(axis=1, keepdims=True))
     half = np.where(np.abs(a[:, :1]) < 0.9, np.cross(a, [1.0, 0.0, 0.0]), np.cross(a, [0.0, 1.0, 0.0]))
-    half = np.column_stack([np.zeros(len(a)), directions(half)])
+    half = np.column_stack([np.zeros(len(a)), unit_or_z(half)])
     return np.where(norm > 1e-7, e / np.maximum(norm, 1e-7), half)
 
 
-def directions(vectors: np.ndarray) -> np.ndarray:
+def unit_or_z(vectors: np.ndarray) -> np.ndarray:
     """Unit vectors; z for those of no length."""
     length = np.sqrt((vectors**2).sum(axis=-1, keepdims=True))
     return np.divide(vectors, length, out=np.broadcast_to(Z, vectors.shape).copy(), where=length > 0.0)

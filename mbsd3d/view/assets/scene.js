@@ -18,7 +18,7 @@ function makeScene(data, arrays) {
   }
 
   // Copies of a body of length 1 along z, laid along vectors from points: as wide as long, or of given radii; they turn
-  // from directions `rest` by the smallest rotation, so that coils do not spin (mbsd3d/view/sticks.py).
+  // from directions `rest` by the smallest rotation, so that coils do not spin (mbsd3d/view/copies.py).
   function lay(name, points, vectors, factor, radii, rest) {
     const count = points.length / 3;
     const positions = new Float32Array(3 * count), turns = new Float32Array(4 * count), scales = new Float32Array(3 * count);
@@ -86,7 +86,8 @@ function makeScene(data, arrays) {
 
   // On dark paper the grid stands back too.
   function darken() {
-    tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color: [52, 52, 52], section_color: [84, 84, 84]}});
+    const [cell_color, section_color] = data.darkCells;
+    tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color, section_color}});
   }
 
   // The first view; further away on a window that is higher than wide.

@@ -1,4 +1,4 @@
-// Packed arrays (mbsd3d/view/packing.py) and what lies between two frames.
+// Packed arrays (mbsd3d/view/content.py) and what lies between two frames.
 
 async function inflate(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from .rotations import quaternion_from_matrix
-from .shapes import Box, Cylinder, Ellipsoid, Lines
-from .solids import Shape
+from ..rotations import quaternion_from_matrix
+from .base import Shape
+from .kinds import Box, Cylinder, Ellipsoid, Lines
 
 HOMOGENEOUS = ("ellipsoid", "box", "cylinder")
 SHAPES = (

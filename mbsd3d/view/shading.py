@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.colors import to_rgb
 
+from ..shapes.surfaces import normals as vertex_normals
+from ..style import SHADED, channels
+from .camera import Lens
 from .drawing import Piece
-from .lens import Lens
+from .meshes import edges_of, flat_normals, unit, welded
 
-CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn, and shading does not run across them
+CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn
 DARK, LIT, GLOSS = 0.48, 1.15, 0.14  # brightness of a face turned away from the light and towards it; highlight
-SECOND = 0.72  # brightness of the second tint, by which one sees a round body turn
 FINER = 0.4  # how much smaller triangles of thin, and of large and round solids are
 SEAM = 0.35  # width of the line around each polygon: without it gaps would show
 PALE = 0.12  # share of white in all colours
@@ -76,45 +77,6 @@ def split_strokes(strokes: np.ndarray, longest: float) -> tuple[np.ndarray, np.n
     return start + share[:, :, None] * along, parent
 
 
-def normals_of(triangles: np.ndarray) -> np.ndarray:
-    """Unit normals; zero for a triangle without area."""
-    return unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
-
-
-def welded(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Faces (m, 3) with one number for all vertices at the same place, and those places."""
-    grain = 1e-7 * float(np.ptp(vertices, axis=0).max() or 1.0)
-    _, first, same = np.unique(np.round(vertices / grain), axis=0, return_index=True, return_inverse=True)
-    return same.reshape(-1)[faces], vertices[first]
-
-
-def corner_normals(faces: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) normals at the corners: means over the faces around a corner that are not beyond a crease."""
-    corners = faces.ravel()
-    order = np.argsort(corners, kind="stable")
-    counts = np.bincount(corners)
-    starts = np.cumsum(counts) - counts
-    many = counts[corners]
-    mine = np.repeat(np.arange(corners.size), many)
-    step = np.arange(mine.size) - np.repeat(np.cumsum(many) - many, many)
-    other = order[starts[corners[mine]] + step] // 3
-    smooth = np.einsum("ki,ki->k", normals[mine // 3], normals[other]) >= CREASE
-    total = np.zeros((corners.size, 3))
-    np.add.at(total, mine[smooth], normals[other[smooth]])
-    return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)).reshape(-1, 3, 3)
-
-
-def edges_of(faces: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 2, 3) edges and (k, 2, 3) the normals of both faces at each; an open edge has its face twice."""
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    face = np.repeat(np.arange(len(faces)), 3)
-    order = np.lexsort((face, ends[:, 1], ends[:, 0]))
-    ends, face = ends[order], face[order]
-    new = np.flatnonzero(np.r_[True, (np.diff(ends, axis=0) != 0).any(axis=1)])
-    last = np.r_[new[1:], len(ends)] - 1
-    return vertices[ends[new]], normals[np.stack([face[new], face[last]], axis=1)]
-
-
 class Prepared(NamedTuple):
     """What does not change with the pose, body axes from O."""
 
@@ -138,14 +100,13 @@ def prepare(piece: Piece, longest: float) -> Prepared:
     thickness, finest = float(np.ptp(vertices, axis=0).min()), FINER * longest
     limit = min(longest, max(thickness, finest))
     whole = vertices[faces]
-    normals = normals_of(whole)
-    corners = corner_normals(faces, normals)
+    normals, corners = flat_normals(whole), vertex_normals(piece.mesh)[piece.mesh.faces]
     bent = np.einsum("mci,mi->mc", corners, normals).min(axis=1) < 1.0 - 1e-4
     split, parent = split_triangles(
         np.concatenate([whole, corners], axis=2), np.where(bent & (thickness > longest), finest, limit)
     )
-    tints = np.where(piece.mesh.shade[:, None] == 1, SECOND, 1.0) * (
-        PALE + (1.0 - PALE) * np.array(to_rgb(piece.colour))
+    tints = np.where(piece.mesh.shade[:, None] == 1, SHADED, 1.0) * (
+        PALE + (1.0 - PALE) * channels(piece.colour) / 255.0
     )
     edges, sides = edges_of(faces, vertices, normals)
     short, of = split_strokes(edges, limit)
@@ -159,7 +120,7 @@ def prepare(piece: Piece, longest: float) -> Prepared:
         "body": np.full(len(split), piece.body),
         "edges": short,
         "sides": sides[of],
-        "inks": np.full((len(short), 3), OUTLINE) * to_rgb(piece.colour),
+        "inks": np.full((len(short), 3), OUTLINE) * channels(piece.colour) / 255.0,
         "owner": np.full(len(short), piece.body),
         "lifts": np.full(len(short), min(0.6 * limit, 0.15 * float(np.ptp(vertices, axis=0).max()))),
     }
@@ -197,14 +158,9 @@ class Solids:
             return np.zeros((0, 3, 3))
         body = self.parts.whole_body
         corners = self.parts.whole @ R[body].transpose(0, 2, 1) + r[body, None]
-        corners = corners[normals_of(corners)[:, 2] > 0.0]
+        corners = corners[flat_normals(corners)[:, 2] > 0.0]
         corners[:, :, 2] = floor
         return corners
-
-
-def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors of length one; zero stays."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
 
 
 def strokes_as_items(strokes: np.ndarray, ink: Any, pen: float, lift: Any) -> Items:

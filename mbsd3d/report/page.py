@@ -1,7 +1,7 @@
-"""The report of a run: one page, for a reader who must be convinced, that needs neither a network nor this package.
+"""The page of a report.
 
-Its figures are vector graphics whose colours follow the reader's light or dark paper; it prints on A4. What it says in
-numbers stands in `mbsd3d.facts`. The time the run took is left out, so the same run gives the same bytes.
+Its figures are vector graphics whose colours follow the reader's light or dark paper; it prints on A4. The time the run
+took is left out, so the same run gives the same bytes.
 """
 
 import html
@@ -12,6 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..files import package_version, with_suffix, write_atomically
+from ..style import DARK, LIGHT, theme
+from ..threads import on_one_thread
 from .exhibits import figure_of, picture_of, wanted_curves
 from .facts import (
     body_table,
@@ -24,9 +27,6 @@ from .facts import (
     thinned,
     warnings,
 )
-from .files import package_version, with_suffix, write_atomically
-from .style import DARK, LIGHT, theme
-from .threads import on_one_thread
 from .wording import digits, title_of
 
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
@@ -154,7 +154,7 @@ def template() -> Any:
     """The page; every text that is put into it is escaped."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    folder = Path(__file__).parent / "templates"
+    folder = Path(__file__).parent.parent / "templates"
     options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     return Environment(loader=FileSystemLoader(folder), **options).get_template("report.html")
 

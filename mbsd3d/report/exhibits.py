@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .drivers import Driver
+from ..drivers import Driver
+from ..style import LIGHT, house
 from .facts import loaded_joints
-from .style import LIGHT, house
 
 LINES = 6  # of a figure that is chosen here
 DRAWN = 200  # bodies of a picture
@@ -58,7 +58,7 @@ def figure_of(number: int, solution: Any, entry: Any, caption: str) -> dict[str,
     """A figure as inline SVG, with a caption and a text for those who do not see it."""
     from markupsafe import Markup
 
-    from .plots import plot_quantity
+    from ..plots import plot_quantity
 
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
@@ -86,16 +86,14 @@ def inline_svg(figure: Any, prefix: str) -> str:
 
 def picture_of(solution: Any, dark: bool | None) -> list[dict[str, str]]:
     """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
-    from .view.picture import picture_of_solution, picture_of_system
-
     if len(solution.system.bodies) > DRAWN:
         return []
     images = []
     for sheet in (False, True) if dark is None else (bool(dark),):
         if solution.t.size > 1:
-            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
+            figure = solution.picture(float(solution.t[-1]), size=PICTURE, dark=sheet)
         else:
-            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
+            figure = solution.system.picture(solution.state(0), size=PICTURE, dark=sheet)
         buffer = io.BytesIO()
         with house():
             figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})

@@ -1,8 +1,4 @@
-"""Shapes of bodies: only drawn, never computed with.
-
-``Body("leaf", ..., shape=shapes.Box((0.9, 0.04, 2.0)))``; a list of shapes is a compound. A shape is centred on the
-centre of mass of its body and aligned with its axes unless ``at`` and ``orientation`` say otherwise.
-"""
+"""The kinds of shapes."""
 
 import os
 from collections.abc import Sequence
@@ -11,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .parts import number
-from .rotations import matrix
-from .solids import Round, Shape, Solid, positive
+from ..parts import number
+from ..rotations import matrix
+from .base import Round, Shape, Solid, positive
 from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, moved, read_mesh, torus
 
 

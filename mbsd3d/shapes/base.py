@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .joints import perpendiculars
-from .parts import number, vector
-from .rotations import AXES, as_quaternion, matrix
+from ..joints import perpendiculars
+from ..parts import number, vector
+from ..rotations import AXES, as_quaternion, matrix
 from .surfaces import Mesh, moved
 
 HEX = re.compile(r"#[0-9a-fA-F]{6}")

@@ -1,5 +1,6 @@
-"""Between the samples of a run: cubic Hermite where the velocities are known, and nothing invented where they are far.
+"""Frames of a run in equal steps of time, and how fast they are shown.
 
+Between samples the motion is cubic where the velocities are known, and nothing is invented where samples are far apart.
 With ``h`` the distance of two samples and ``s`` the share of it that has passed, every coordinate is
 
     p(s) = (1 + 2 s)(1 - s)^2 p0 + s (1 - s)^2 h p0_dot + s^2 (3 - 2 s) p1 + s^2 (s - 1) h p1_dot
@@ -7,13 +8,85 @@ With ``h`` the distance of two samples and ``s`` the share of it that has passed
 with ``e_dot = H(e) omega / 2`` for the quaternions, which are normalised afterwards; the error is of order h^4.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..rotations import H
 
+TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
+MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
+SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
 FAR = 1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
+
+
+class Frames(NamedTuple):
+    """Poses of all bodies and the ground (last)."""
+
+    t: np.ndarray  # (frames,) [s]
+    r: np.ndarray  # (frames, n + 1, 3) [m]
+    e: np.ndarray  # (frames, n + 1, 4) unit quaternions of one sheet: neighbours have a positive product
+
+
+def frames_of(solution: Any, count: int | None = None) -> Frames:
+    """Frames in equal steps of time from the first to the last sample.
+
+    Between samples the motion is interpolated; at a sample it is the sample.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+        n bodies, at least one sample.
+    count : int or None
+        Frames >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at
+        most 1000, and fewer where that makes more than 200 000 poses.
+
+    Returns
+    -------
+    Frames
+
+    Raises
+    ------
+    ValueError
+        If there is no sample, or the count is no whole number >= 2.
+    """
+    t = solution.t
+    if not t.size:
+        raise ValueError("the solution has no samples, so nothing can be shown; run it to a later time")
+    if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
+        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
+    times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
+    return frames_at(solution, times)
+
+
+def frames_at(solution: Any, t: np.ndarray) -> Frames:
+    """Frames at the given times [s] of a run."""
+    r, e = poses(solution, between(solution, t))
+    ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (t.size, 1, 4))
+    r = np.concatenate([r, np.zeros((t.size, 1, 3))], axis=1)
+    return Frames(t, r, one_sheet(np.concatenate([e, ground], axis=1)))
+
+
+def enough_frames(solution: Any) -> int:
+    """Frames for a smooth picture of a run."""
+    span = float(solution.t[-1] - solution.t[0])
+    if "v" in solution.arrays:
+        fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
+    else:
+        fastest = float((turns(solution) / np.diff(solution.t)).max())
+    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
+    return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
+
+
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
+        return 1.0
+    exact = seconds / sensible
+    decade = 10.0 ** np.floor(np.log10(exact))
+    nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
+    return float(f"{nearest * decade:.1g}")
 
 
 class Between(NamedTuple):

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..shapes import Mesh
-from .skin import Skin, skin
+from ..style import channels, linear
+from .meshes import Skin, skin
 
 GLTF_FLOAT, GLTF_SHORT, GLTF_INT = 5126, 5123, 5125
 COMPONENTS = {"<f4": GLTF_FLOAT, "<u2": GLTF_SHORT, "<u4": GLTF_INT}
@@ -22,13 +23,6 @@ VIEWS: dict[str, dict[str, int]] = {
 LINES, LINE_STRIP, TRIANGLES = 1, 3, 4
 ROUGHNESS, METALLIC = 0.6, 0.1
 RESTART = 0xFFFF  # the one short index that glTF keeps for itself
-
-
-def linear(colour: str, brightness: float = 1.0) -> list[float]:
-    """Linear red, green, blue and opacity of "#rrggbb", which is sRGB as its brightness is."""
-    c = brightness * np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
-    values = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-    return [*values.round(6).tolist(), 1.0]
 
 
 def short(values: np.ndarray) -> list[float]:
@@ -81,7 +75,7 @@ class Asset:
 
     def material(self, colour: str, brightness: float = 1.0, double_sided: bool = False) -> int:
         """A matt paint."""
-        factor = linear(colour, brightness)
+        factor = [*linear(brightness * channels(colour) / 255.0).round(6).tolist(), 1.0]
 
         def make() -> Any:
             paint = self.library.PbrMetallicRoughness(

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .rotations import conjugate, multiply
-from .shapes import Box, Capsule, Cylinder, Ellipsoid, Sphere
-from .solids import Shape
+from ..rotations import conjugate, multiply
+from .base import Shape
+from .kinds import Box, Capsule, Cylinder, Ellipsoid, Sphere
 
 
 def shapes(geoms: list[Mapping[str, Any]], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
