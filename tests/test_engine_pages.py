@@ -8,7 +8,7 @@ from urllib.parse import unquote
 import pytest
 from click.testing import CliRunner
 
-from mbsd3d.wording import digits
+from mbsd3d.report.wording import digits
 from validation.engine_balance import cli, pages, report, truth
 from validation.engine_balance.layouts import Engine, Layout, layout, names
 

@@ -15,8 +15,8 @@ import numpy as np
 import mbsd3d
 from mbsd3d.files import package_version, write_atomically
 from mbsd3d.progress import Progress
+from mbsd3d.report.wording import digits
 from mbsd3d.style import DARK, LIGHT
-from mbsd3d.wording import digits
 
 from . import drawings, report, sketch, spatial, upright
 from .balance import compare
