@@ -547,3 +547,11 @@ def test_what_the_planes_do_not_know_is_said():
         new[joint.name] = AngleDriver(new["bearing"], joint.signal) if joint.name == "motor" else replace(joint, **ends)
     free = validation.reduce_to_planes(System([block, *engine.bodies], [pivot, *new.values()], gravity=(0, 0, 0)))
     assert "'block' carries the axis of 'crank' and is not welded to the ground" in str(free)
+
+
+def test_load_on_a_shaft_whose_reference_point_is_off_its_axis():
+    engine, off = inline_four(), np.array([0.3, 0.2, 0.1])
+    moved = changed(engine, {"crank": {"position": off, "com": engine.part("crank").com - off}})
+    push = Force(moved.part("crank"), (5.0, 0.0, -2.0), at=(0.3, -0.1, 0.4), frame="body")
+    system = System(moved.bodies, moved.joints, [push], (0, 0, 0))
+    agrees(system, validation.reduce_to_planes(system), TIMES[-1])
