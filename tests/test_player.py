@@ -65,6 +65,28 @@ def test_the_slider_scrubs(page):
     assert page.page.locator("#time").text_content() == f"t = {page.run('mbsd3d.time'):.3f} s"
 
 
+def test_the_camera_goes_along_with_a_body(page):
+    """The eye is shifted by what the body has moved, and stays as it was turned and zoomed."""
+    eye = "() => __viserMutable.camera.matrixWorld.elements.slice()"
+    body = "() => __viserMutable.nodeRefFromName[`/bodies/${document.getElementById('follow').value}`].matrixWorld.elements.slice()"
+    choice = page.page.locator("#follow")
+    name = choice.locator("option").last.text_content()
+    choice.select_option(label=name)
+    poses = []
+    for t in (0.0, 0.4 * END, 0.9 * END):
+        seek(page, t)
+        poses.append((page.run(eye), page.run(body)))
+    eyes, bodies = np.swapaxes(np.array(poses), 0, 1)
+    moved = np.diff(bodies[:, 12:15], axis=0)
+    assert np.linalg.norm(moved, axis=1).min() > 0.05
+    assert np.abs(np.diff(eyes[:, 12:15], axis=0) - moved).max() < 1e-4  # the poses on a page are rounded to 1e-5
+    assert np.abs(np.ptp(eyes[:, :12], axis=0)).max() < 1e-6
+    choice.select_option("-1")
+    seek(page, 0.0)
+    assert np.abs(np.array(page.run(eye)) - eyes[2]).max() < 1e-6  # it stays where it is
+    page.page.locator("#camera").click()
+
+
 def test_loop(page):
     page.page.locator("#speed").select_option("0.5")
     loop = page.page.locator("#loop")

@@ -82,6 +82,7 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "scale": stage.scale,
         "distance": frame_camera(*bounds(drawing, frames.r, frames.e), FOV).distance,
         "moving": moving,
+        "bodies": [[tag.body, tag.text] for tag in drawing.tags if tag.layer == "body names" and tag.body in moving],
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
         "links": [links_data(links) for links in stage.links],
         "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],

@@ -76,6 +76,8 @@ function setUpTime() {
   const pace = () => ($("pace").textContent = speed === 1 ? "real time" : `${speedText(speed)} real time`);
   $("speed").addEventListener("change", () => ((speed = Number($("speed").value)), pace()));
   pace();
+  for (const [i, name] of data.bodies) $("follow").append(element("option", {value: i, textContent: name}));
+  $("follow").addEventListener("change", () => (scene?.follow(Number($("follow").value)), (dirty = true)));
   $("play").addEventListener("click", () => play(!playing));
   $("back").addEventListener("click", () => step(-1));
   $("forth").addEventListener("click", () => step(1));

@@ -1,7 +1,7 @@
 // The 3D scene: viser's client draws it, this moves it by the messages a server would send.
 
 function makeScene(data, arrays) {
-  let viewer = null;
+  let viewer = null, followed = -1, seen = null; // the body the camera goes along with, and where it was last
   const tell = (type, name, content) => viewer.messageQueue.push({type, name, owner: "", ...content});
   const moving = data.moving; // numbers of the bodies that move at all
 
@@ -68,8 +68,21 @@ function makeScene(data, arrays) {
       if (shown[kind.kind]) lay(kind.node, rowAt(points, place), rowAt(vectors, place), kind.factor);
     });
     growTraces(place);
+    if (followed >= 0) goAlong(r);
     viewer.requestRender();
   }
+
+  // The camera is shifted by what the followed body has moved; turned and zoomed it stays as it was.
+  function goAlong(r) {
+    const control = viewer.cameraControl, frame = viewer.nodeRefFromName["/bodies"] ?? viewer.nodeRefFromName[""];
+    const there = viewer.camera.position.clone().fromArray(Array.from(r.subarray(3 * followed, 3 * followed + 3), (x) => x * data.scale));
+    frame.localToWorld(there); // the client's own axes: y is up
+    const aim = control.getTarget(there.clone()).add(there).sub(seen ?? there);
+    if (seen !== null) control.moveTo(aim.x, aim.y, aim.z, false);
+    seen = there;
+  }
+
+  const follow = (body) => ((followed = body), (seen = null));
 
   function show(nodes, visible) {
     if (viewer === null) return;
@@ -93,12 +106,12 @@ function makeScene(data, arrays) {
   // The first view; further away on a window that is higher than wide.
   function resetCamera() {
     if (viewer === null) return;
-    viewer.resetCameraPose(false);
+    viewer.resetCameraPose(false), (seen = null);
     const box = document.getElementById("scene").getBoundingClientRect();
     const control = viewer.cameraControl, away = Math.max(1, box.height / Math.max(box.width, 1));
     if (away > 1) control.dollyTo(data.distance * data.scale * away, false);
     viewer.requestRender();
   }
 
-  return {ready, move, idle, show, seeThrough, darken, resetCamera};
+  return {ready, move, idle, show, seeThrough, darken, follow, resetCamera};
 }
