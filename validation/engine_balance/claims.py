@@ -12,7 +12,7 @@ import numpy as np
 
 from . import phasor
 from .harmonics import Harmonics, half_axes
-from .layouts import Engine, layout
+from .layouts import Engine, layout, names
 
 TOY_FORCE = 4 * np.pi**2  # N, toy_set_2: m R w^2 of 1 kg, 1 m, 60 rpm
 TOY_SPACING = 0.6  # m
@@ -30,6 +30,23 @@ class Row:
     assumed: float | None
     actual: float | tuple[float, float] | None
     verdict: str
+    layouts: tuple[str, ...] = ()
+    """Names of those it is about."""
+
+
+def family(beginnings: str) -> tuple[str, ...]:
+    """Names of the layouts that begin with one of some words, "I4 V8_cross".
+
+    Raises
+    ------
+    ValueError
+        For a word with which none begins.
+    """
+    found = {word: [name for name in names() if name.startswith(word)] for word in beginnings.split()}
+    for word, layouts in found.items():
+        if not layouts:
+            raise ValueError(f"no layout begins with '{word}'; there are {', '.join(names())}")
+    return tuple(name for layouts in found.values() for name in layouts)
 
 
 @cache

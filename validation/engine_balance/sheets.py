@@ -1,6 +1,5 @@
 """What the page of an engine says, as data: harmonics with words, three ways beside each other, torque over a turn."""
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,22 +17,6 @@ from .layouts import Engine
 FINE = 1e-6  # of a harmonic: parts that turn the other way are rounding below it
 CURVE = 24  # orders of the driving torque over a turn
 QUANTITIES = (("force", "N"), ("couple", "N m"), ("torque", "N m"))
-TOPICS = {
-    "single": r"F_single|(one|per|single) cylinder|torque peak|bearing|h\(q,v\)",
-    "I3": r"\bI3\b",
-    "I4": r"\bI4\b|R/L|2x (of|to|over)",
-    "I5": r"\bI5",
-    "I6": r"\bI6$|I6 \(",
-    "V6_60": r"V6[ _]60",
-    "V6_90": r"V6[ _]90",
-    "V8_flat": r"V8[ _]flat|V8 4x",
-    "V8_cross": r"V8[ _]cross",
-    "V10": r"\bV10",
-    "V12": r"\bV12",
-    "boxer4": r"[Bb]oxer-?4",
-    "flat4": r"flat4|flat[ -]4",
-}
-"""What the rows of the truth table about a family of layouts say."""
 
 
 @dataclass(frozen=True)
@@ -184,9 +167,7 @@ class Sheet:
 
     def claims(self, rows: list[Row]) -> list[Row]:
         """The rows of the truth table about this layout."""
-        name = self.engine.layout.name
-        patterns = [pattern for family, pattern in TOPICS.items() if name.startswith(family)]
-        return [row for row in rows if any(re.search(p, f"{row.source} {row.what}") for p in patterns)]
+        return [row for row in rows if self.engine.layout.name in row.layouts]
 
 
 def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
