@@ -26,7 +26,7 @@ def engines():
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages") / "new" / "folder"
-    assert pages.write_pages(folder, engines(), progress=False) == folder / "index.html"
+    assert pages.write_pages(folder, engines(), progress=False).index == folder / "index.html"
     return folder
 
 

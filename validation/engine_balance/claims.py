@@ -92,6 +92,19 @@ def per_spacing(name: str, order: int, value: float) -> float:
     return value / force(assumed("single"), order) / layout(name).spacing
 
 
+def below(name: str, order: int = 6) -> float:
+    """Largest force or couple over the spacing of the orders 1 ... order - 1 [N]."""
+    h = actual(name)
+    couples = np.abs(h.moment[1:order, :2]) / layout(name).spacing
+    return float(max(np.abs(h.force[1:order]).max(), couples.max()))
+
+
+def relative(name: str, order: int, kind: str) -> list[float]:
+    """Half axes ("ellipse") or forward and backward part ("turning") of the couple over F a."""
+    pair = ellipse(assumed(name), order) if kind == "ellipse" else turning(assumed(name), order)
+    return [per_spacing(name, order, value) for value in pair]
+
+
 def toy_load(name: str, theta: np.ndarray, orders: tuple[int, ...] = (1, 2)) -> tuple[np.ndarray, np.ndarray]:
     """|F| [N] and |M| [N m] of the second toy set at crank angles theta from pin 1 on the bisector of the banks.
 

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from . import phasor, planar_sum
-from .claims import Row, actual, assumed, couple, ellipse, family, force, frames, peaks, per_spacing, ripple, turning
+from .claims import (
+    Row, actual, assumed, below, couple, ellipse, family, force, frames, peaks, per_spacing, relative, ripple,
+)  # fmt: skip
 from .harmonics import Harmonics
-from .layouts import Engine, data, layout
+from .layouts import Engine, data
 
 Figure = tuple[str, str, float | None, float | None, float | None, str]
 """What, unit, published, assumed, actual, verdict."""
@@ -45,14 +47,8 @@ def centre_of_mass() -> Figures:
             (f"1x couple across, {what}", "N m", None, across, true_across, beside),
         ]
 
-    single = (
-        "1x along the bore, one cylinder",
-        "N",
-        9.87,
-        force(assumed("single"), 1),
-        force(actual("single"), 1),
-        wrong,
-    )
+    one, true_one = (force(h("single"), 1) for h in (assumed, actual))
+    single = ("1x along the bore, one cylinder", "N", 9.87, one, true_one, wrong)
     flat4, three = pair("flat4_nonboxer_article", "flat 4", 3.95), pair("I3", "I3", 1.71)
     return {"single": [single], "flat4": flat4, "I3": three}
 
@@ -152,19 +148,6 @@ def six() -> Figures:
         ("6x driving torque, V12", "N m", None, None, ripple("V12_60", 6), torque),
     ]
     return {"I6": inline, "V12": vee}
-
-
-def below(name: str, order: int = 6) -> float:
-    """Largest force or couple over the spacing of the orders 1 ... order - 1 [N]."""
-    h = actual(name)
-    couples = np.abs(h.moment[1:order, :2]) / layout(name).spacing
-    return float(max(np.abs(h.force[1:order]).max(), couples.max()))
-
-
-def relative(name: str, order: int, kind: str) -> list[float]:
-    """Half axes ("ellipse") or forward and backward part ("turning") of the couple over F a."""
-    pair = ellipse(assumed(name), order) if kind == "ellipse" else turning(assumed(name), order)
-    return [per_spacing(name, order, value) for value in pair]
 
 
 def figures(name: str, order: int, kind: str, verdict: str) -> list[Figure]:

@@ -87,6 +87,8 @@ class Sheet:
     comparison: Comparison
     samples: tuple[np.ndarray, np.ndarray]
     """Crank angle [degrees] and driving torque [N m] of the spatial model over a turn."""
+    gas: "GasTorque | None" = None
+    """None where no firing order is known."""
 
     @property
     def engine(self) -> Engine:
@@ -137,7 +139,8 @@ class Sheet:
     @cached_property
     def closed(self) -> tuple[np.ndarray, np.ndarray]:
         """Crank angle [degrees] and driving torque [N m] in closed form, every half degree."""
-        q, torque = np.linspace(0.0, 360.0, 721), phasor.block_load(self.engine, CURVE).torque
+        q = np.linspace(0.0, 360.0, 721)
+        torque = phasor.block_load(self.engine, CURVE, gravity=self.comparison.gravity).torque
         return q, np.real(np.exp(1j * np.outer(np.radians(q), np.arange(CURVE + 1))) @ torque)
 
     def curve(self) -> Any:
@@ -156,7 +159,7 @@ class Sheet:
         plan = self.engine.layout
         try:
             angles, order = np.sort(gas.firing_angles(plan)), gas.firing_order(plan)
-        except ValueError:  # too many cylinders to search
+        except gas.FiringOrderError:  # too many cylinders to search
             return plan.firing_order or "not stated"
         gaps = np.round(np.diff([*angles, angles[0] + 720.0]), 6)
         apart = (
@@ -168,6 +171,36 @@ class Sheet:
     def claims(self, rows: list[Row]) -> list[Row]:
         """The rows of the truth table about this layout."""
         return [row for row in rows if self.engine.layout.name in row.layouts]
+
+
+@dataclass(frozen=True)
+class GasTorque:
+    """What half sines of the gas over the power strokes do to the crank, without inertia, over two turns."""
+
+    engine: Engine
+    peak: float
+    """On each piston [N]."""
+    samples: tuple[np.ndarray, np.ndarray]
+    """Crank angle [degrees] and torque on the crank [N m] of the spatial model."""
+
+    @cached_property
+    def closed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Crank angle [degrees] and torque [N m] by virtual power, every half degree."""
+        q = np.linspace(0.0, 720.0, 1441)
+        return q, gas.torque(self.engine, gas.half_sine(self.peak), np.radians(q))
+
+    def curve(self) -> Any:
+        """Torque over the crank angle: virtual power as a line, the spatial model as dots."""
+        label = "torque of the gas on the crank over two turns"
+        return drawings.curve(*self.closed, self.samples, label, "gas torque [N m]")
+
+    def harmonics(self, orders: int) -> list[tuple[float, float, float]]:
+        """(order, sum of the forces [N], torque [N m]) of what is there, by half orders from the mean on."""
+        push = np.abs(gas.force_phasors(self.engine, self.peak, 2 * orders))
+        torque = np.abs(np.fft.rfft(self.closed[1][:-1])) * 2 / 1440
+        torque[0] /= 2
+        rows = [(half / 2, float(push[half]), float(torque[half])) for half in range(2 * orders + 1)]
+        return [row for row in rows if max(row[1:]) > FINE * self.peak]
 
 
 def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
