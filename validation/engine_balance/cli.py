@@ -137,8 +137,10 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     from . import report
     from .balance import compare
 
+    if len(engines) > 1 and (gas is not None or shafts or sweep):
+        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
     comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-    extra = studied(engines, gas, shafts, sweep)
+    extra = studied(engines[0], gas, shafts, sweep)
     if ways:
         parts = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(parts[0].header, [row for part in parts for row in part.rows]))
@@ -153,18 +155,14 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     return comparisons
 
 
-def studied(engines: list, gas: float | None, shafts: bool, sweep: bool) -> list:
-    """Tables of the studies asked for, of a single engine."""
-    if not (gas is not None or shafts or sweep):
-        return []
-    if len(engines) > 1:
-        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+def studied(engine: Any, gas: float | None, shafts: bool, sweep: bool) -> list:
+    """Tables of the studies asked for."""
     from . import studies
 
     wanted = (
-        (gas is not None, lambda: studies.gas_harmonics(engines[0], gas)),
-        (shafts, lambda: studies.balance_shafts(engines[0])),
-        (sweep, lambda: studies.rod_ratios(engines[0])),
+        (gas is not None, lambda: studies.gas_harmonics(engine, gas)),
+        (shafts, lambda: studies.balance_shafts(engine)),
+        (sweep, lambda: studies.rod_ratios(engine)),
     )
     return [table() for asked, table in wanted if asked]
 

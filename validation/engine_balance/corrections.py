@@ -6,21 +6,31 @@ import numpy as np
 
 from . import phasor, planar_sum
 from .claims import (
-    Row, actual, assumed, below, couple, ellipse, family, force, frames, peaks, per_spacing, relative, ripple,
+    Row,
+    actual,
+    assumed,
+    below,
+    couple,
+    ellipse,
+    family,
+    force,
+    frames,
+    peaks,
+    per_spacing,
+    relative,
+    ripple,
 )  # fmt: skip
 from .harmonics import Harmonics
 from .layouts import Engine, data
 
 Figure = tuple[str, str, float | None, float | None, float | None, str]
 """What, unit, published, assumed, actual, verdict."""
-Figures = dict[str, list[Figure]]
-"""By the layouts they are about: beginnings of names, as `family` takes them."""
+Figures = dict[str, list[Figure]]  # by the layouts they are about: beginnings of names, as `family` takes them
 OFFSET = 0.1  # m, of the bore of a crank that is not centred
 
 
 def corrections() -> list[Row]:
     """Rows for every entry of published_vs_true_physics, in its order."""
-    entries = data()["published_vs_true_physics"]
     parts: tuple[Figures, ...] = (
         *(centre_of_mass(), sanity(), {"I4": sweep()}, boxer(), {"flat4": flat()}, {"I3": three()}, {"I5": five()}),
         *(six(), {"V6_60": v6_60()}, {"V6_90": v6_90()}, {"V8_flat": v8_flat()}, {"V8_cross": v8_cross()}),
@@ -28,7 +38,7 @@ def corrections() -> list[Row]:
     )
     return [
         Row(entry["layout"], *figure, layouts=family(about))
-        for entry, part in zip(entries, parts, strict=True)
+        for entry, part in zip(data()["published_vs_true_physics"], parts, strict=True)
         for about, figures in part.items()
         for figure in figures
     ]
@@ -39,9 +49,8 @@ def centre_of_mass() -> Figures:
     wrong, beside = "holds for a crank with its centre of mass on the axis", "omitted by the source"
 
     def pair(name: str, what: str, published: float) -> list[Figure]:
-        (pitch, true_pitch), (across, true_across) = (
-            [couple(h(name), 1, axis) for h in (assumed, actual)] for axis in (1, 0)
-        )
+        pitch, true_pitch = (couple(h(name), 1) for h in (assumed, actual))
+        across, true_across = (couple(h(name), 1, 0) for h in (assumed, actual))
         return [
             (f"1x pitch couple, {what}", "N m", published, pitch, true_pitch, wrong),
             (f"1x couple across, {what}", "N m", None, across, true_across, beside),
@@ -58,9 +67,15 @@ def sanity() -> Figures:
     engine, four = Engine("I4"), force(actual("I4"), 2)
     lam = engine.radius / engine.rod_length
     leading = 4 * phasor.reciprocating(engine) * engine.rate**2 * engine.radius * lam
-    single = force(assumed("single"), 1)
     one = [
-        ("F_single = F_2x / (4 R / L)", "N", 8.22, four / (4 * lam), single, "1x moves 9 kg, 2x only 7 kg"),
+        (
+            "F_single = F_2x / (4 R / L)",
+            "N",
+            8.22,
+            four / (4 * lam),
+            force(assumed("single"), 1),
+            "1x of 9 kg, 2x of 7",
+        ),
         ("2x of one cylinder", "N", None, None, force(actual("single"), 2), "a quarter of the four's"),
     ]
     all_four = [
@@ -97,12 +112,11 @@ def flat() -> list[Figure]:
     """The flat four that is no boxer."""
     ideal, real = "flat4_nonboxer_article", "flat4_nonboxer_staggered"
     a = couple(assumed(ideal), 1) / couple(assumed("I3"), 1)
-    pair = couple(assumed(ideal), 1) / (2 * couple(assumed("I3"), 1))
     return [
         ("1x couple", "N m", 3.95, couple(assumed(real), 1), couple(actual(real), 1), "4 s F1 of the assumed force"),
         ("2x couple", "N m", 0.0, couple(assumed(ideal), 2), couple(actual(real), 2), "2 s F2 where staggered"),
         ("over inline three, per bore spacing", "-", 2.3, a, None, "staggered"),
-        ("over inline three, per distance of pairs", "-", 2.3, pair, None, "pair distance 2 a against spacing a"),
+        ("over inline three, per distance of pairs", "-", 2.3, a / 2, None, "pair distance 2 a against spacing a"),
     ]
 
 

@@ -18,7 +18,7 @@ from mbsd3d.progress import Progress
 from mbsd3d.style import DARK, LIGHT
 from mbsd3d.wording import digits
 
-from . import drawings, gas, report, sketch, spatial, upright
+from . import drawings, gas, portrait, report, spatial
 from .balance import Comparison, compare
 from .claims import Row
 from .layouts import Engine, names
@@ -83,7 +83,7 @@ def write_pages(
             sheets.append(make_sheet(engine, gravity=gravity, driver=driver, peak=peak))
             bar.update(len(sheets))
         for k, (sheet, file) in enumerate(zip(sheets, files, strict=True)):
-            view = upright.shown(sheet.engine).animate(curves=(), traces=(), title=sheet.engine.layout.name)
+            view = portrait.shown(sheet.engine).animate(curves=(), traces=(), title=sheet.engine.layout.name)
             write_atomically(folder / "views" / file, playing(view.html).encode())
             page = render("engine.html", sheet=sheet, near=neighbours(sheets, files, k), file=file, truth=truth)
             write_atomically(folder / file, page.encode())
@@ -124,8 +124,8 @@ def make_sheet(engine: Engine, *, gravity: Any = (0.0, 0.0), driver: str = "bloc
     except gas.FiringOrderError:
         return Sheet(comparison, samples)
     both = spatial.turn(fired, engine, turns=2, count=COUNT).effort("motor")
-    pushed = np.concatenate([driving, driving[1:]]) - both
-    return Sheet(comparison, samples, GasTorque(engine, peak, (360.0 * np.arange(2 * COUNT + 1) / COUNT, pushed)))
+    pushed = (np.concatenate([driving, driving[1:]]) - both)[::2]
+    return Sheet(comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(COUNT + 1) / COUNT, pushed)))
 
 
 def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
@@ -191,7 +191,7 @@ def environment() -> Any:
     )  # fmt: skip
     found.filters |= {"digits": digits, "figure": figure, "link": quote, "mark": mark}
     found.globals |= {
-        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": sketch.sketch,
+        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": portrait.sketch,
         "relative": relative, "shade": shade, "quantities": QUANTITIES, "mark": mark, "sources": SOURCES,
         "ways": report.ways, "orders": ORDERS,
     }  # fmt: skip

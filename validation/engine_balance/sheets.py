@@ -131,7 +131,7 @@ class Sheet:
         return drawings.bars(values, texts, f"{quantity} by order, three ways: {', '.join(texts)}")
 
     def path(self, kind: str) -> Any:
-        """The way of force or couple over a turn, all orders together."""
+        """The way of force or couple over a turn, all orders from 1x on together: without the mean, the weight."""
         h, q = self.comparison.ways["spatial"], np.linspace(0, 2 * np.pi, 181)[:-1]
         x, y = (over_a_turn(h, q)[0 if kind == "force" else 1]).T[:2]
         return drawings.loop(x, y, f"{kind} over a turn, all orders")
@@ -204,6 +204,6 @@ class GasTorque:
 
 
 def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force and moment at crank angles q, (k, 3) each [N], [N m]."""
-    turn = np.exp(1j * np.outer(q, np.arange(len(h.torque))))
-    return np.real(turn @ h.force), np.real(turn @ h.moment)
+    """Force and moment at crank angles q less their means, (k, 3) each [N], [N m]."""
+    turn = np.exp(1j * np.outer(q, np.arange(1, len(h.torque))))
+    return np.real(turn @ h.force[1:]), np.real(turn @ h.moment[1:])
