@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.engine_balance import drawings, sketch, spatial, upright
+from validation.engine_balance import drawings, portrait, spatial
 from validation.engine_balance.layouts import Engine, layout, names
 from validation.engine_balance.sheets import Harmonic
 
@@ -64,14 +64,16 @@ def test_bars_are_as_high_as_the_amplitudes():
 
 @pytest.mark.parametrize("name", names())
 def test_sketches_hold_every_part_within_their_frame(name):
-    text = sketch.sketch(Engine(name))
+    text = portrait.sketch(Engine(name))
     cylinders = len(layout(name).pins)
     assert [text.count(f'class="{kind}') for kind in ("rod", "fill piston")] == [cylinders, cylinders]
     assert text.count('class="fill crown') + text.count('class="fill skirt') == cylinders
     left, top, width, height = map(float, re.search(r'viewBox="(.*?)"', text)[1].split())
     points = np.array([p.split() for d in re.findall(r' d="M(.*?)Z?"', text) for p in d.split("L")], float)
-    assert points.min(axis=0) == pytest.approx([left + sketch.MARGIN, top + sketch.MARGIN], abs=0.02)
-    assert points.max(axis=0) == pytest.approx([left + width - sketch.MARGIN, top + height - sketch.MARGIN], abs=0.02)
+    assert points.min(axis=0) == pytest.approx([left + portrait.MARGIN, top + portrait.MARGIN], abs=0.02)
+    assert points.max(axis=0) == pytest.approx(
+        [left + width - portrait.MARGIN, top + height - portrait.MARGIN], abs=0.02
+    )
 
 
 @pytest.mark.parametrize("low,high", [(-17.98, 17.98), (-0.003, 0.0451), (0.0, 1.0), (-2e5, 0.0)])
@@ -85,14 +87,14 @@ def test_ticks_are_round_and_within(low, high):
 def test_an_upright_engine_is_the_engine_turned(name):
     """The reaction of the mount turns with the world; the crank lies along x and the middle of the bores is up."""
     engine = replace(Engine(name), rpm=130.0)
-    R = upright.upright(engine.layout)
+    R = portrait.upright(engine.layout)
     assert np.abs(R @ R.T - np.eye(3)).max() < 1e-15 and np.linalg.det(R) == pytest.approx(1.0)
     assert np.abs(R @ (0, 0, 1) - (1, 0, 0)).max() < 1e-15
     beta = np.radians(engine.layout.bores)
     bores = R @ np.array([np.cos(beta), np.sin(beta), 0 * beta])
     assert bores[2].min() > -1e-15 and abs(bores[1].sum()) < 1e-12
     flat = spatial.build(engine, gravity=(1.0, -3.0, 2.0))
-    here, there = spatial.turn(flat, engine), spatial.turn(upright.turned(flat, R), engine)
+    here, there = spatial.turn(flat, engine), spatial.turn(portrait.turned(flat, R), engine)
     for part in ("force", "moment"):
         a, b = getattr(here.reaction("mount"), part), getattr(there.reaction("mount"), part)
         assert np.abs(b - a @ R.T).max() < 1e-12 * np.abs(a).max()

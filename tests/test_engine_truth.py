@@ -159,3 +159,13 @@ def test_truth_on_the_command_line():
     assert str(report.truth(truth.rows())) in first.output
     for entry in data()["published_checks"]:
         assert entry["what"].strip() in first.output
+
+
+def test_truth_about_one_layout_on_the_command_line():
+    found = CliRunner().invoke(cli.main, ["--truth", "V8_flat"]).output
+    assert "peak force V8_flat" in found and "2x horizontal force" in found and "I4" not in found
+    assert "with weight, all terms" in CliRunner().invoke(cli.main, ["--truth", "single"]).output
+    assert (
+        CliRunner().invoke(cli.main, ["--truth", "V6_120_shared"]).output
+        == "no published figure is about V6_120_shared\n"
+    )

@@ -1,6 +1,8 @@
 """Planar mechanisms in the plane and in space: the same motion and forces, and a complete table of what they cost."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -108,3 +110,14 @@ def test_command_line_gives_json(small, monkeypatch):
     data = json.loads(result.output)
     assert result.exit_code == 0 and len(data["costs"]) == len(small.costs)
     assert data["verdicts"][0]["goal"] == tax.RATIO_GOAL and data["sweep"] == small.sweep
+
+
+def test_runs_without_the_engines_it_does_not_measure():
+    """In a process of its own: nothing of MuJoCo is imported, not even by the line about the machine."""
+    code = (
+        "import sys; sys.modules['mujoco'] = None; from validation import tax; "
+        "print(tax.machine('numpy', 'no-such-engine')); assert 'validation.benchmark' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert f"numpy {np.__version__}, no-such-engine absent" in done.stdout

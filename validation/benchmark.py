@@ -5,13 +5,11 @@ process, so that a busy moment falls on both; every figure is the best of its ro
 """
 
 import os
-import platform
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +17,7 @@ from mbsd3d import DOP853, RK4, Solution, State, System, simulate
 
 from . import cases
 from .comparison import compare
+from .machine import machine
 from .mechanisms import chain, ladder, mujoco_chain
 
 ROUNDS = 5
@@ -160,20 +159,6 @@ def check_seconds(system: System) -> float:
     return time.perf_counter() - began
 
 
-def machine() -> str:
-    """Processor class, cores and versions: what the figures depend on."""
-    import mujoco
-    import numba
-
-    cpu = Path("/proc/cpuinfo")
-    lines = cpu.read_text().splitlines() if cpu.is_file() else []
-    names = [text.split(":")[1].strip() for text in lines if text.startswith("model name")]
-    name = names[0] if names else platform.processor() or platform.machine()
-    versions = f"Python {platform.python_version()}, numpy {np.__version__}, numba {numba.__version__}"
-    load = f"; load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
-    return f"{name}, {os.cpu_count()} cores; {versions}, mujoco {mujoco.__version__}{load}"
-
-
 def show(title: str, head: str, rows: list[str]) -> None:
     """Print one table."""
     print(f"\n{title}\n{head}", *rows, sep="\n", flush=True)
@@ -181,7 +166,7 @@ def show(title: str, head: str, rows: list[str]) -> None:
 
 def main() -> None:
     """Measure and print."""
-    print(machine())
+    print(machine("numpy", "numba", "mujoco"))
     simulate(chain(2), 0.01, method=RK4(STEP))  # compiled before anything is timed
     rows = per_evaluation()
     lines = [f"{n:6} {ours:8.2f} {theirs:8.2f} {theirs / ours:8.2f}" for n, ours, theirs in rows]

@@ -21,8 +21,8 @@ import numpy as np
 from mbsd3d import DOP853, RK4, Kinematic, simulate, sweep
 
 from . import inline_four as engine
-from .benchmark import machine
 from .engines import planar
+from .machine import machine
 from .noise import Floor, noise_floors
 from .twins import Mechanism, mechanisms
 
@@ -172,7 +172,7 @@ def measure(rounds: int = ROUNDS, cells: int = CELLS) -> Tax:
     """Everything, in one process."""
     costs = [row for mechanism in mechanisms() for row in fixed_step(mechanism, rounds)]
     accuracies = [row for mechanism in mechanisms() for row in equal_accuracy(mechanism, rounds)]
-    return Tax(machine(), costs, accuracies, noise_floors(), design_sweep(cells))
+    return Tax(machine("numpy", "numba"), costs, accuracies, noise_floors(), design_sweep(cells))
 
 
 def verdicts(tax: Tax) -> list[tuple[str, float, float, bool]]:

@@ -17,6 +17,10 @@ class Comparison:
     engine: Engine
     ways: dict[str, Harmonics]
     """"phasor", "planar", "spatial"."""
+    gravity: tuple[float, float] = (0.0, 0.0)
+    """In the plane of the cylinders [m/s^2]."""
+    driver: str = "block"
+    """Where the driving torque reacts, "block" or "dyno"."""
 
     @property
     def disagreement(self) -> float:
@@ -62,4 +66,4 @@ def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), drive
         "planar": planar_sum.harmonics(engine, orders, gravity=gravity, dyno=dyno),
         "spatial": spatial.harmonics(turn, engine, orders),
     }
-    return Comparison(engine, ways)
+    return Comparison(engine, ways, tuple(gravity), driver)

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import phasor
 from .harmonics import Harmonics, half_axes
-from .layouts import Engine, layout
+from .layouts import Engine, layout, names
 
 TOY_FORCE = 4 * np.pi**2  # N, toy_set_2: m R w^2 of 1 kg, 1 m, 60 rpm
 TOY_SPACING = 0.6  # m
@@ -30,6 +30,23 @@ class Row:
     assumed: float | None
     actual: float | tuple[float, float] | None
     verdict: str
+    layouts: tuple[str, ...] = ()
+    """Names of those it is about."""
+
+
+def family(beginnings: str) -> tuple[str, ...]:
+    """Names of the layouts that begin with one of some words, "I4 V8_cross".
+
+    Raises
+    ------
+    ValueError
+        For a word with which none begins.
+    """
+    found = {word: [name for name in names() if name.startswith(word)] for word in beginnings.split()}
+    for word, layouts in found.items():
+        if not layouts:
+            raise ValueError(f"no layout begins with '{word}'; there are {', '.join(names())}")
+    return tuple(name for layouts in found.values() for name in layouts)
 
 
 @cache
@@ -73,6 +90,19 @@ def ripple(name: str, order: int) -> float:
 def per_spacing(name: str, order: int, value: float) -> float:
     """A couple of `assumed` over F a: F is that order of one cylinder, a the spacing of the layout."""
     return value / force(assumed("single"), order) / layout(name).spacing
+
+
+def below(name: str, order: int = 6) -> float:
+    """Largest force or couple over the spacing of the orders 1 ... order - 1 [N]."""
+    h = actual(name)
+    couples = np.abs(h.moment[1:order, :2]) / layout(name).spacing
+    return float(max(np.abs(h.force[1:order]).max(), couples.max()))
+
+
+def relative(name: str, order: int, kind: str) -> list[float]:
+    """Half axes ("ellipse") or forward and backward part ("turning") of the couple over F a."""
+    pair = ellipse(assumed(name), order) if kind == "ellipse" else turning(assumed(name), order)
+    return [per_spacing(name, order, value) for value in pair]
 
 
 def toy_load(name: str, theta: np.ndarray, orders: tuple[int, ...] = (1, 2)) -> tuple[np.ndarray, np.ndarray]:

@@ -30,6 +30,8 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
             continue
         if name not in MASSES:
             raise click.BadParameter(f"{name!r} is unknown; give {', '.join(MASSES)}, such as piston=5,rod=4")
+        if MASSES[name] in found:
+            raise click.BadParameter(f"{name} is given twice; give it once")
         try:
             found[MASSES[name]] = float(number)
         except ValueError:
@@ -46,11 +48,15 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
 @click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
-@click.option("--gas", type=float, metavar="PEAK", help="LAYOUT: half sines of this peak [N] over the power strokes.")
+@click.option(
+    "--gas", type=float, metavar="PEAK", help="LAYOUT or --pages: half sines of this peak [N] over the power strokes."
+)
 @click.option("--shafts", is_flag=True, help="LAYOUT: counterweights and balance shafts for 1x and 2x.")
 @click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
 @click.option("--ways", is_flag=True, help="Every harmonic by phasor, planar sum and spatial model, and as published.")
-@click.option("--truth", is_flag=True, help="Published figures beside what they assume and what is true.")
+@click.option(
+    "--truth", is_flag=True, help="Published figures, all or of LAYOUT, beside what they assume and what is true."
+)
 @click.option("--pages", type=click.Path(), metavar="FOLDER", help="Write pages there: index.html and the engines.")
 def main(
     layout: str | None, masses: dict, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool,
@@ -63,32 +69,82 @@ def main(
     """
     from mbsd3d.errors import Mbsd3dError
 
-    from . import report
-    from .balance import compare
     from .layouts import Engine, names
 
     try:
         if truth:
-            from .studies import single_cylinder
-            from .truth import rows
-
-            click.echo(f"{report.truth(rows())}\n\n{single_cylinder()}")
+            alone("--truth", set())
+            click.echo(published(layout))
             return
-        wanted = names() if layout is None else [layout]
-        engines = [Engine(name, **sizes, **masses) for name in wanted]
-        if pages is not None:
-            from .pages import write_pages
-
-            click.echo(write_pages(pages, engines))
-            return
-        comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-        extra = studied(engines, gas, shafts, sweep)
+        engines = [Engine(name, **sizes, **masses) for name in (names() if layout is None else [layout])]
+        if pages is None:
+            comparisons = tables(engines, gravity, driver, gas, shafts, sweep, ways)
+        else:
+            alone("--pages", {"rpm", "radius", "rod_length", "spacing", "masses", "gravity", "driver", "gas"})
+            comparisons = written(pages, engines, gravity, driver, gas)
     except (ValueError, Mbsd3dError) as error:
         raise Failure(" ".join(str(error).split())) from error
+    if not all(comparison.agrees for comparison in comparisons):
+        wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
+        click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
+        raise click.exceptions.Exit(DISAGREE)
+
+
+def alone(switch: str, allowed: set[str]) -> None:
+    """Refuse options that `switch` makes no use of; LAYOUT it takes."""
+    context = click.get_current_context()
+    given = [
+        option.opts[0]
+        for option in context.command.params
+        if context.get_parameter_source(option.name).name == "COMMANDLINE"
+        and option.name not in allowed | {"layout", switch.removeprefix("--")}
+    ]
+    if given:
+        raise ValueError(f"{switch} makes no use of {', '.join(given)}; leave out the one or the other")
+
+
+def published(name: str | None) -> str:
+    """The truth table of the toy engines, or its rows about one layout."""
+    from . import report, studies, truth
+    from .layouts import layout
+
+    found = truth.rows()
+    if name is not None:
+        found = [row for row in found if layout(name).name in row.layouts]
+        if not found:
+            return f"no published figure is about {name}"
+    return (
+        f"{report.truth(found)}\n\n{studies.single_cylinder()}"
+        if name in (None, "single")
+        else str(report.truth(found))
+    )
+
+
+def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | None) -> list:
+    """Write the pages, say where; the comparisons they show."""
+    from .pages import write_pages
+
+    if not folder:
+        raise ValueError("--pages '' names no folder; give one, or . for this one")
+    options = {} if gas is None else {"peak": gas}
+    done = write_pages(folder, engines, gravity=gravity, driver=driver, **options)
+    click.echo(done.index)
+    return done.comparisons
+
+
+def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool, ways: bool) -> list:
+    """Show harmonics of one engine or of all, and the studies asked for; the comparisons shown."""
+    from . import report
+    from .balance import compare
+
+    if len(engines) > 1 and (gas is not None or shafts or sweep):
+        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+    comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
+    extra = studied(engines[0], gas, shafts, sweep)
     if ways:
-        tables = [report.ways(comparison) for comparison in comparisons]
-        click.echo(report.Table(tables[0].header, [row for table in tables for row in table.rows]))
-    elif layout is not None:
+        parts = [report.ways(comparison) for comparison in comparisons]
+        click.echo(report.Table(parts[0].header, [row for part in parts for row in part.rows]))
+    elif len(comparisons) == 1:
         show(comparisons[0])
     else:
         click.echo(report.overview(comparisons))
@@ -96,24 +152,17 @@ def main(
         click.echo("T [N m]: largest order of the driving torque; spread: of the three ways, over F_single.")
     for table in extra:
         click.echo(f"\n{table}")
-    if not all(comparison.agrees for comparison in comparisons):
-        wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)
-        click.echo(f"phasor, planar sum and spatial model disagree for {wrong}", err=True)
-        raise click.exceptions.Exit(DISAGREE)
+    return comparisons
 
 
-def studied(engines: list, gas: float | None, shafts: bool, sweep: bool) -> list:
-    """Tables of the studies asked for, of a single engine."""
-    if not (gas is not None or shafts or sweep):
-        return []
-    if len(engines) > 1:
-        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+def studied(engine: Any, gas: float | None, shafts: bool, sweep: bool) -> list:
+    """Tables of the studies asked for."""
     from . import studies
 
     wanted = (
-        (gas is not None, lambda: studies.gas_harmonics(engines[0], gas)),
-        (shafts, lambda: studies.balance_shafts(engines[0])),
-        (sweep, lambda: studies.rod_ratios(engines[0])),
+        (gas is not None, lambda: studies.gas_harmonics(engine, gas)),
+        (shafts, lambda: studies.balance_shafts(engine)),
+        (sweep, lambda: studies.rod_ratios(engine)),
     )
     return [table() for asked, table in wanted if asked]
 

@@ -195,22 +195,23 @@ def ticks(low: float, high: float, count: int = 5) -> np.ndarray:
 
 
 def curve(angle: np.ndarray, values: np.ndarray, dots: tuple[np.ndarray, np.ndarray], label: str, unit: str) -> Markup:
-    """Values over the crank angle [degrees] as a line, samples (angle, value) of another way as dots."""
+    """Values over the crank angle, whole turns [degrees], as a line; samples (angle, value) of another way as dots."""
+    end = round(float(angle[-1]))
     size = max(float(np.abs(values).max()), 1e-12)
     low, high = min(float(values.min()), 0.0) - 0.06 * size, max(float(values.max()), 0.0) + 0.06 * size
 
     def place(q: Any, y: Any) -> np.ndarray:
-        return 44 + 940 * np.asarray(q) / 360.0 - 1j * (208 - 190 * (np.asarray(y) - low) / (high - low))
+        return 44 + 940 * np.asarray(q) / end - 1j * (208 - 190 * (np.asarray(y) - low) / (high - low))
 
     body = ""
     for y in ticks(low, high):
-        body += stroke("grid", complex(place(0, y)), complex(place(360, y)))
+        body += stroke("grid", complex(place(0, y)), complex(place(end, y)))
         body += text(38, 4 - complex(place(0, y)).imag, signed(y), "end")
-    for q in range(0, 361, 30):
+    for q in range(0, end + 1, end // 12):
         body += stroke("grid", complex(place(q, low)), complex(place(q, high))) + text(
-            44 + 940 * q / 360, 224, f"{q}\u00b0"
+            44 + 940 * q / end, 224, f"{q}\u00b0"
         )
-    body += stroke("frame", complex(place(0, 0)), complex(place(360, 0))) + text(6, 10, unit, "start")
+    body += stroke("frame", complex(place(0, 0)), complex(place(end, 0))) + text(6, 10, unit, "start")
     body += stroke("line t0", *place(angle, values))
     for z in place(*dots):
         body += f'<circle class="sample" cx="{z.real:.2f}" cy="{-z.imag:.2f}" r="3"/>'

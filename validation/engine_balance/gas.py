@@ -20,16 +20,30 @@ from dataclasses import replace
 import numpy as np
 
 from mbsd3d import Force, System, Table
+from mbsd3d.parts import number
 
 from .layouts import Engine, Layout
 
 CYCLE = 4 * np.pi
 SEARCHED = 16  # cylinders: each doubles the number of firing orders
+
+
+class FiringOrderError(ValueError):
+    """None is known for a layout."""
+
+
 Gas = Callable[[np.ndarray], np.ndarray]
 
 
 def half_sine(peak: float = 10e3) -> Gas:
-    """f(psi) of a half sine over the power stroke [N]; psi is counted from firing [rad], any array."""
+    """f(psi) of a half sine over the power stroke [N]; psi is counted from firing [rad], any array.
+
+    Raises
+    ------
+    ValueError
+        If the peak is not positive.
+    """
+    peak = number(peak, "gas: peak", positive=True)
 
     def force(psi: np.ndarray) -> np.ndarray:
         psi = np.asarray(psi) % CYCLE
@@ -58,14 +72,16 @@ def firing_angles(layout: Layout) -> np.ndarray:
 
     Raises
     ------
-    ValueError
+    FiringOrderError
         For too many cylinders to search, without a firing order.
     """
     top = -np.array(layout.phases) % 360.0
     given = ordered(layout, top)
     if top.size > SEARCHED:
         if given is None:
-            raise ValueError(f"layout '{layout.name}': {top.size} cylinders; give a firing_order that its crank can do")
+            raise FiringOrderError(
+                f"layout '{layout.name}': {top.size} cylinders; give a firing_order that its crank can do"
+            )
         return given
     turns = np.arange(2 ** (top.size - 1))[:, None] >> np.arange(top.size - 1) & 1
     choices = np.column_stack([np.full(len(turns), top[0]), top[1:] + 360.0 * turns])

@@ -20,6 +20,7 @@ import numpy as np
 from mbsd3d.parts import number
 
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
+MOST = 600  # samples of a turn: R/L = 0.998
 FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
 
 
@@ -226,7 +227,18 @@ class Engine:
         """Samples of a turn, a multiple of 12, that fold nothing above FOLD onto the orders up to ``orders``.
 
         The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
+
+        Raises
+        ------
+        ValueError
+            If the rod is hardly longer than the crank, so that more than MOST would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
-        last = np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2)))
-        return 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
+        last = min(np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
+        count = 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
+        if count > MOST:
+            raise ValueError(
+                f"engine '{self.layout.name}': rod_length {self.rod_length:.9g} m hardly exceeds the crank: its orders "
+                f"fall so slowly that a turn takes {count} samples, above {MOST}; give a longer rod"
+            )
+        return count

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
@@ -18,18 +18,30 @@ from mbsd3d.progress import Progress
 from mbsd3d.report.wording import digits
 from mbsd3d.style import DARK, LIGHT
 
-from . import drawings, report, sketch, spatial, upright
-from .balance import compare
+from . import drawings, gas, portrait, report, spatial
+from .balance import Comparison, compare
 from .claims import Row
 from .layouts import Engine, names
-from .sheets import QUANTITIES, Sheet
+from .sheets import QUANTITIES, GasTorque, Sheet
 from .truth import AGREES, rows
 
-ORDERS = 6
+ORDERS, COUNT = 6, 72  # harmonics; samples of a turn
+PLAY = '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
 
-def write_pages(folder: str | Path, engines: Sequence[Engine] | None = None, *, progress: bool | None = None) -> Path:
+class Pages(NamedTuple):
+    """What was written."""
+
+    index: Path
+    comparisons: list[Comparison]
+    """Of the engines, in their order."""
+
+
+def write_pages(
+    folder: str | Path, engines: Sequence[Engine] | None = None, *, gravity: Any = (0.0, 0.0), driver: str = "block",
+    peak: float = 10e3, progress: bool | None = None,
+) -> Pages:  # fmt: skip
     """Write the pages of engines, by default of all layouts of the data file with the toy engine's masses.
 
     Parameters
@@ -38,13 +50,19 @@ def write_pages(folder: str | Path, engines: Sequence[Engine] | None = None, *, 
         Is made if it is missing; older pages in it are replaced.
     engines : sequence of Engine, optional
         Of different names, identical and centred cylinders, not standing still.
+    gravity : (2,) array_like
+        In the plane of the cylinders [m/s^2].
+    driver : str
+        Where the driving torque reacts, "block" or "dyno".
+    peak : float
+        Of the gas force on a piston, half sines over the power strokes [N].
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
 
     Returns
     -------
-    Path
-        The index.
+    Pages
+        The index, and the comparisons shown.
 
     Raises
     ------
@@ -62,16 +80,22 @@ def write_pages(folder: str | Path, engines: Sequence[Engine] | None = None, *, 
     truth, sheets = rows(), []
     with Progress(f"pages of {len(engines)} engines", 0, 2 * len(engines), progress) as bar:
         for engine in engines:
-            sheets.append(make_sheet(engine))
+            sheets.append(make_sheet(engine, gravity=gravity, driver=driver, peak=peak))
             bar.update(len(sheets))
         for k, (sheet, file) in enumerate(zip(sheets, files, strict=True)):
-            turn = upright.shown(sheet.engine)
-            turn.animate(folder / "views" / file, curves=(), traces=(), title=sheet.engine.layout.name)
+            view = portrait.shown(sheet.engine).animate(curves=(), traces=(), title=sheet.engine.layout.name)
+            write_atomically(folder / "views" / file, playing(view.html).encode())
             page = render("engine.html", sheet=sheet, near=neighbours(sheets, files, k), file=file, truth=truth)
             write_atomically(folder / file, page.encode())
             bar.update(len(sheets) + k + 1)
     index = render("index.html", sheets=list(zip(sheets, files, strict=True)), truth=truth, shades=shades(sheets))
-    return write_atomically(folder / "index.html", index.encode())
+    return Pages(write_atomically(folder / "index.html", index.encode()), [sheet.comparison for sheet in sheets])
+
+
+def playing(view: str) -> str:
+    """A view that plays from the start, unless its reader asked for less motion."""
+    body, end = view.rsplit("</body>", 1)
+    return f"{body}{PLAY}</body>{end}"
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
@@ -89,11 +113,19 @@ def file_names(engines: Sequence[Engine]) -> list[str]:
     return files
 
 
-def make_sheet(engine: Engine) -> Sheet:
-    """Harmonics three ways and the driving torque of an engine."""
-    comparison = compare(engine, ORDERS)
-    turn = spatial.turn(spatial.build(engine), engine, count=72)
-    return Sheet(comparison, (360.0 * np.arange(73) / 72, turn.effort("motor")))
+def make_sheet(engine: Engine, *, gravity: Any = (0.0, 0.0), driver: str = "block", peak: float = 10e3) -> Sheet:
+    """Harmonics three ways, driving torque and gas torque of an engine."""
+    comparison = compare(engine, ORDERS, gravity=gravity, driver=driver)
+    system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))
+    driving = spatial.turn(system, engine, count=COUNT).effort("motor")
+    samples = 360.0 * np.arange(COUNT + 1) / COUNT, driving
+    try:
+        fired = gas.with_gas(system, engine, gas.half_sine(peak), COUNT)
+    except gas.FiringOrderError:
+        return Sheet(comparison, samples)
+    both = spatial.turn(fired, engine, turns=2, count=COUNT).effort("motor")
+    pushed = (np.concatenate([driving, driving[1:]]) - both)[::2]
+    return Sheet(comparison, samples, GasTorque(engine, peak, (720.0 * np.arange(COUNT + 1) / COUNT, pushed)))
 
 
 def neighbours(sheets: list[Sheet], files: list[str], k: int) -> list[tuple[str, str]]:
@@ -159,9 +191,9 @@ def environment() -> Any:
     )  # fmt: skip
     found.filters |= {"digits": digits, "figure": figure, "link": quote, "mark": mark}
     found.globals |= {
-        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": sketch.sketch,
+        "light": LIGHT, "dark": DARK, "version": package_version(), "drawings": drawings, "sketch": portrait.sketch,
         "relative": relative, "shade": shade, "quantities": QUANTITIES, "mark": mark, "sources": SOURCES,
-        "ways": report.ways,
+        "ways": report.ways, "orders": ORDERS,
     }  # fmt: skip
     return found
 

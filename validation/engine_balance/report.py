@@ -39,6 +39,12 @@ class Table(NamedTuple):
             for line in lines
         )
 
+    @property
+    def filled(self) -> "Table":
+        """Without the columns that hold no text."""
+        kept = [k for k in range(len(self.header)) if any(row[k] for row in self.rows)]
+        return Table([self.header[k] for k in kept], [[row[k] for k in kept] for row in self.rows])
+
 
 def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
     """Of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""

@@ -1,6 +1,5 @@
 """What the page of an engine says, as data: harmonics with words, three ways beside each other, torque over a turn."""
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,22 +17,6 @@ from .layouts import Engine
 FINE = 1e-6  # of a harmonic: parts that turn the other way are rounding below it
 CURVE = 24  # orders of the driving torque over a turn
 QUANTITIES = (("force", "N"), ("couple", "N m"), ("torque", "N m"))
-TOPICS = {
-    "single": r"F_single|(one|per|single) cylinder|torque peak|bearing|h\(q,v\)",
-    "I3": r"\bI3\b",
-    "I4": r"\bI4\b|R/L|2x (of|to|over)",
-    "I5": r"\bI5",
-    "I6": r"\bI6$|I6 \(",
-    "V6_60": r"V6[ _]60",
-    "V6_90": r"V6[ _]90",
-    "V8_flat": r"V8[ _]flat|V8 4x",
-    "V8_cross": r"V8[ _]cross",
-    "V10": r"\bV10",
-    "V12": r"\bV12",
-    "boxer4": r"[Bb]oxer-?4",
-    "flat4": r"flat4|flat[ -]4",
-}
-"""What the rows of the truth table about a family of layouts say."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +87,8 @@ class Sheet:
     comparison: Comparison
     samples: tuple[np.ndarray, np.ndarray]
     """Crank angle [degrees] and driving torque [N m] of the spatial model over a turn."""
+    gas: "GasTorque | None" = None
+    """None where no firing order is known."""
 
     @property
     def engine(self) -> Engine:
@@ -146,7 +131,7 @@ class Sheet:
         return drawings.bars(values, texts, f"{quantity} by order, three ways: {', '.join(texts)}")
 
     def path(self, kind: str) -> Any:
-        """The way of force or couple over a turn, all orders together."""
+        """The way of force or couple over a turn, all orders from 1x on together: without the mean, the weight."""
         h, q = self.comparison.ways["spatial"], np.linspace(0, 2 * np.pi, 181)[:-1]
         x, y = (over_a_turn(h, q)[0 if kind == "force" else 1]).T[:2]
         return drawings.loop(x, y, f"{kind} over a turn, all orders")
@@ -154,7 +139,8 @@ class Sheet:
     @cached_property
     def closed(self) -> tuple[np.ndarray, np.ndarray]:
         """Crank angle [degrees] and driving torque [N m] in closed form, every half degree."""
-        q, torque = np.linspace(0.0, 360.0, 721), phasor.block_load(self.engine, CURVE).torque
+        q = np.linspace(0.0, 360.0, 721)
+        torque = phasor.block_load(self.engine, CURVE, gravity=self.comparison.gravity).torque
         return q, np.real(np.exp(1j * np.outer(np.radians(q), np.arange(CURVE + 1))) @ torque)
 
     def curve(self) -> Any:
@@ -173,7 +159,7 @@ class Sheet:
         plan = self.engine.layout
         try:
             angles, order = np.sort(gas.firing_angles(plan)), gas.firing_order(plan)
-        except ValueError:  # too many cylinders to search
+        except gas.FiringOrderError:  # too many cylinders to search
             return plan.firing_order or "not stated"
         gaps = np.round(np.diff([*angles, angles[0] + 720.0]), 6)
         apart = (
@@ -184,12 +170,40 @@ class Sheet:
 
     def claims(self, rows: list[Row]) -> list[Row]:
         """The rows of the truth table about this layout."""
-        name = self.engine.layout.name
-        patterns = [pattern for family, pattern in TOPICS.items() if name.startswith(family)]
-        return [row for row in rows if any(re.search(p, f"{row.source} {row.what}") for p in patterns)]
+        return [row for row in rows if self.engine.layout.name in row.layouts]
+
+
+@dataclass(frozen=True)
+class GasTorque:
+    """What half sines of the gas over the power strokes do to the crank, without inertia, over two turns."""
+
+    engine: Engine
+    peak: float
+    """On each piston [N]."""
+    samples: tuple[np.ndarray, np.ndarray]
+    """Crank angle [degrees] and torque on the crank [N m] of the spatial model."""
+
+    @cached_property
+    def closed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Crank angle [degrees] and torque [N m] by virtual power, every half degree."""
+        q = np.linspace(0.0, 720.0, 1441)
+        return q, gas.torque(self.engine, gas.half_sine(self.peak), np.radians(q))
+
+    def curve(self) -> Any:
+        """Torque over the crank angle: virtual power as a line, the spatial model as dots."""
+        label = "torque of the gas on the crank over two turns"
+        return drawings.curve(*self.closed, self.samples, label, "gas torque [N m]")
+
+    def harmonics(self, orders: int) -> list[tuple[float, float, float]]:
+        """(order, sum of the forces [N], torque [N m]) of what is there, by half orders from the mean on."""
+        push = np.abs(gas.force_phasors(self.engine, self.peak, 2 * orders))
+        torque = np.abs(np.fft.rfft(self.closed[1][:-1])) * 2 / 1440
+        torque[0] /= 2
+        rows = [(half / 2, float(push[half]), float(torque[half])) for half in range(2 * orders + 1)]
+        return [row for row in rows if max(row[1:]) > FINE * self.peak]
 
 
 def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force and moment at crank angles q, (k, 3) each [N], [N m]."""
-    turn = np.exp(1j * np.outer(q, np.arange(len(h.torque))))
-    return np.real(turn @ h.force), np.real(turn @ h.moment)
+    """Force and moment at crank angles q less their means, (k, 3) each [N], [N m]."""
+    turn = np.exp(1j * np.outer(q, np.arange(1, len(h.torque))))
+    return np.real(turn @ h.force[1:]), np.real(turn @ h.moment[1:])

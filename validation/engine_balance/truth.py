@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import spatial
-from .claims import Row, actual, assumed, couple, force, frames, peaks
+from .claims import Row, actual, assumed, couple, family, force, frames, peaks
 from .corrections import corrections
 from .layouts import Engine, data
 
@@ -15,6 +15,7 @@ CENTRIPETAL = "m w x (w x s) of the crank was left out"
 PITCH = "pitch plane, " + CENTRIPETAL
 ONE_STATION = "opposed pistons do not share a station; staggered"
 ALONG = "forces across the bores and m w x (w x s) were left out"
+GIFS = {"I5_real": "I5", "V8_cross_article": "V8_cross", "V10_72_article": "V10"}  # shown with all cranks of that kind
 GRAVITY = (0.0, -9.81, 0.0)
 
 
@@ -47,48 +48,52 @@ def published_checks() -> list[Row]:
     """The figures of articles and e-book, in the order of the data file."""
     checks, values = data()["published_checks"], checked()
     found = []
-    for check, (article, true, verdict) in zip(checks, values, strict=True):
+    for check, (about, article, true, verdict) in zip(checks, values, strict=True):
         unit = "N m" if "orque" in check["what"] or "moment" in check["what"] or "M_" in check["what"] else "N"
         published = check["published"]
-        found.append(Row("published_checks", check["what"].strip(), unit, published, article, true, verdict))
+        found.append(
+            Row("published_checks", check["what"].strip(), unit, published, article, true, verdict, family(about))
+        )
     return found
 
 
-def checked() -> list[tuple[Any, Any, str]]:
-    """(assumed, actual, verdict) of every published check."""
+def checked() -> list[tuple[str, Any, Any, str]]:
+    """(beginnings of the layouts it is about, assumed, actual, verdict) of every published check."""
     flat, flat_real, boxer_real = "flat4_nonboxer_article", "flat4_nonboxer_staggered", "boxer4_staggered"
     cross = "V8_cross_article"
     real = couple(actual("V8_cross_real"), 1)
     preset = f"{ALONG}; the real crank [0, 90, 270, 180] has {real:.3f}"
     still, heavy, wrong = single(False), single(True), single(True, False)
     return [
-        both("I4", force, 2, AGREES),
-        both(flat, couple, 1, PITCH),
-        (couple(assumed(flat), 2), couple(actual(flat_real), 2), ONE_STATION),
-        (couple(assumed("boxer4_article"), 1), couple(actual(boxer_real), 1), AGREES),
-        (couple(assumed("boxer4_article"), 2), couple(actual(boxer_real), 2), ONE_STATION),
-        both("I3", couple, 1, PITCH),
-        both("single", force, 1, CENTRIPETAL),
-        both("single", force, 2, AGREES),
-        both("single", force, 4, AGREES),
-        both("V8_flat", force, 2, AGREES),
-        (force(assumed("V8_flat"), 4, 1), force(actual("V8_flat"), 4, 1), AGREES),
-        (couple(assumed(cross), 1, 0), couple(actual(cross), 1, 0), preset),
-        (couple(assumed(cross), 1, 1), couple(actual(cross), 1, 1), preset),
-        both(cross, couple, 2, "agrees for that preset; 0 for the real crank"),
-        both("I4", force, 4, AGREES),
-        *(both("I4", force, 2, AGREES, length) for length in (1.5, 2.0, 3.0, 4.0)),
-        (np.abs(still.torque).max(), np.abs(still.torque).max(), AGREES),
-        (np.abs(heavy.torque).max(), np.abs(heavy.torque).max(), AGREES),
-        (wrong.bearing.min(), heavy.bearing.min(), CENTRIPETAL),
-        (wrong.bearing.max(), heavy.bearing.max(), CENTRIPETAL),
-        (None, (heavy.bearing.min(), heavy.bearing.max()), AGREES),
+        both("I4", "I4", force, 2, AGREES),
+        both("flat4", flat, couple, 1, PITCH),
+        ("flat4", couple(assumed(flat), 2), couple(actual(flat_real), 2), ONE_STATION),
+        ("boxer4", couple(assumed("boxer4_article"), 1), couple(actual(boxer_real), 1), AGREES),
+        ("boxer4", couple(assumed("boxer4_article"), 2), couple(actual(boxer_real), 2), ONE_STATION),
+        both("I3", "I3", couple, 1, PITCH),
+        both("single", "single", force, 1, CENTRIPETAL),
+        both("single", "single", force, 2, AGREES),
+        both("single", "single", force, 4, AGREES),
+        both("V8_flat", "V8_flat", force, 2, AGREES),
+        ("V8_flat", force(assumed("V8_flat"), 4, 1), force(actual("V8_flat"), 4, 1), AGREES),
+        ("V8_cross", couple(assumed(cross), 1, 0), couple(actual(cross), 1, 0), preset),
+        ("V8_cross", couple(assumed(cross), 1, 1), couple(actual(cross), 1, 1), preset),
+        both("V8_cross", cross, couple, 2, "agrees for that preset; 0 for the real crank"),
+        both("I4", "I4", force, 4, AGREES),
+        *(both("I4", "I4", force, 2, AGREES, length) for length in (1.5, 2.0, 3.0, 4.0)),
+        ("single", np.abs(still.torque).max(), np.abs(still.torque).max(), AGREES),
+        ("single", np.abs(heavy.torque).max(), np.abs(heavy.torque).max(), AGREES),
+        ("single", wrong.bearing.min(), heavy.bearing.min(), CENTRIPETAL),
+        ("single", wrong.bearing.max(), heavy.bearing.max(), CENTRIPETAL),
+        ("single", None, (heavy.bearing.min(), heavy.bearing.max()), AGREES),
     ]
 
 
-def both(name: str, part: Any, order: int, verdict: str, rod_length: float = 2.0) -> tuple[float, float, str]:
+def both(
+    about: str, name: str, part: Any, order: int, verdict: str, rod_length: float = 2.0
+) -> tuple[str, float, float, str]:
     """A component of a layout, assumed and actual."""
-    return part(assumed(name, rod_length), order), part(actual(name, rod_length), order), verdict
+    return about, part(assumed(name, rod_length), order), part(actual(name, rod_length), order), verdict
 
 
 def gifs() -> list[Row]:
@@ -100,7 +105,9 @@ def gifs() -> list[Row]:
         published = check["published"][1 + k]
         verdict = AGREES if abs(between[k] - seen[k]) < 5e-4 else "peak of 60 frames; two harmonics of the force only"
         what, unit = (f"peak force {name}", "N") if k == 0 else (f"peak moment {name}", "N m")
-        found.append(Row("toy_set_2", what, unit, published, seen[k], between[k], verdict))
+        found.append(
+            Row("toy_set_2", what, unit, published, seen[k], between[k], verdict, family(GIFS.get(name, name)))
+        )
     return found
 
 
@@ -125,6 +132,7 @@ def at_top() -> list[Row]:
             float(values[0]),
             float(true.bearing[0] if values is wrong.bearing else values[0]),
             verdict,
+            ("single",),
         )
         for what, key, values, verdict in parts
     ]
