@@ -176,7 +176,10 @@ def test_views_play_from_the_start(folder):
 
 def test_a_column_without_figures_is_left_out(folder):
     assert "spatial published 2x force N 16.4444 16.4444 16.4444 16.44" in words(folder / "I4.html")
-    assert "phasor planar spatial 6x force N 0.12376" in words(folder / "V6_60_offset+60.html")
+    text = words(folder / "V6_60_offset+60.html")
+    assert "phasor planar spatial 6x force N 0.12376" in text
+    assert "figure by its assumptions true verdict" in text  # nobody published a figure of a V6
+    assert "figure published by its assumptions true verdict" in words(folder / "I4.html")
 
 
 def test_pages_by_the_command_line(tmp_path):

@@ -26,7 +26,6 @@ from .layouts import Engine, data
 Figure = tuple[str, str, float | None, float | None, float | None, str]
 """What, unit, published, assumed, actual, verdict."""
 Figures = dict[str, list[Figure]]  # by the layouts they are about: beginnings of names, as `family` takes them
-OFFSET = 0.1  # m, of the bore of a crank that is not centred
 
 
 def corrections() -> list[Row]:
@@ -65,17 +64,10 @@ def centre_of_mass() -> Figures:
 def sanity() -> Figures:
     """F_2x = 4 F_single R / L of the inline four."""
     engine, four = Engine("I4"), force(actual("I4"), 2)
-    lam = engine.radius / engine.rod_length
+    lam, single = engine.radius / engine.rod_length, force(assumed("single"), 1)
     leading = 4 * phasor.reciprocating(engine) * engine.rate**2 * engine.radius * lam
     one = [
-        (
-            "F_single = F_2x / (4 R / L)",
-            "N",
-            8.22,
-            four / (4 * lam),
-            force(assumed("single"), 1),
-            "1x of 9 kg, 2x of 7",
-        ),
+        ("F_single = F_2x / (4 R / L)", "N", 8.22, four / (4 * lam), single, "1x moves 9 kg, 2x only 7 kg"),
         ("2x of one cylinder", "N", None, None, force(actual("single"), 2), "a quarter of the four's"),
     ]
     all_four = [
@@ -250,7 +242,7 @@ def rotating() -> list[Figure]:
 
 def odd() -> list[Figure]:
     """Odd harmonics from 3x on."""
-    skew = float(np.abs(planar_sum.harmonics(Engine("single", offset=OFFSET)).force[3, 0]))
+    skew = float(np.abs(planar_sum.harmonics(Engine("single", offset=0.1)).force[3, 0]))
     return [
         ("3x force, centred", "N", 0.0, None, force(actual("single"), 3), "agrees"),
         ("3x force, bore offset by 0.1 m", "N", 0.0, None, skew, "only centred cylinders have none"),

@@ -172,6 +172,12 @@ class Sheet:
         """The rows of the truth table about this layout."""
         return [row for row in rows if self.engine.layout.name in row.layouts]
 
+    @staticmethod
+    def columns(rows: list[Row]) -> list[tuple[str, str]]:
+        """(attribute, title) of the figures that any of the rows has."""
+        every = ("published", "published"), ("assumed", "by its assumptions"), ("actual", "true")
+        return [column for column in every if any(getattr(row, column[0]) is not None for row in rows)]
+
 
 @dataclass(frozen=True)
 class GasTorque:
