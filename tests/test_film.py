@@ -50,6 +50,7 @@ def test_every_frame_of_the_gif_is_another_picture(solution, tmp_path):
     assert np.all(images[0][60, 0] == 255)  # the paper keeps its colour
 
 
+@pytest.mark.slow
 def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
     options = {"speed": 0.5, "fps": 20, "shown": ["reaction force"], "dark": True, "height": 100, **SMALL}
     first, second = (solution.export_gif(tmp_path / name, **options) for name in ("a.gif", "b.GIF"))

@@ -105,6 +105,7 @@ def test_loop(page):
     loop.check()
 
 
+@pytest.mark.slow
 def test_every_switch_changes_the_picture_and_back(page):
     page.page.set_viewport_size({"width": 800, "height": 340})  # small pictures are drawn quickly
     legend = page.page.locator("#legend")

@@ -174,6 +174,7 @@ save_figure(simulate(pendulum(), 0.1, output=9).plot(["energy", "drift", "reacti
 """
 
 
+@pytest.mark.slow
 def test_files_are_the_same_bytes_in_another_process(tmp_path):
     for name, seed in (("one", "1"), ("two", "2")):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
