@@ -212,8 +212,8 @@ def test_ctrl_c_keeps_what_was_computed(folder):
     time.sleep(max(2.0, 2.0 * whole))
     running.send_signal(signal.SIGINT)
     began = time.perf_counter()
-    out, err = running.communicate(timeout=60)
-    assert time.perf_counter() - began < max(1.5, whole)  # 0.2 s on a free machine
+    out, err = running.communicate(timeout=30)
+    assert time.perf_counter() - began < 1.5  # 0.2 s on a free machine
     assert running.returncode == 130 and "interrupted at t = " in err and "Traceback" not in err
     assert re.search(r"^kept/model.npz: \d+ samples up to t = ", out)
     assert mbsd3d.load(folder / "kept" / "model.npz").t.size > 1

@@ -220,17 +220,12 @@ def figure(build, grid, measure, run):
 
 @pytest.mark.slow
 def test_900_engines():
-    """The target is 5 s on two cores that have nothing else to do, so 10 s of processor time; a slow machine may take
-    half as much again as 900 engines one by one."""
+    """The target is 5 s on two cores that have nothing else to do, so 10 s of processor time."""
     grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
     run = {"t_end": 2 * np.pi / RATE, "method": Kinematic(), "output": SAMPLES + 1}
     table, wall, processor = figure(inline_four, grid, orders, run)
     print(f"900 engines: {wall:.1f} s, {processor:.1f} s of processor time")
-    began = time.process_time()
-    for radius in grid["radius"]:
-        orders(simulate(inline_four(radius), **run))
-    alone = (time.process_time() - began) * 900 / 30
-    assert table.attrs["failed"] == 0 and processor < max(10.0, 1.5 * alone)
+    assert table.attrs["failed"] == 0 and processor < 10.0
     found = float(table["force_2x"].sel(radius=1.0, rod_length=1.5))
     assert found == pytest.approx(ENGINE["sweep_RL_I4_2x"]["L=1.5"], rel=1e-11)
 
