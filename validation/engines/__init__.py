@@ -1,1 +1,1 @@
-"""Solvers written for comparison, with no equation in common with ``mbsd3d``: a planar one."""
+"""Solvers for comparison: a planar one with no equation in common with ``mbsd3d``, and twins in MuJoCo and Exudyn."""
