@@ -6,7 +6,7 @@ inertia, that is welded to the rest: the two together move as the body does.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from mbsd3d import (
@@ -38,7 +38,6 @@ class Piece:
     parent: "Piece | None"  # None is the ground
     joint: Joint | None
     is_b: bool = True  # whether it is body b of the joint
-    children: list["Piece"] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -137,6 +136,4 @@ def add(layout: Layout, body: Body, parent: Piece | None, joint: Joint | None, i
     """A new piece."""
     piece = Piece(len(layout.pieces), body, parent, joint, is_b)
     layout.pieces.append(piece)
-    if parent is not None:
-        parent.children.append(piece)
     return piece
