@@ -83,6 +83,8 @@ class BodyTwin:
         if steps < 1 or steps % samples:
             raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
         settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
+        if self.scheme.implicit:
+            self.equations().begin_with_accelerations()
         seconds = march(self.module, self.mbs, self.scheme, settings)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
         t = np.linspace(self.state.t, t_end, samples + 1)

@@ -85,12 +85,22 @@ class Equations:
         near, far = rates(h) - rates(-h), rates(2 * h) - rates(-2 * h)
         return -(8 * near - far) / (12 * h)
 
-    def accelerations(self) -> Array:
-        """(bodies, 6): d/dt (r_dot, w) at the start, with multipliers of least norm where rows repeat each other."""
+    def change(self) -> tuple[Array, Array]:
+        """u_dot and multipliers at the start; of least norm where rows repeat each other."""
         right = self.bias()
         self.load(self.q, self.u, self.model.state.t)
         M, J = self.mass_matrix(), self.jacobian()
         left = np.block([[M, J.T], [J, np.zeros((self.rows, self.rows))]])
         found = np.linalg.lstsq(left, np.concatenate([self.force(), right]), rcond=1e-11)[0]
+        return found[: self.size], found[self.size :]
+
+    def accelerations(self) -> Array:
+        """(bodies, 6): d/dt (r_dot, w) at the start."""
         e = self.model.poses(self.q[None])[1][0]
-        return (self.model.rates(e) @ found[: self.size]).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
+        return (self.model.rates(e) @ self.change()[0]).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
+
+    def begin_with_accelerations(self) -> None:
+        """Let every run start from them: Exudyn's own solve forgets how prescribed motions accelerate."""
+        first, (change, multipliers) = self.model.module.ConfigurationType.Initial, self.change()
+        self.mbs.systemData.SetODE2Coordinates_tt(change, first)
+        self.mbs.systemData.SetAECoordinates(multipliers, first)

@@ -83,6 +83,7 @@ class Scheme:
         integration.solverType = getattr(module.DynamicSolverType, SOLVERS[self.solver][0])
         integration.automaticStepSize = integration.adaptiveStep = False  # a step that was cut would hide its error
         alpha.spectralRadius = self.spectral_radius
+        alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
         alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
         newton = integration.newton
         newton.useModifiedNewton = self.modified_newton
