@@ -8,6 +8,7 @@ from .verdict import Compared, CrossCheck, Finding
 
 SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities in the figure of convergence: the others follow from them."""
+USUAL = 1.1e-6  # tolerance that goes without saying
 HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
 
 
@@ -42,10 +43,13 @@ def row(finding: Finding) -> str:
         number(finding.difference, "10.1e"), number(finding.uncertainty, "8.0e"), number(finding.order, "5.2f"),
         number(finding.until, "9.4g"),
     ]  # fmt: skip
-    verdict = finding.verdict
-    if finding.status == "agrees" and finding.tolerance is not None and finding.tolerance > 1.1e-6:
-        verdict += f" within {finding.tolerance:.0e}"
-    return f"{finding.engine:12} {finding.quantity:20} {' '.join(numbers)}  {verdict}"
+    return f"{finding.engine:12} {finding.quantity:20} {' '.join(numbers)}  {verdict(finding)}"
+
+
+def verdict(finding: Finding) -> str:
+    """The verdict, and the tolerance where it had to be looser than usual."""
+    loose = finding.status == "agrees" and finding.tolerance is not None and finding.tolerance > USUAL
+    return f"{finding.verdict} within {finding.tolerance:.0e}" if loose else finding.verdict
 
 
 def number(value: float | None, form: str) -> str:
