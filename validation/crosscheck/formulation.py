@@ -1,0 +1,124 @@
+"""Our motion, sample by sample, against the definitions of the joints: a formulation that shares no kernel with it.
+
+Not another engine, but every joint type has a place in it: gaps and slips of the joints, accelerations and unique
+reactions of `validation.reference_point` at the states of the run, solved from those definitions.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import State, accelerations, simulate
+from validation import definitions, reference_point
+from validation.engines.base import Array, NotExpressible
+
+from .ours import TIGHT
+from .quantities import Sizes, largest
+from .verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
+
+ENGINE = "definitions"
+SAMPLES = 9
+"""States that are looked at: each costs some milliseconds and a body's motion has hardly more phases."""
+LIMIT = 1e-9
+"""Relative; where the condition of J M^-1 J' times rounding is more, that counts (see tests/test_random.py)."""
+EPS = 1e-14
+
+
+def compare_definitions(system: Any, state: State, t_end: float | None, size: Sizes) -> Compared:
+    """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only."""
+    try:
+        reference_point.solve(system, state)
+    except (ValueError, KeyError) as error:
+        text = f"no definition is written for {error}" if isinstance(error, KeyError) else str(error)
+        raise NotExpressible(text) from error
+    if t_end is None:
+        solution = accelerations(system, state)
+    else:
+        solution = simulate(system, t_end, state=state, rtol=TIGHT, output=SAMPLES)
+    found: dict[str, list[tuple[float, str, float, float]]] = {}
+    for k in range(solution.t.size):
+        for name, difference, part, limit in at_state(solution, k, size):
+            found.setdefault(name, []).append((difference / limit, part, difference, limit))
+    findings = tuple(finding(name, max(entries), float(solution.t[-1])) for name, entries in found.items())
+    states = f"{solution.t.size} states" if t_end else "the start"
+    return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {states}")
+
+
+def finding(name: str, worst: tuple, t_end: float) -> Finding:
+    """The worst of all states."""
+    excess, part, difference, limit = worst
+    status = AGREES if excess <= 1.0 else DIFFERS
+    return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part)
+
+
+def at_state(solution: Any, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
+    """(quantity, greatest relative difference, whose, limit) at sample k."""
+    system = solution.system
+    there = reference_point.solve(system, solution.state(k))
+    limit = max(LIMIT, EPS * there.condition)
+    a, b = solution.arrays["acceleration"][k], there.acceleration
+    pull = max(largest(b[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
+    bodies = [body.name for body in system.bodies]
+    entries = [
+        ("joint gaps", *gaps(solution, k, max(size.length, 1.0)), LIMIT),
+        ("joint velocities", there.rate / max(size.speed, 1.0), "joints", LIMIT),
+        ("acceleration", *worst(a[:, :3] - b[:, :3], pull, bodies), limit),
+        ("angular acceleration", *worst(a[:, 3:] - b[:, 3:], pull / size.length, bodies), limit),
+    ]
+    return entries + reactions(solution, k, there, size, limit)
+
+
+def gaps(solution: Any, k: int, scale: float) -> tuple[float, str]:
+    """(greatest |c| of the definitions of geometry over a length, whose) at sample k."""
+    system, state = solution.system, solution.state(k)
+    now = definitions.Motion(system, state, state.v.reshape(1, -1, 6))
+    found = [(0.0, "no joint")]
+    for joint in system.joints:
+        if type(joint).__name__ in definitions.GEOMETRY:
+            *parts, last = definitions.GEOMETRY[type(joint).__name__](now, joint)
+            c = [*(part.x0 for part in parts), last.x0 + whole_turns(solution, k, joint)]
+            found.append((max(map(largest, c)) / scale, system.name(joint)))
+    return max(found)
+
+
+def whole_turns(solution: Any, k: int, joint: Any) -> float:
+    """What the turns that a hinge has made add to c, the last part of a definition: it knows angles up to +-pi only."""
+    hinges = {
+        "AngleDriver": lambda: [(1.0, joint.hinge)],
+        "Gear": lambda: [(1.0, joint.hinge_b), (-joint.ratio, joint.hinge_a)],
+        "RackPinion": lambda: [(-joint.radius, joint.pinion)],
+        "Screw": lambda: [(-joint.pitch / (2 * np.pi), joint)],
+    }.get(type(joint).__name__, list)()
+    angles = [(factor, float(solution.angle(hinge)[k])) for factor, hinge in hinges]
+    return sum(factor * (angle - float(np.arctan2(np.sin(angle), np.cos(angle)))) for factor, angle in angles)
+
+
+def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str]:
+    """(greatest relative difference, whose)."""
+    by_part = np.abs(difference).max(axis=1, initial=0.0) / scale
+    return float(by_part.max()), parts[int(by_part.argmax())]
+
+
+def reactions(solution: Any, k: int, there: Any, size: Sizes, limit: float) -> list[tuple[str, float, str, float]]:
+    """Wrenches about O of body b of the joints whose reaction is unique."""
+    force, moment, names = [], [], []
+    for joint in solution.system.joints:
+        reaction = solution.reaction(joint)
+        if id(joint) not in there.wrench or not reaction.unique:
+            continue
+        arm = reaction.point[k] - solution.position(joint.b)[k]
+        about_O = reaction.moment[k] + np.cross(arm, reaction.force[k])
+        force.append(reaction.force[k] - there.wrench[id(joint)][:3])
+        moment.append(about_O - there.wrench[id(joint)][3:])
+        names.append(solution.system.name(joint))
+    if not names:
+        return []
+    return [
+        ("reaction force", *worst(np.array(force), size.force, names), limit),
+        ("reaction moment", *worst(np.array(moment), size.moment, names), limit),
+    ]
+
+
+def skipped(engine: str, reason: str) -> Compared:
+    """An engine that could not take part, and why."""
+    return Compared(engine, (Finding(engine, "everything", SKIPPED, reason=reason),))
