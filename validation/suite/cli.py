@@ -1,0 +1,52 @@
+"""``mbsd3d validate`` without a model: all cases, the table on the screen, page and JSON in a folder."""
+
+from typing import Any
+
+import click
+
+from mbsd3d.commands import INTERRUPTED, ready_folder
+
+DIFFERENT = 1  # exit code
+
+
+def validate_all(out: str, names: tuple[str, ...], quick: bool, fresh: bool) -> None:
+    """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
+    from .ledger import Ledger, identity
+    from .listing import chosen, trials
+    from .suite import Suite
+
+    everything = chosen(trials(quick), names)
+    folder = ready_folder(out)
+    ledger = Ledger(folder, identity(quick=quick), fresh)
+    suite = Suite(everything, ledger, quick)
+    if suite.records:
+        click.echo(f"mbsd3d: {len(suite.records)} of {len(everything)} cases are in {ledger.path}", err=True)
+    try:
+        suite.run()
+    except KeyboardInterrupt:
+        show(suite, folder)
+        click.echo(f"mbsd3d: interrupted, {len(suite.left)} cases are left; the same command goes on", err=True)
+        raise click.exceptions.Exit(INTERRUPTED) from None
+    show(suite, folder)
+    if suite.failed:
+        click.echo(f"mbsd3d: {', '.join(record.name for record in suite.failed)} differ", err=True)
+        raise click.exceptions.Exit(DIFFERENT)
+
+
+def show(suite: Any, folder: Any) -> None:
+    """Table on the screen, files in the folder."""
+    from .table import text
+
+    if suite.records:
+        click.echo(text(suite.records))
+    for path in suite.write(folder):
+        click.echo(str(path))
+
+
+def list_cases(quick: bool) -> None:
+    """Names and titles of all cases."""
+    from .listing import trials
+
+    found = trials(quick)
+    width = max(len(trial.name) for trial in found)
+    click.echo("\n".join(f"{trial.name:{width}}  {trial.title}" for trial in found))
