@@ -2,13 +2,17 @@
 
 from typing import Any
 
-__all__ = ["reduce_to_planes"]
+__all__ = ["cross_check", "reduce_to_planes"]
 
 
 def __getattr__(name: str) -> Any:
-    """`reduce_to_planes`, imported when it is asked for: the closed forms do not need the package they judge."""
+    """The functions, imported when they are asked for: the closed forms do not need the package they judge."""
     if name == "reduce_to_planes":
         from validation.reduction import reduce_to_planes
 
         return reduce_to_planes
+    if name == "cross_check":
+        from validation.crosscheck import cross_check
+
+        return cross_check
     raise AttributeError(f"module 'validation' has no attribute {name!r}")

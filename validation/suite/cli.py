@@ -7,14 +7,20 @@ import click
 from mbsd3d.commands import INTERRUPTED, ready_folder
 
 DIFFERENT = 1  # exit code
+OUT = "out/validation"
 
 
-def validate_all(out: str, names: tuple[str, ...], quick: bool, fresh: bool) -> None:
+def validate_all(
+    *, out: str = OUT, names: tuple[str, ...] = (), quick: bool = False, fresh: bool = False, only_list: bool = False
+) -> None:
     """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
     from .ledger import Ledger, identity
     from .listing import chosen, trials
     from .suite import Suite
 
+    if only_list:
+        list_cases(quick)
+        return
     everything = chosen(trials(quick), names)
     folder = ready_folder(out)
     ledger = Ledger(folder, identity(quick=quick), fresh)

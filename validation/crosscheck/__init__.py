@@ -1,0 +1,8 @@
+"""A mechanism of anyone's in other engines: `cross_check`.
+
+Read in this order: `quantities` (what is compared), `limits` (convergence), `ours`, `ladder`, `start`, `judge`,
+`causes` (attribution), `formulation` (the joints' definitions), `check`; `verdict` and `display` hold the result.
+"""
+
+from .check import ENGINES, cross_check
+from .verdict import Attribution, Compared, CrossCheck, Curve, Finding

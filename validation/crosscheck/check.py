@@ -1,0 +1,167 @@
+"""`cross_check`: a mechanism in other engines, from mass matrices to motions, judged by convergence."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import State
+from mbsd3d.parts import number
+from mbsd3d.progress import Progress
+from mbsd3d.simulation import check_state, check_system
+from validation.engines.base import NotComparable, Twin
+
+from .causes import explained
+from .formulation import ENGINE as DEFINITIONS
+from .formulation import compare_definitions, skipped
+from .judge import Runs, curves, judge_motion
+from .ladder import INTERVALS, climb, fastest_rate, first_steps
+from .ours import Ours, ours_at
+from .start import judge_start
+from .verdict import SKIPPED, Compared, CrossCheck, Finding
+
+MODULES = {"mujoco": "validation.engines.mujoco", "exudyn": "validation.engines.exudyn"}
+NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
+ENGINES = (*MODULES, DEFINITIONS)
+BUDGET = 10.0  # s of an engine's ladder
+
+
+def cross_check(
+    system: Any,
+    t_end: float,
+    *,
+    engines: Sequence[str] = ENGINES,
+    state: State | None = None,
+    tolerance: float = 1e-6,
+    budget: float = BUDGET,
+    progress: bool | None = None,
+) -> CrossCheck:
+    """Compare a mechanism's motion with the same mechanism in MuJoCo and Exudyn, and with its joints' definitions.
+
+    Mass matrix and accelerations at the start, then poses, velocities, momenta, energies and unique reactions at 33
+    samples. Every engine runs with ever shorter steps; what is compared is the limit these runs tend to, over the time
+    in which it is known to the tolerance. A difference counts unless it vanishes with a cause that was changed.
+
+    Parameters
+    ----------
+    system : System
+    t_end : float
+        [s]
+    engines : sequence of str
+        Of "mujoco", "exudyn" and "definitions" (not an engine: a second formulation, see `crosscheck.formulation`).
+    state : State or None
+        Start; None = ``system.state()``.
+    tolerance : float
+        Relative difference that counts as agreement; also up to where an engine's limit has to be known. If it is not
+        for an eighth of the time, it is taken ten times larger, 1e-3 at most, and the findings say so.
+    budget : float
+        Seconds that an engine's runs may take before no finer step is tried.
+    progress : bool or None
+        Show a progress bar; None = on a terminal, after two seconds.
+
+    Returns
+    -------
+    CrossCheck
+        Also after Ctrl-C, with what was found; it has not passed then.
+
+    Raises
+    ------
+    ValueError
+        For input that makes no sense.
+    IntegrationError
+        If our own run fails.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> arm = Body("arm", 1.2, (0.02, 0.1, 0.1), com=(0.4, 0, 0))
+    >>> system = System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, -1, 0), name="hinge")])
+    >>> cross_check(system, 0.5, engines=["definitions"]).verdict["definitions", "acceleration"]
+    'agrees'
+    """
+    start, times = check_input(system, t_end, engines, state, tolerance, budget)
+    with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
+        ours = ours_at(system, start, times)
+        found: list[Compared] = []
+        interrupted = False
+        for k, engine in enumerate(engines):
+            bar.update(1.0 + k)
+            try:
+                found.append(
+                    compare(engine, system, start, ours, tolerance, budget, lambda x, k=k: bar.update(1 + k + x))
+                )
+            except NotComparable as error:
+                found.append(skipped(NAMES.get(engine, engine), str(error)))
+            except KeyboardInterrupt:
+                found += [skipped(NAMES.get(name, name), "interrupted") for name in engines[k:]]
+                interrupted = True
+                break
+    own = max(float(ours.error[name][-1]) for name in ("position", "rotation", "velocity", "angular velocity"))
+    return CrossCheck(float(t_end), tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, notes(ours))
+
+
+def check_input(
+    system: Any, t_end: float, engines: Sequence[str], state: State | None, tolerance: float, budget: float
+) -> tuple[State, np.ndarray]:
+    """(start, sample times); ValueError for what makes no sense."""
+    check_system(system, "cross_check")
+    check_state(state, "cross_check")
+    start, t_end = state or system.state(), number(t_end, "cross_check: t_end")
+    if not t_end > start.t:
+        raise ValueError(f"cross_check: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give more")
+    if not system.bodies:
+        raise ValueError("cross_check: the system has no bodies; give one that moves")
+    if isinstance(engines, str) or not engines:
+        raise ValueError(f"cross_check: engines {engines!r}: give a list of {', '.join(ENGINES)}")
+    for engine in engines:
+        if engine not in ENGINES:
+            raise ValueError(f"cross_check: engine {engine!r} is unknown; give one of {', '.join(ENGINES)}")
+    if not 1e-9 <= number(tolerance, "cross_check: tolerance") <= 1e-3:
+        raise ValueError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
+    if not number(budget, "cross_check: budget") > 0.0:
+        raise ValueError(f"cross_check: budget {budget:g} s; give seconds above 0")
+    return start, np.linspace(start.t, t_end, INTERVALS + 1)
+
+
+def twin_of(engine: str, system: Any, state: State, **settings: Any) -> Twin:
+    """The system in an engine, from a state."""
+    return import_module(MODULES[engine]).twin(system, state=state, **settings)
+
+
+def compare(
+    engine: str, system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
+) -> Compared:
+    """All findings about one engine."""
+    t_end = float(ours.motion.t[-1])
+    if engine == DEFINITIONS:
+        return compare_definitions(system, state, t_end, ours.size)
+    name = NAMES[engine]
+    twin = twin_of(engine, system, state)
+
+    def again(**settings: Any) -> Twin:
+        return twin_of(engine, system, state, **settings)
+
+    findings = judge_start(system, state, twin, ours, tolerance)
+    try:
+        first = first_steps(t_end - state.t, fastest_rate(ours.motion))
+        ladder = climb(twin, system, t_end, first, ours.size, 0.1 * tolerance, budget, report)
+    except NotComparable as error:
+        findings.append(Finding(name, "motion", SKIPPED, reason=str(error)))
+        return Compared(name, tuple(explained(findings, again, system, state, ours)), twin.settings, twin.order)
+    runs = Runs(system, ladder, ours)
+    motion, span = judge_motion(runs, name, tolerance)
+    findings = explained(findings + motion, again, system, state, ours, runs, span)
+    seconds = tuple(run.seconds for run in ladder.runs)
+    return Compared(
+        name, tuple(findings), twin.settings, twin.order, tuple(ladder.steps), seconds, ladder.stopped,
+        curves(runs, span),
+    )  # fmt: skip
+
+
+def notes(ours: Ours) -> tuple[str, ...]:
+    """What was left out on purpose."""
+    if not ours.open:
+        return ()
+    names = ", ".join(f"'{name}'" for name in ours.open)
+    return (f"reactions of {names} are not compared: the constraints do not determine them (redundant rows)",)

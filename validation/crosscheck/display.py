@@ -1,0 +1,93 @@
+"""The result as text and as a figure."""
+
+from typing import Any
+
+from mbsd3d.style import LINE, THIN, Theme, dress, house, theme
+
+from .verdict import Compared, CrossCheck, Finding
+
+SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
+"""Quantities in the figure of convergence: the others follow from them."""
+USUAL = 1.1e-6  # tolerance that goes without saying
+HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
+
+
+def table(check: CrossCheck) -> str:
+    """One line per engine and quantity; differences are relative to the quantity's size in the run."""
+    lines = [HEADER]
+    for engine in check.engines:
+        lines += [row(finding) for finding in engine.findings]
+        if engine.steps:
+            runs = f"{engine.steps[0]} ... {engine.steps[-1]} steps, {sum(engine.seconds):.2g} s"
+            lines.append(f"{'':12} {engine.settings}; {runs}; {engine.stopped}")
+    lines.append(
+        f"neighbouring motions part by {check.growth:.3g} until {check.t_end:g} s; own error {check.own_error:.0e}"
+    )
+    return "\n".join([*lines, *check.notes, summary(check)])
+
+
+def summary(check: CrossCheck) -> str:
+    """The last line."""
+    if check.interrupted:
+        return "interrupted: what stands above was compared"
+    if check.failures:
+        return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
+    if not check.passed:
+        return "nothing was compared with another engine"
+    return f"agrees with {', '.join(check.compared)}"
+
+
+def row(finding: Finding) -> str:
+    """One line."""
+    numbers = [
+        number(finding.difference, "10.1e"), number(finding.uncertainty, "8.0e"), number(finding.order, "5.2f"),
+        number(finding.until, "9.4g"),
+    ]  # fmt: skip
+    return f"{finding.engine:12} {finding.quantity:20} {' '.join(numbers)}  {verdict(finding)}"
+
+
+def verdict(finding: Finding) -> str:
+    """The verdict, and the tolerance where it had to be looser than usual."""
+    loose = finding.status == "agrees" and finding.tolerance is not None and finding.tolerance > USUAL
+    return f"{finding.verdict} within {finding.tolerance:.0e}" if loose else finding.verdict
+
+
+def number(value: float | None, form: str) -> str:
+    """Formatted, or as many blanks with a dash."""
+    return f"{value:{form}}" if value is not None else f"{'-':>{form.split('.')[0]}}"
+
+
+def convergence_figure(check: CrossCheck, dark: bool = False) -> Any:
+    """Difference from our motion over the step, one panel per engine with runs, and the expected slope beside it."""
+    from matplotlib.figure import Figure
+
+    engines = [engine for engine in check.engines if engine.curves]
+    look = theme(dark)
+    with house(look):
+        figure = Figure(figsize=(7.5, 3.6), layout="constrained", facecolor=look.paper)
+        panels = figure.subplots(1, max(len(engines), 1), squeeze=False, sharey=True)[0]
+        for axes, engine in zip(panels, engines, strict=False):
+            draw(axes, engine, look)
+        panels[0].set_ylabel("difference from mbsd3d, relative [-]")
+        if not engines:
+            panels[0].set_title("no engine ran")
+            dress(panels[0], look)
+    return figure
+
+
+def draw(axes: Any, engine: Compared, look: Theme) -> None:
+    """Curves of an engine."""
+    dress(axes, look)
+    shown = [curve for curve in engine.curves if curve.quantity in SHOWN]
+    for i, curve in enumerate(shown):
+        kept = [(h, e) for h, e in zip(curve.steps, curve.differences, strict=True) if e > 0.0]
+        if kept:
+            axes.loglog(*zip(*kept, strict=True), "o-", color=look.colour(i), linewidth=LINE, markersize=4,
+                        label=curve.quantity)  # fmt: skip
+    if shown and engine.order:
+        coarse, first = shown[0].steps[0], max(curve.differences[0] for curve in shown)
+        slope = [2.0 * first * (h / coarse) ** engine.order for h in shown[0].steps]
+        axes.loglog(shown[0].steps, slope, "--", color=look.muted, linewidth=2 * THIN, label=f"order {engine.order:g}")
+    axes.set_xlabel("step [s]")
+    axes.set_title(engine.engine)
+    axes.legend(fontsize=8, frameon=False, labelcolor=look.ink)

@@ -1,0 +1,120 @@
+"""From a ladder of runs to verdicts: over which time they can be compared, and whether the limits agree."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .ladder import Ladder
+from .limits import Limit, limit_of
+from .ours import Ours
+from .quantities import Quantity, quantities
+from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Attribution, Curve, Finding
+
+POSES = ("position", "rotation", "velocity", "angular velocity")
+LEAST = 1 / 8
+"""Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
+LOOSEST = 1e-3
+"""Tolerance beyond which agreement would say nothing."""
+SURE = 3.0
+"""Errors of a limit by which another may be away from it: the estimate is the last change, not a bound."""
+SLACK = 0.5
+"""By how much the observed order may miss the expected one; a lower one has to be explained."""
+BLUR = 100.0
+"""Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations."""
+
+
+class Runs:
+    """Relative values of a ladder by quantity; reactions without the start, where multipliers are not valid yet."""
+
+    def __init__(self, system: Any, ladder: Ladder, ours: Ours) -> None:
+        self.ladder, self.ours = ladder, ours
+        joints = tuple(name for name in ours.motion.reactions if name in ladder.runs[-1].reactions)
+        self.own = dict(ours.found)
+        if ours.motion.reactions:
+            self.own |= chosen(ours.found, joints)
+        found = [quantities(system, motion, ours.size, joints) for motion in ladder.runs]
+        self.values = {name: [run[name].values / run[name].scale for run in found] for name in found[0]}
+
+    def limit(self, name: str, span: int | None) -> Limit:
+        """Of a quantity, its order observed up to sample ``span``."""
+        return limit_of(self.values[name], self.ladder.twin.order, span)
+
+
+def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, Quantity]:
+    """Reactions of some joints, in their order; nothing where there are none."""
+    if not joints:
+        return {}
+    take = [found["reaction force"].parts.index(name) for name in joints]
+    return {
+        name: Quantity(found[name].values[:, take], joints, found[name].scale)
+        for name in ("reaction force", "reaction moment")
+    }
+
+
+def horizon(runs: Runs, tolerance: float) -> int:
+    """Number of samples over which the engine's limit is known to the tolerance, and stays so if errors grow."""
+    unsure = np.max([runs.limit(name, None).error + runs.ours.error[name] for name in POSES], axis=0)
+    grown = runs.ours.growth * unsure[1]
+    over = np.flatnonzero(np.maximum(unsure, grown) > tolerance)
+    return int(over[0]) if over.size else unsure.size
+
+
+def reach(runs: Runs, tolerance: float) -> tuple[int, float]:
+    """(samples to compare, tolerance used): ten times looser until an eighth of the run can be compared."""
+    used, count = tolerance, 0
+    least = max(2, int(LEAST * (runs.ours.motion.t.size - 1)) + 1)
+    while used <= LOOSEST * (1 + 1e-9):
+        count = horizon(runs, used)
+        if count >= least:
+            return count, used
+        used *= 10.0
+    return count if count >= least else 0, LOOSEST
+
+
+def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Finding], int]:
+    """(a finding for every quantity of the motion, samples compared)."""
+    span, used = reach(runs, tolerance)
+    if span == 0:
+        error = max(float(runs.limit(name, None).error[1]) for name in POSES)
+        text = f"after {runs.ladder.steps[-1]} steps the limit is known only to {error:.0e} at the first sample"
+        return [Finding(engine, name, SKIPPED, reason=text) for name in runs.values], 0
+    return [judge(runs, engine, name, span, used) for name in runs.values], span
+
+
+def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
+    """One quantity over the first ``span`` samples."""
+    first = 1 if name.startswith("reaction") else 0
+    own, limit, order = runs.own[name], runs.limit(name, span), runs.ladder.twin.order
+    away = np.abs(limit.values - own.values / own.scale)[first:span]
+    by_part = away.max(axis=(0, 2))
+    unsure = float((limit.error + runs.ours.error[name][: len(limit.error)])[span - 1])
+    found = dict(
+        difference=float(by_part.max()), uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
+        until=float(runs.ours.motion.t[span - 1]), part=own.parts[int(by_part.argmax())],
+    )  # fmt: skip
+    if unsure > BLUR * tolerance:
+        return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
+    if found["difference"] > max(SURE * unsure, tolerance):
+        return Finding(engine, name, DIFFERS, **found)
+    if limit.order is None or limit.order >= order - SLACK:
+        return Finding(engine, name, AGREES, **found)
+    gaps = differences(runs, name, span)
+    halved = Attribution(f"error of {engine}'s step", "halving it", gaps[-2], gaps[-1])
+    text = f"of order {limit.order:.1f} in the step where {order:g} is expected"
+    status = EXPLAINED if gaps[-1] <= max(0.75 * gaps[-2], tolerance) else DIFFERS
+    return Finding(engine, name, status, **found, reason=text, attributions=(halved,))
+
+
+def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:
+    """Greatest relative difference of every run from our motion over the compared time."""
+    first = 1 if name.startswith("reaction") else 0
+    own = runs.own[name]
+    return tuple(float(np.abs(x - own.values / own.scale)[first:span].max()) for x in runs.values[name])
+
+
+def curves(runs: Runs, span: int) -> tuple[Curve, ...]:
+    """For the plot of convergence."""
+    end = float(runs.ours.motion.t[-1] - runs.ours.motion.t[0])
+    steps = tuple(end / count for count in runs.ladder.steps)
+    return tuple(Curve(name, steps, differences(runs, name, span)) for name in runs.values if span)

@@ -1,0 +1,190 @@
+"""What a comparison finds: per engine and quantity a verdict with its numbers, and the whole as table and data."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
+
+
+class Attribution(NamedTuple):
+    """A cause that was changed, and what that did to the difference (relative, before and after)."""
+
+    cause: str
+    change: str
+    before: float
+    after: float
+
+    def __str__(self) -> str:
+        return f"{self.cause}: {self.change} takes the difference from {self.before:.1e} to {self.after:.1e}"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One quantity against one engine; differences are relative to the quantity's size in the run.
+
+    Attributes
+    ----------
+    status : str
+        "agrees"; "explained" (differs, and a cause was changed to show why); "differs"; "not compared".
+    difference, uncertainty : float or None
+        Greatest distance of the limits up to ``until``, and how far that may be wrong: engine's and our own error.
+    tolerance : float
+        Relative difference that counts as agreement whatever the uncertainty.
+    order, expected : float or None
+        Observed order of the engine's error in the step, and the one it should have.
+    until : float or None
+        End of the comparison [s]; later the engine's error, grown by the motion itself, exceeds the tolerance.
+    part : str
+        Whose difference is greatest.
+    reason : str
+        Why it was not compared, or what is noteworthy.
+    """
+
+    engine: str
+    quantity: str
+    status: str
+    difference: float | None = None
+    uncertainty: float | None = None
+    tolerance: float | None = None
+    order: float | None = None
+    expected: float | None = None
+    until: float | None = None
+    part: str = ""
+    reason: str = ""
+    attributions: tuple[Attribution, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """ "agrees", "explained: ...", "differs: ..." or "not compared: ..."."""
+        if self.status == AGREES:
+            return AGREES
+        if self.status == SKIPPED:
+            return f"{SKIPPED}: {self.reason}"
+        causes = "; ".join(map(str, self.attributions))
+        size = "" if self.difference is None else f"by {self.difference:.1e} of its size ({self.part})"
+        return f"{self.status}: " + "; ".join(text for text in (size, self.reason, causes) if text)
+
+
+class Curve(NamedTuple):
+    """Difference to our motion at the finest common horizon, run by run: what the convergence plot shows."""
+
+    quantity: str
+    steps: tuple[float, ...]
+    differences: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One engine: how it was run, what was found, and its convergence."""
+
+    engine: str
+    findings: tuple[Finding, ...]
+    settings: str = ""
+    order: float | None = None
+    steps: tuple[int, ...] = ()
+    seconds: tuple[float, ...] = ()
+    stopped: str = ""
+    curves: tuple[Curve, ...] = ()
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """Result of `cross_check`.
+
+    Attributes
+    ----------
+    t_end, tolerance : float
+        [s]; relative.
+    engines : tuple of Compared
+    growth : float
+        By how much neighbouring motions of this model part until t_end, relative to their start.
+    own_error : float
+        Estimated error of our own poses and velocities at t_end, relative.
+    interrupted : bool
+        Ctrl-C ended it; what was found until then stands.
+    """
+
+    t_end: float
+    tolerance: float
+    engines: tuple[Compared, ...]
+    growth: float = float("nan")
+    own_error: float = float("nan")
+    interrupted: bool = False
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All, engine by engine."""
+        return tuple(finding for engine in self.engines for finding in engine.findings)
+
+    @property
+    def verdict(self) -> Mapping[tuple[str, str], str]:
+        """(engine, quantity) -> "agrees", "explained: cause and number", "differs: ..." or "not compared: reason"."""
+        return {(x.engine, x.quantity): x.verdict for x in self.findings}
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What differs without a proven cause, in sentences."""
+        return tuple(f"{x.engine}, {x.quantity} {x.verdict}" for x in self.findings if x.status == DIFFERS)
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """Engines of which the motion or the start was compared at all."""
+        return tuple(x.engine for x in self.engines if any(f.status != SKIPPED for f in x.findings))
+
+    @property
+    def passed(self) -> bool:
+        """Something was compared with another engine, to the end, and nothing differs without a proven cause."""
+        return not self.failures and not self.interrupted and bool(set(self.compared) - {"definitions"})
+
+    def of(self, engine: str) -> Compared:
+        """What was found with an engine; ValueError for one that was not asked for."""
+        for found in self.engines:
+            if found.engine.lower() == engine.lower():
+                return found
+        raise ValueError(f"'{engine}' was not asked for; there are {', '.join(x.engine for x in self.engines)}")
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def table(self) -> str:
+        """As text, one line per engine and quantity."""
+        from .display import table
+
+        return table(self)
+
+    def figure(self, dark: bool = False) -> Any:
+        """Convergence of every engine to our motion, log-log, with the expected slopes; a matplotlib Figure."""
+        from .display import convergence_figure
+
+        return convergence_figure(self, dark)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: plain numbers (None where there is none), texts and lists."""
+        plain = {
+            "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
+            "passed": self.passed, "interrupted": self.interrupted, "failures": list(self.failures),
+            "notes": list(self.notes), "engines": [],
+        }  # fmt: skip
+        for engine in self.engines:
+            entry = asdict(engine)
+            entry["curves"] = [curve._asdict() for curve in engine.curves]
+            for shown, finding in zip(entry["findings"], engine.findings, strict=True):
+                shown["verdict"] = finding.verdict
+                shown["attributions"] = [x._asdict() for x in finding.attributions]
+            plain["engines"].append(entry)
+        return finite(plain)
+
+
+def finite(value: Any) -> Any:
+    """The same of plain Python types, None for numbers that are not finite: JSON has no word for them."""
+    if isinstance(value, dict):
+        return {key: finite(x) for key, x in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(x) for x in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value
