@@ -8,6 +8,7 @@ from mbsd3d.commands import INTERRUPTED, ready_folder
 
 DIFFERENT = 1  # exit code
 OUT = "out/validation"
+BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short list, of the long one
 
 
 def validate_all(
@@ -23,10 +24,10 @@ def validate_all(
         return
     everything = chosen(trials(quick), names)
     folder = ready_folder(out)
-    ledger = Ledger(folder, identity(quick=quick), fresh)
-    suite = Suite(everything, ledger, quick)
+    budget = BUDGETS[quick]
+    suite = Suite(everything, Ledger(folder, identity(budget=budget), fresh), quick, budget)
     if suite.records:
-        click.echo(f"mbsd3d: {len(suite.records)} of {len(everything)} cases are in {ledger.path}", err=True)
+        click.echo(f"mbsd3d: {len(suite.records)} of {len(everything)} cases are in {suite.ledger.path}", err=True)
     try:
         suite.run()
     except KeyboardInterrupt:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
+AGREES, EXPLAINED, DIFFERS, NOT_COMPARED = "agrees", "explained", "differs", "not compared"
 
 # The judges, in the order of the columns of the table.
 CERTIFICATE, FREEDOMS, REFERENCE, THEORY = "certificate", "freedoms", "reference", "theory"
@@ -32,7 +32,7 @@ class Finding:
     judge : str
         One of `JUDGES`.
     verdict : str
-        "agrees", "differs" or "not compared".
+        "agrees"; "explained": differs, and a cause changed in the same run shows why; "differs"; "not compared".
     quantity : str
         What was compared.
     error, limit : float or None
@@ -78,7 +78,10 @@ class Record:
     facts : mapping
         Numbers of the case: bodies, joints, t_end [s], rows, rank, mobility, redundant, steps.
     attributions : tuple of mapping
-        How the differences to other engines are explained: ``engine``, ``quantity``, ``cause``, ``number``.
+        How differences to other engines are explained: ``engine``, ``quantity``, ``cause``, ``change``, and the
+        difference ``before`` and ``after`` the change, relative.
+    engines : mapping
+        Engine -> how it was run.
     picture, charts : str, tuple of str
         PNG as a data address ("" = none); convergence plots as SVG.
     seconds : float
@@ -91,16 +94,19 @@ class Record:
     findings: tuple[Finding, ...]
     facts: Mapping[str, Any] = field(default_factory=dict)
     attributions: tuple[Mapping[str, Any], ...] = ()
+    engines: Mapping[str, str] = field(default_factory=dict)
     picture: str = ""
     charts: tuple[str, ...] = ()
     seconds: float = 0.0
 
     @property
     def verdict(self) -> str:
-        """ "differs" if any judge says so; "agrees" if one other than the certificate does; else "not compared"."""
+        """The worst of the findings; those of the certificate alone are no comparison."""
         said = {finding.verdict for finding in self.findings}
         outside = {finding.verdict for finding in self.findings if finding.judge != CERTIFICATE}
-        return DIFFERS if DIFFERS in said else AGREES if AGREES in outside else NOT_COMPARED
+        if DIFFERS in said:
+            return DIFFERS
+        return next((verdict for verdict in (EXPLAINED, AGREES) if verdict in outside), NOT_COMPARED)
 
     def of(self, judge: str) -> tuple[Finding, ...]:
         """Findings of one judge."""
@@ -109,6 +115,12 @@ class Record:
     def worst(self, judge: str) -> Finding | None:
         """The finding that decides for a judge: one that differs, else the one nearest to its limit; None if silent."""
         return max(self.of(judge), key=severity, default=None)
+
+    @property
+    def deciding(self) -> tuple[Finding, ...]:
+        """The worst finding of every judge, and all that differ."""
+        worst = [self.worst(judge) for judge in JUDGES]
+        return tuple(x for x in self.findings if x.verdict == DIFFERS or any(x is y for y in worst))
 
     @property
     def failures(self) -> tuple[Finding, ...]:
@@ -121,8 +133,8 @@ class Record:
 
 
 def severity(finding: Finding) -> tuple[int, float]:
-    """Differs before agrees before not compared; within one verdict by error over limit."""
-    rank = (NOT_COMPARED, AGREES, DIFFERS).index(finding.verdict)
+    """Differs before explained before agrees before not compared; within one verdict by error over limit."""
+    rank = (NOT_COMPARED, AGREES, EXPLAINED, DIFFERS).index(finding.verdict)
     if finding.error is None or finding.limit is None:
         return rank, math.inf if finding.verdict == DIFFERS else 0.0
     return rank, finding.error / finding.limit if finding.limit > 0.0 else (math.inf if finding.error > 0.0 else 0.0)

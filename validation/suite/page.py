@@ -11,10 +11,10 @@ from mbsd3d.report.wording import digits
 from mbsd3d.style import DARK, LIGHT
 
 from . import table
-from .findings import AGREES, DIFFERS, JUDGES, NOT_COMPARED, Finding, Record
+from .findings import AGREES, DIFFERS, EXPLAINED, JUDGES, NOT_COMPARED, Finding, Record
 
-MARKS = {AGREES: "✓", DIFFERS: "✗", NOT_COMPARED: "–"}
-CLASSES = {AGREES: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
+MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
+CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
 TEMPLATE = "validation.html"
 
 

@@ -20,6 +20,8 @@ SHIFT = 7
 ROUNDING = 1e-10
 """Of eigenvalues and accelerations without a time loop, relative: rounding 1e-16 times a condition of up to 1e5."""
 
+STILL = "the case has no motion"
+
 
 def trials() -> list[Trial]:
     """One per file of ``references/``."""
@@ -33,7 +35,7 @@ def trial_of(name: str) -> Trial:
         judges = {FREEDOMS: freedoms, REFERENCE: reference, THEORY: closed_form, PLANE: in_the_plane}
         return Trial(name, "references", title, partial(moving, name), judges)
     judges = {FREEDOMS: freedoms, REFERENCE: STANDING[name], THEORY: closed_form}
-    return Trial(name, "references", title, partial(standing, name), judges, span=0.0)
+    return Trial(name, "references", title, partial(standing, name), judges, alone=STILL)
 
 
 def moving(name: str) -> Run:

@@ -1,5 +1,6 @@
 """Runs trials one after the other, keeps every record as it comes, and writes the reports."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,19 +13,21 @@ from .document import content_of, encoded
 from .findings import Record, failed
 from .ledger import Ledger
 from .page import page_of
-from .pictures import picture
-from .trial import Trial, examine
+from .peers import PEERS, attributions, compared, settings
+from .pictures import chart, picture
+from .trial import Trial, examine, stopped
 
 NAME = "validation"
 
 
 @dataclass(frozen=True)
 class Suite:
-    """What is run and where its results are kept."""
+    """What is run, where its results are kept, and how many seconds an engine gets for a case."""
 
     trials: Sequence[Trial]
     ledger: Ledger
     quick: bool = False
+    budget: float = 1.0
     show: bool | None = None
 
     @property
@@ -49,7 +52,7 @@ class Suite:
         with Progress("validation", 0, len(self.trials), self.show) as bar:
             for count, trial in enumerate(self.left, start=done):
                 bar.update(count)
-                self.ledger.put(examined(trial))
+                self.ledger.put(examined(trial, self.budget))
 
     def write(self, folder: Path) -> list[Path]:
         """Page and JSON of what is finished."""
@@ -61,7 +64,20 @@ class Suite:
         ]
 
 
-def examined(trial: Trial) -> Record:
-    """Record of a trial with its picture."""
+def examined(trial: Trial, budget: float) -> Record:
+    """Record of a trial: its own judges, the engines, a picture, and the curves of convergence."""
+    began = time.perf_counter()
     record, made = examine(trial)
-    return replace(record, picture=picture(made)) if trial.drawn and made is not None else record
+    if made is None:
+        return record
+    if trial.drawn:
+        record = replace(record, picture=picture(made))
+    try:
+        findings, check = compared(made, trial, budget)
+    except Exception as error:  # an engine that breaks must not take the other cases with it
+        findings, check = [stopped(judge, "comparison", error) for judge in PEERS], None
+    record = replace(record, findings=(*record.findings, *findings))
+    if check is not None:
+        charts = (chart(check, trial.name),) if trial.drawn else ()
+        record = replace(record, attributions=attributions(check), engines=settings(check), charts=charts)
+    return replace(record, seconds=time.perf_counter() - began)

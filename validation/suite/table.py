@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from .findings import AGREES, CERTIFICATE, DIFFERS, JUDGES, NOT_COMPARED, Finding, Record, failed, severity
+from .findings import AGREES, CERTIFICATE, DIFFERS, EXPLAINED, JUDGES, NOT_COMPARED, Finding, Record, failed, severity
 
 MANY = 30
 """Of one group: more cases than that share a line, and only those that differ have their own."""
@@ -17,7 +17,7 @@ def cell(finding: Finding | None) -> str:
         return ABSENT
     if finding.verdict == NOT_COMPARED:
         return SILENT
-    mark = "!" if finding.verdict == DIFFERS else ""
+    mark = {DIFFERS: "!", EXPLAINED: "*"}.get(finding.verdict, "")
     if finding.error is None:
         return f"stopped{mark}"
     if not finding.error:
@@ -44,7 +44,7 @@ def summary(group: str, records: Sequence[Record], judges: Sequence[str]) -> lis
         found = [finding for finding in found if finding is not None and finding.verdict != NOT_COMPARED]
         cells.append(f"{cell(max(found, key=severity))} ({len(found)})" if found else SILENT)
     counts = Counter(record.verdict for record in records)
-    verdict = ", ".join(f"{counts[word]} {word}" for word in (AGREES, DIFFERS, NOT_COMPARED) if counts[word])
+    verdict = ", ".join(f"{counts[word]} {word}" for word in (AGREES, EXPLAINED, DIFFERS, NOT_COMPARED) if counts[word])
     return [f"{group}: {len(records)} cases", verdict, *cells]
 
 
@@ -95,7 +95,8 @@ def omissions(records: Sequence[Record]) -> list[str]:
 def counted(records: Sequence[Record]) -> str:
     """How many cases agree, differ and were not compared."""
     counts = Counter(record.verdict for record in records)
-    words = f"{counts[AGREES]} agree, {counts[DIFFERS]} differ, {counts[NOT_COMPARED]} not compared"
+    words = f"{counts[AGREES]} agree, {counts[EXPLAINED]} explained, {counts[DIFFERS]} differ"
+    words += f", {counts[NOT_COMPARED]} not compared"
     alone = "" if not counts[NOT_COMPARED] else f" (no judge but the {CERTIFICATE})"
     return f"{len(records)} cases: {words}{alone}"
 
@@ -103,6 +104,9 @@ def counted(records: Sequence[Record]) -> str:
 def text(records: Sequence[Record]) -> str:
     """Everything."""
     parts = [*aligned(lines_of(records, columns_of(records))), ""]
-    parts += ["Errors are relative; exact: counts are equal; -: not compared; !: differs.", ""]
+    parts += [
+        "Errors are relative; exact: counts are equal; *: explained, with a number; !: differs; -: not compared.",
+        "",
+    ]
     parts += [*differences(records), *omissions(records), counted(records)]
     return "\n".join(parts)

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 from mbsd3d import System, simulate
@@ -70,7 +69,9 @@ class Trial:
     drawn : bool
         Whether the page shows a picture of it.
     span : float or None
-        Time over which other engines are asked [s]; None = that of the run, 0 = they are not asked.
+        Time over which other engines are asked [s]; None = that of the run.
+    alone : str
+        Why other engines are not asked; "" = they are.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Trial:
     judges: Mapping[str, Judge] = field(default_factory=dict, repr=False)
     drawn: bool = True
     span: float | None = None
+    alone: str = ""
 
 
 def certificate(run: Run) -> list[Finding]:
@@ -95,15 +97,15 @@ def certificate(run: Run) -> list[Finding]:
     return [Finding(CERTIFICATE, DIFFERS, worst.name, worst.error, worst.limit, "; ".join(found.failures))]
 
 
-def examine(trial: Trial, more: Mapping[str, Judge] = MappingProxyType({})) -> tuple[Record, Run | None]:
-    """Run a trial and ask its judges and ``more`` of them; whatever stops one is a finding that differs."""
+def examine(trial: Trial) -> tuple[Record, Run | None]:
+    """Run a trial and ask its judges; whatever stops one of them is a finding that differs."""
     began = time.perf_counter()
     try:
         made = trial.make()
     except (Mbsd3dError, ValueError) as error:
         findings = (stopped(CERTIFICATE, "run", error),)
         return Record(trial.name, trial.group, trial.title, findings, seconds=time.perf_counter() - began), None
-    judges = {CERTIFICATE: certificate, **trial.judges, **more}
+    judges = {CERTIFICATE: certificate, **trial.judges}
     findings = [finding for name, judge in judges.items() for finding in asked(name, judge, made)]
     seconds = time.perf_counter() - began
     return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made), seconds=seconds), made
