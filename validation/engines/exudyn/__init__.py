@@ -3,6 +3,8 @@
 from typing import Any
 
 from ..base import Twin
+from .bodies import BodyTwin
+from .minimal import TreeTwin
 from .assembly import ROTATIONS
 from .forces import FORCES
 from .joints import JOINTS
@@ -27,8 +29,8 @@ def twin(
     **scheme: Any,
 ) -> Twin:
     """A twin in Exudyn."""
-    from .bodies import BodyTwin
-
     module = exudyn()
     start = system.state() if state is None else state
+    if formulation == "kinematic tree":
+        return TreeTwin(module, system, start, Scheme(**scheme))
     return BodyTwin(module, system, start, Scheme(**scheme), rotation)

@@ -14,7 +14,7 @@ from .equations import Equations
 from .forces import add_force_element
 from .joints import add_joint
 from .library import quiet
-from .solvers import SOLVERS, Scheme, check_finite, march
+from .solvers import SOLVERS, Scheme, check_samples, check_steps, march
 
 
 class BodyTwin:
@@ -80,17 +80,13 @@ class BodyTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`."""
-        if steps < 1 or steps % samples:
-            raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
+        check_steps(steps, samples)
         settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
         if self.scheme.implicit:
             self.equations().begin_with_accelerations()
         seconds = march(self.module, self.mbs, self.scheme, settings)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
-        t = np.linspace(self.state.t, t_end, samples + 1)
-        check_finite("a coordinate", table[:, 0], table[:, 1:])
-        if len(table) != len(t) or np.abs(table[:, 0] - t).max() > 1e-6 * (t[1] - t[0]):
-            raise EngineFailed(f"Exudyn kept {len(table)} samples of {len(t)}, the last at t = {table[-1, 0]:.6g} s")
+        t = check_samples(table[:, 0], self.state.t, t_end, samples, table[:, 1:])
         n = self.mbs.systemData.ODE2Size()
         q, u, lam = np.split(table[:, 1:], [n, 2 * n], axis=1)
         position, turn = self.model.poses(q)

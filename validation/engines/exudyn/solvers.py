@@ -1,5 +1,6 @@
 """Time integration in Exudyn: solvers by name, the settings a knowledgeable user would choose, and the loop."""
 
+import re
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -49,7 +50,7 @@ class Scheme:
     solver: str = "generalized-alpha"
     spectral_radius: float = 0.8
     linear: str = "dense"
-    tolerance: float = 1e-12
+    tolerance: float = 1e-10
     modified_newton: bool = True
 
     def __post_init__(self) -> None:
@@ -122,13 +123,24 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
 
 
 def last_words(text: str) -> str:
-    """What Exudyn said, on one line of at most 300 characters."""
+    """What Exudyn said, on one line of at most 300 characters, without places in files."""
+    text = re.sub(r"\[Python file [^]]*\]", "", text)
     return " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
 
 
-def check_finite(what: str, t: Array, *values: Array) -> None:
-    """EngineFailed if anything is not finite, with the first time."""
+def check_steps(steps: int, samples: int) -> None:
+    """Samples lie on steps."""
+    if steps < 1 or samples < 1 or steps % samples:
+        raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
+
+
+def check_samples(found: Array, start: float, t_end: float, samples: int, *values: Array) -> Array:
+    """The sample times, or EngineFailed if one is missing or anything is not finite."""
+    t = np.linspace(start, t_end, samples + 1)
+    if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
+        raise EngineFailed(f"Exudyn kept {len(found)} samples of {len(t)}, the last at t = {found[-1]:.6g} s")
     for x in values:
         bad = ~np.isfinite(x.reshape(len(t), -1)).all(axis=1)
         if bad.any():
-            raise EngineFailed(f"Exudyn: {what} is not finite from t = {t[np.argmax(bad)]:.6g} s on; give more steps")
+            raise EngineFailed(f"Exudyn: not finite from t = {t[np.argmax(bad)]:.6g} s on; give more steps")
+    return t
