@@ -1,6 +1,7 @@
 """`cross_check`: a mechanism in other engines, from mass matrices to motions, judged by convergence."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -10,7 +11,7 @@ from mbsd3d import State
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
 from mbsd3d.simulation import check_state, check_system
-from validation.engines.base import NotComparable, Twin
+from validation.engines.base import EngineMissing, NotComparable, Twin
 
 from .causes import explained
 from .formulation import ENGINE as DEFINITIONS
@@ -24,6 +25,16 @@ from .verdict import SKIPPED, Compared, CrossCheck, Finding
 MODULES = {"mujoco": "validation.engines.mujoco", "exudyn": "validation.engines.exudyn"}
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
 ENGINES = (*MODULES, DEFINITIONS)
+WAYS: dict[str, tuple[dict[str, Any], ...]] = {
+    "mujoco": ({},),
+    "exudyn": (
+        {"formulation": "kinematic tree", "solver": "rk44"},  # trees and free bodies: explicit, without constraints
+        {},
+        {"tolerance": 1e-9},  # where Newton's iterations cannot reach the usual one
+        {"linear": "full-pivot"},  # redundant rows
+    ),
+}
+"""Settings of an engine's twin in the order they are tried: the most accurate one that takes the model counts."""
 BUDGET = 10.0  # s of an engine's ladder
 
 
@@ -124,34 +135,47 @@ def check_input(
     return start, np.linspace(start.t, t_end, INTERVALS + 1)
 
 
-def twin_of(engine: str, system: Any, state: State, **settings: Any) -> Twin:
-    """The system in an engine, from a state."""
-    return import_module(MODULES[engine]).twin(system, state=state, **settings)
-
-
 def compare(
     engine: str, system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
 ) -> Compared:
-    """All findings about one engine."""
-    t_end = float(ours.motion.t[-1])
+    """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
-        return compare_definitions(system, state, t_end, ours.size)
-    name = NAMES[engine]
-    twin = twin_of(engine, system, state)
+        return compare_definitions(system, state, float(ours.motion.t[-1]), ours.size)
+    make = import_module(MODULES[engine]).twin
+    halted, reason = None, NotComparable("no way to run it")
+    for settings in WAYS[engine]:
+        try:
+            found = compare_way(
+                partial(make, system, state=state, **settings), system, state, ours, tolerance, budget, report
+            )
+        except EngineMissing:
+            raise
+        except NotComparable as error:
+            reason = error
+            continue
+        if found.steps:
+            return found
+        halted = halted or found
+    if halted is None:
+        raise reason
+    return halted
 
-    def again(**settings: Any) -> Twin:
-        return twin_of(engine, system, state, **settings)
 
-    findings = judge_start(system, state, twin, ours, tolerance)
+def compare_way(
+    make: Callable[..., Twin], system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
+) -> Compared:  # fmt: skip
+    """All findings about an engine run in one way; a motion it cannot follow is one of them."""
+    twin, t_end = make(), float(ours.motion.t[-1])
+    name, findings = twin.engine, judge_start(system, state, twin, ours, tolerance)
     try:
         first = first_steps(t_end - state.t, fastest_rate(ours.motion))
         ladder = climb(twin, system, t_end, first, ours.size, 0.1 * tolerance, budget, report)
     except NotComparable as error:
         findings.append(Finding(name, "motion", SKIPPED, reason=str(error)))
-        return Compared(name, tuple(explained(findings, again, system, state, ours)), twin.settings, twin.order)
+        return Compared(name, tuple(explained(findings, make, system, state, ours)), twin.settings, twin.order)
     runs = Runs(system, ladder, ours)
     motion, span = judge_motion(runs, name, tolerance)
-    findings = explained(findings + motion, again, system, state, ours, runs, span)
+    findings = explained(findings + motion, make, system, state, ours, runs, span)
     seconds = tuple(run.seconds for run in ladder.runs)
     return Compared(
         name, tuple(findings), twin.settings, twin.order, tuple(ladder.steps), seconds, ladder.stopped,

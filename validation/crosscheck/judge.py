@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .ladder import Ladder
-from .limits import Limit, limit_of
+from .limits import Limit, best_limit
 from .ours import Ours
 from .quantities import Quantity, quantities
 from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Attribution, Curve, Finding
@@ -20,6 +20,8 @@ SURE = 3.0
 """Errors of a limit by which another may be away from it: the estimate is the last change, not a bound."""
 SLACK = 0.5
 """By how much the observed order may miss the expected one; a lower one has to be explained."""
+HALVED = 0.75
+"""A difference that halving the step takes below this part of it is one of the step, of whatever order."""
 BLUR = 100.0
 """Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations."""
 
@@ -38,7 +40,7 @@ class Runs:
 
     def limit(self, name: str, span: int | None) -> Limit:
         """Of a quantity, its order observed up to sample ``span``."""
-        return limit_of(self.values[name], self.ladder.twin.order, span)
+        return best_limit(self.values[name], self.ladder.twin.order, span)
 
 
 def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, Quantity]:
@@ -93,17 +95,18 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         difference=float(by_part.max()), uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
         until=float(runs.ours.motion.t[span - 1]), part=own.parts[int(by_part.argmax())],
     )  # fmt: skip
-    if unsure > BLUR * tolerance:
-        return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
     if found["difference"] > max(SURE * unsure, tolerance):
         return Finding(engine, name, DIFFERS, **found)
-    if limit.order is None or limit.order >= order - SLACK:
-        return Finding(engine, name, AGREES, **found)
+    if unsure > BLUR * tolerance:
+        return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
     gaps = differences(runs, name, span)
-    halved = Attribution(f"error of {engine}'s step", "halving it", gaps[-2], gaps[-1])
+    if limit.order is None or limit.order >= order - SLACK or min(gaps) <= tolerance:
+        return Finding(engine, name, AGREES, **found)
     text = f"of order {limit.order:.1f} in the step where {order:g} is expected"
-    status = EXPLAINED if gaps[-1] <= max(0.75 * gaps[-2], tolerance) else DIFFERS
-    return Finding(engine, name, status, **found, reason=text, attributions=(halved,))
+    if gaps[-1] > HALVED * gaps[-2]:
+        return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s runs scatter by {unsure:.0e}, {text}")
+    halved = Attribution(f"error of {engine}'s step", "halving it", gaps[-2], gaps[-1])
+    return Finding(engine, name, EXPLAINED, **found, reason=text, attributions=(halved,))
 
 
 def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:

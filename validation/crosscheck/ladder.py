@@ -9,13 +9,14 @@ import numpy as np
 
 from validation.engines.base import EngineFailed, Motion
 
-from .limits import limit_of
+from .limits import FEWEST, best_limit
 from .quantities import quantities
 
 INTERVALS = 32
 """Samples of a comparison less the start: enough to see where motions part; a power of two, as all step counts are."""
-FEWEST, MOST_STEPS = 4, 2**21
-"""Runs with halved steps that a limit is taken from at least (three give an order, four its change), and steps."""
+MOST_STEPS = 2**21
+IDLE = 2
+"""Finer runs in vain, after which rounding is all that is left."""
 
 
 @dataclass
@@ -63,43 +64,48 @@ def climb(
     EngineFailed
         If not enough runs end well.
     """
-    ladder, began, steps, last = Ladder(twin), time.perf_counter(), first, 0.0
-    while True:
+    ladder, began, steps, known = Ladder(twin), time.perf_counter(), first, []
+    while not ladder.stopped:
         start = time.perf_counter()
         try:
-            motion = twin.run(t_end, steps, INTERVALS)
-        except EngineFailed as error:
-            if ladder.runs:
-                ladder.stopped = f"{steps} steps: {error}"
-                break
-            ladder.failed.append(f"{steps} steps: {error}")
-        else:
-            ladder.runs.append(motion)
+            ladder.runs.append(twin.run(t_end, steps, INTERVALS))
             ladder.steps.append(steps)
-        last, spent = time.perf_counter() - start, time.perf_counter() - began
+        except EngineFailed as error:
+            ladder.failed.append(f"{steps} steps: {error}")
+        if len(ladder.runs) >= FEWEST:
+            known.append(known_to(ladder, system, size))
+        spent, last = time.perf_counter() - began, time.perf_counter() - start
         report(min(spent / budget, 1.0))
-        if len(ladder.runs) >= FEWEST and known_to(ladder, system, size) <= target:
-            ladder.stopped = f"the limit is known to {target:.0e}"
-            break
-        if spent + 2.2 * last > budget and (len(ladder.runs) >= FEWEST or spent > 3.0 * budget or not ladder.runs):
-            ladder.stopped = f"{budget:g} s are up"
-            break
-        if 2 * steps > MOST_STEPS:
-            ladder.stopped = f"{MOST_STEPS} steps"
-            break
         steps *= 2
+        ladder.stopped = why_stop(ladder, known, target, spent, last, budget, steps)
     if len(ladder.runs) < FEWEST:
         raise EngineFailed(reason(ladder, t_end))
     return ladder
 
 
+def why_stop(
+    ladder: Ladder, known: list[float], target: float, spent: float, last: float, budget: float, steps: int
+) -> str:
+    """Why no finer run is made; "" to go on. The next run takes twice the time of the last one."""
+    if known and known[-1] <= target:
+        return f"the limit is known to {target:.0e}"
+    if len(known) > IDLE and known[-1] >= 0.9 * known[-1 - IDLE]:
+        return "finer steps only add rounding"
+    if ladder.runs and steps // 2 not in ladder.steps:
+        return ladder.failed[-1]  # it ran with longer steps
+    late = spent + 2.2 * last > budget
+    if late and (known or not ladder.runs or spent > 3.0 * budget):
+        return f"{budget:g} s are up"
+    return f"{MOST_STEPS} steps are the most" if steps > MOST_STEPS else ""
+
+
 def known_to(ladder: Ladder, system: Any, size: Any) -> float:
     """How uncertain the limit of poses and velocities is at the end, relative."""
-    runs = [quantities(system, motion, size) for motion in ladder.runs[-FEWEST:]]
+    runs = [quantities(system, motion, size) for motion in ladder.runs]
     worst = 0.0
     for name in ("position", "rotation", "velocity", "angular velocity"):
         values = [run[name].values / run[name].scale for run in runs]
-        worst = max(worst, float(limit_of(values, ladder.twin.order).error[-1]))
+        worst = max(worst, float(best_limit(values, ladder.twin.order).error[-1]))
     return worst
 
 

@@ -9,6 +9,8 @@ from validation.engines.base import Array
 
 ROUNDING = 1e-12
 """Gaps below this part of a quantity's size are rounding of 10^3 to 10^6 steps: no order is read from them."""
+FEWEST = 4
+"""Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays."""
 LEAST_ORDER = 0.5
 """Below it halving the step hardly helps, and extrapolating would only amplify."""
 
@@ -73,3 +75,13 @@ def limit_of(runs: Sequence[Array], expected: float, span: int | None = None) ->
     beyond, usual = (1.0 / (2.0**p - 1.0) for p in (order, expected))
     coarser, finer = (run + beyond * move for run, move in zip(runs[-2:], moves[-2:], strict=True))
     return Limit(finer, running_max(finer - coarser) + abs(beyond - usual) * last + ROUNDING, order, gaps)
+
+
+def best_limit(runs: Sequence[Array], expected: float, span: int | None = None) -> Limit:
+    """The limit of the first runs, as many as give the smallest error: finer ones may only add rounding.
+
+    An implicit engine divides the errors of its iterations by the step, or by its square in multipliers.
+    """
+    last = -1 if span is None else span - 1
+    found = [limit_of(runs[:count], expected, span) for count in range(FEWEST, len(runs) + 1)]
+    return min(found, key=lambda limit: limit.error[last])
