@@ -9,17 +9,19 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from mbsd3d import State
+from mbsd3d import Distance, State
 from mbsd3d.rotations import matrix
 from mbsd3d.terms import evaluate
 
 from ..base import EngineFailed, Kinetic, Load, Motion
 from .build import Sketch
 from .couplings import Coupling
+from .layout import Piece
 from .library import quiet
 from .loads import Loads
 from .motors import Motors
 from .reactions import Reactions
+from .rods import check as check_rods
 from .start import FITS, coordinates, velocities
 
 CHUNK = 64  # steps between two looks at Ctrl-C
@@ -224,9 +226,15 @@ class MujocoTwin:
         kind = int(getattr(self.made.mujoco.mjtWarning, f"mjWARN_{warning}"))
         return self.made.mujoco.mju_warningText(kind, info)
 
+    def rods(self) -> list[tuple[str, Piece]]:
+        """Names of the Distance joints and the pieces that hang on them."""
+        pieces = self.made.layout.pieces
+        return [(self.made.system.name(p.joint), p) for p in pieces if isinstance(p.joint, Distance)]
+
     def motion(self, t: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, seconds: float) -> Motion:
         """Each sample evaluated once more: poses, velocities, reactions."""
         mujoco, m, d, n = self.made.mujoco, self.model, self.data, self.ids.size
+        check_rods(m, self.rods(), t, qpos)
         shape = (t.size, n)
         r, e, r_dot, omega = (np.zeros((*shape, k)) for k in (3, 4, 3, 3))
         loads: dict[str, list] = {}
