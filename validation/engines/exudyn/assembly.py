@@ -11,7 +11,7 @@ import numpy as np
 
 from mbsd3d import GROUND
 from mbsd3d.primitives import Coordinate
-from mbsd3d.rotations import conjugate, exponential, logarithm, matrix, multiply, skew
+from mbsd3d.rotations import H, conjugate, exponential, logarithm, matrix, multiply, skew
 
 from ..base import Array
 
@@ -58,13 +58,13 @@ class Assembly:
             node = self.items.NodeRigidBodyRotVecLG(
                 referenceCoordinates=[*body.position, 0, 0, 0],
                 initialCoordinates=[*shift, *logarithm(e)],
-                initialVelocities=[*v[:3], *(matrix(e).T @ v[3:])],
+                initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
             )
         else:
             node = self.items.NodeRigidBodyEP(
                 referenceCoordinates=[*body.position, 1, 0, 0, 0],
                 initialCoordinates=[*shift, *(e - (1, 0, 0, 0))],
-                initialVelocities=[*v[:3], *(quaternion_rate(e) @ v[3:])],
+                initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
             )
         number = self.mbs.AddObject(
             self.items.ObjectRigidBody(
@@ -124,17 +124,29 @@ class Assembly:
         e = x[..., 3:] + (1.0, 0.0, 0.0, 0.0)
         return position, e / np.linalg.norm(e, axis=-1, keepdims=True)
 
+    def spin(self, e: Array) -> Array:
+        """(..., 3, k) matrices: world angular velocity from Exudyn's rates of rotation, at rotations e (..., 4)."""
+        return matrix(e) if self.rotation == "rotation vector" else 2 * H(e).swapaxes(-1, -2)
+
+    def unspin(self, e: Array) -> Array:
+        """(..., k, 3) matrices: the way back; transposed, world moments from Exudyn's generalised ones."""
+        return matrix(e).swapaxes(-1, -2) if self.rotation == "rotation vector" else 0.5 * H(e)
+
+    def velocities(self, e: Array, u: Array) -> Array:
+        """(n, bodies, 6): (r_dot, w) from rotations (n, bodies, 4) and Exudyn's velocities (n, all)."""
+        u = u.reshape(*e.shape[:2], -1)
+        return np.concatenate([u[..., :3], (self.spin(e) @ u[..., 3:, None])[..., 0]], axis=-1)
+
+    def wrenches(self, e: Array, g: Array) -> Array:
+        """(bodies, 6): force and moment about O in world axes from Exudyn's generalised forces (all,)."""
+        g = g.reshape(len(e), -1)
+        return np.concatenate([g[:, :3], (self.unspin(e).swapaxes(1, 2) @ g[:, 3:, None])[..., 0]], axis=1)
+
     def rates(self, e: Array) -> Array:
         """(6 bodies, m) matrix: (r_dot, w) of all bodies from Exudyn's velocities, at rotations e (bodies, 4)."""
         k = 3 + ROTATIONS[self.rotation]
         out = np.zeros((6 * len(e), k * len(e)))
-        for i, turn in enumerate(e):
-            spin = matrix(turn) if self.rotation == "rotation vector" else 4 * quaternion_rate(turn).T
+        for i, spin in enumerate(self.spin(e)):
             out[6 * i : 6 * i + 3, k * i : k * i + 3] = np.eye(3)
             out[6 * i + 3 : 6 * i + 6, k * i + 3 : k * i + k] = spin
         return out
-
-
-def quaternion_rate(e: Array) -> Array:
-    """(4, 3) matrix of e_dot from the world angular velocity; its transpose times four is the way back."""
-    return 0.5 * np.vstack([-e[1:], e[0] * np.eye(3) - skew(e[1:])])

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.rotations import exponential, logarithm, matrix, multiply
+from mbsd3d.rotations import exponential, logarithm, multiply
+from mbsd3d.threads import on_one_thread
 
 from ..base import Array
 from .assembly import Assembly
@@ -21,10 +22,10 @@ STEP = 2e-3
 
 
 class Equations:
-    """An assembled model at its start, and at any state that is loaded."""
+    """An assembled model at its start, and at any state that is loaded; ``repeated``: rows that repeat each other."""
 
-    def __init__(self, model: Assembly, solver: Any) -> None:
-        self.model, self.mbs, self.solver = model, model.mbs, solver
+    def __init__(self, model: Assembly, solver: Any, repeated: bool) -> None:
+        self.model, self.mbs, self.solver, self.repeated = model, model.mbs, solver, repeated
         self.q = np.array(self.mbs.systemData.GetODE2Coordinates())
         self.u = np.array(self.mbs.systemData.GetODE2Coordinates_t())
         self.size, self.rows = len(self.q), self.mbs.systemData.AEsize()
@@ -85,14 +86,18 @@ class Equations:
         near, far = rates(h) - rates(-h), rates(2 * h) - rates(-2 * h)
         return -(8 * near - far) / (12 * h)
 
+    @on_one_thread
     def change(self) -> tuple[Array, Array]:
         """u_dot and multipliers at the start; of least norm where rows repeat each other."""
         right = self.bias()
         self.load(self.q, self.u, self.model.state.t)
-        M, J = self.mass_matrix(), self.jacobian()
-        left = np.block([[M, J.T], [J, np.zeros((self.rows, self.rows))]])
-        found = np.linalg.lstsq(left, np.concatenate([self.force(), right]), rcond=1e-11)[0]
-        return found[: self.size], found[self.size :]
+        M, J, lam = self.mass_matrix(), self.jacobian(), np.zeros(self.rows)
+        own = J.any(axis=1)  # Exudyn has a row "multiplier = 0" for every free direction of a joint
+        left = np.block([[M, J[own].T], [J[own], np.zeros((own.sum(),) * 2)]])
+        both = np.concatenate([self.force(), right[own]])
+        found = np.linalg.lstsq(left, both, rcond=1e-11)[0] if self.repeated else np.linalg.solve(left, both)
+        lam[own] = found[self.size :]
+        return found[: self.size], lam
 
     def accelerations(self) -> Array:
         """(bodies, 6): d/dt (r_dot, w) at the start."""

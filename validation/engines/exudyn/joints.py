@@ -130,7 +130,9 @@ def add_mesh(model: Assembly, joint: Any, what: str) -> None:
     row, n = joint.primitives[0], joint.direction()
     for hinge in (joint.hinge_a, joint.hinge_b):
         if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
-            raise NotExpressible(f"{what}: its teeth push along '{hinge.name}', which slides; Exudyn couples angles only")
+            raise NotExpressible(
+                f"{what}: its teeth push along '{hinge.name}', which slides; Exudyn couples angles only"
+            )
     a, b = row.coordinates
     couple(model, joint, b, -row.values[0] / row.values[1], a, what)
 

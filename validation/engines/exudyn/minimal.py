@@ -11,7 +11,7 @@ from mbsd3d.rotations import multiply, quaternion_from_matrix
 from ..base import Array, EngineFailed, Kinetic, Motion, NotExpressible
 from .forces import add_force_element
 from .library import quiet
-from .solvers import SOLVERS, Scheme, check_samples, check_steps, march
+from .solvers import SOLVERS, Scheme, check_samples, march
 from .tree import SHIFT, TURN, Frame, Link, links_of
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
@@ -99,16 +99,19 @@ class TreeTwin:
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, scheme: Scheme) -> None:
-        self.module, self.system, self.state, self.scheme = module, system, state, scheme
+    def __init__(self, module: Any, system: Any, state: Any, **scheme: Any) -> None:
+        self.module, self.system, self.state = module, system, state
+        self.scheme = Scheme(**{"solver": "rk67"} | scheme)
         self.model = Tree(module, system, state)
         for force in system.forces:
             add_force_element(self.model, force)
         self.mbs = self.model.mbs
         self.sensors = {name: [self.sensor(body, name) for body in system.bodies] for name in OUTPUTS}
-        self.later = {n: [self.sensor(body, n) for body in system.bodies] for n in ("Acceleration", "AngularAcceleration")}
+        self.later = {
+            n: [self.sensor(body, n) for body in system.bodies] for n in ("Acceleration", "AngularAcceleration")
+        }
         self.mbs.Assemble()
-        self.order, self.settings = float(SOLVERS[scheme.solver][1]), f"kinematic tree, {scheme}"
+        self.order, self.settings = float(SOLVERS[self.scheme.solver][1]), f"kinematic tree, {self.scheme}"
         self.start()
 
     def sensor(self, body: Any, output: str) -> int:
@@ -161,18 +164,24 @@ class TreeTwin:
         solver.ComputeMassMatrix(self.mbs)
         return Kinetic(np.array(solver.GetSystemMassMatrix()), self.map)
 
-    def accelerations(self) -> Array:
-        """(bodies, 6) at the start, from Exudyn's M and right side."""
+    def change(self) -> Array:
+        """Accelerations of the hinge coordinates at the start, from Exudyn's M and right side; they become current."""
         solver = self.solver()
         solver.ComputeMassMatrix(self.mbs)
         solver.ComputeODE2RHS(self.mbs)
         change = np.linalg.solve(solver.GetSystemMassMatrix(), solver.GetSystemResidual()[: len(self.model.links)])
         self.mbs.systemData.SetODE2Coordinates_tt(change, self.module.ConfigurationType.Current)
+        return change
+
+    def accelerations(self) -> Array:
+        """(bodies, 6) at the start."""
+        self.change()
         return self.values(*self.later.values()).reshape(-1, 6)
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`."""
-        check_steps(steps, samples)
+        if self.scheme.implicit:
+            self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
         seconds = march(
             self.module, self.mbs, self.scheme,
             self.scheme.settings(self.module, self.state.t, t_end, steps, samples),

@@ -13,11 +13,8 @@ from .library import quiet
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),
     "index2": ("TrapezoidalIndex2", 2),
-    "velocity-verlet": ("VelocityVerlet", 2),
-    "rk33": ("RK33", 3),
     "rk44": ("RK44", 4),
     "dopri5": ("DOPRI5", 5),
-    "dverk6": ("DVERK6", 6),
     "rk67": ("RK67", 6),
 }
 """Name -> (name in Exudyn, order of the error in the step)."""
@@ -42,9 +39,11 @@ class Scheme:
     linear : str
         A key of `LINEAR`.
     tolerance : float
-        Absolute and relative, of Newton's iterations.
+        Absolute and relative, of Newton's iterations, or of the steps that dopri5 chooses.
     modified_newton : bool
         Keep the Jacobian over iterations and steps while it converges.
+    adaptive : bool
+        Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
     """
 
     solver: str = "generalized-alpha"
@@ -52,13 +51,18 @@ class Scheme:
     linear: str = "dense"
     tolerance: float = 1e-10
     modified_newton: bool = True
+    adaptive: bool = False
 
     def __post_init__(self) -> None:
         for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
             if getattr(self, name) not in known:
-                raise ValueError(f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}")
+                raise ValueError(
+                    f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
+                )
         if not 0.0 <= self.spectral_radius <= 1.0:
             raise ValueError(f"spectral_radius {self.spectral_radius} is not a share; give 0 <= spectral_radius <= 1")
+        if self.adaptive and self.solver != "dopri5":
+            raise ValueError(f"solver {self.solver!r} has fixed steps; adaptive=True goes with 'dopri5'")
         if not self.tolerance > 0.0:
             raise ValueError(f"tolerance {self.tolerance} is not positive; give a number > 0")
 
@@ -69,20 +73,32 @@ class Scheme:
 
     def __str__(self) -> str:
         if not self.implicit:
-            return SOLVERS[self.solver][0]
+            return SOLVERS[self.solver][0] + (f", its own steps to {self.tolerance:g}" if self.adaptive else "")
         radius = f", spectral radius {self.spectral_radius:g}" if self.solver == "generalized-alpha" else ""
         newton = "modified" if self.modified_newton else "full"
         return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, samples: int) -> Any:
-        """`SimulationSettings`: fixed steps, no files, nothing on the terminal."""
+        """`SimulationSettings`: no files, nothing on the terminal.
+
+        Raises
+        ------
+        ValueError
+            If samples do not lie on steps.
+        """
+        if steps < 1 or samples < 1 or steps % samples:
+            raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
+        if self.adaptive and samples > 1:
+            raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
         out = module.SimulationSettings()
         out.solution.file.write = False
         out.solution.sensors.writePeriod = (t_end - start) / samples
         integration, alpha = out.timeIntegration, out.timeIntegration.generalizedAlpha
         integration.startTime, integration.endTime, integration.numberOfSteps = start, t_end, steps
         integration.solverType = getattr(module.DynamicSolverType, SOLVERS[self.solver][0])
-        integration.automaticStepSize = integration.adaptiveStep = False  # a step that was cut would hide its error
+        integration.automaticStepSize, integration.adaptiveStep = self.adaptive, False  # no step is cut in silence
+        bound = self.tolerance if self.adaptive else 1e30  # dopri5 judges its error at fixed steps too, and stops
+        integration.absoluteTolerance = integration.relativeTolerance = bound
         alpha.spectralRadius = self.spectral_radius
         alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
         alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
@@ -126,12 +142,6 @@ def last_words(text: str) -> str:
     """What Exudyn said, on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
     return " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
-
-
-def check_steps(steps: int, samples: int) -> None:
-    """Samples lie on steps."""
-    if steps < 1 or samples < 1 or steps % samples:
-        raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
 
 
 def check_samples(found: Array, start: float, t_end: float, samples: int, *values: Array) -> Array:
