@@ -4,9 +4,7 @@ import base64
 import io
 from typing import Any
 
-from mbsd3d.report.exhibits import inline_svg
 from mbsd3d.style import house
-from validation.crosscheck import CrossCheck
 
 from .trial import Run
 
@@ -32,10 +30,3 @@ def drawn(made: Run) -> Any:
         return made.system.picture(size=SIZE)
     last = made.solution.state(made.solution.t.size - 1)
     return made.system.picture(last, size=SIZE)
-
-
-def chart(check: CrossCheck, name: str) -> str:
-    """Convergence of the engines as SVG with ids of its own; "" where none ran."""
-    if not any(engine.curves for engine in check.engines):
-        return ""
-    return inline_svg(check.figure(), f"{name}-")
