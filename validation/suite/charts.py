@@ -28,7 +28,7 @@ def chart(check: CrossCheck) -> str:
     panels = [
         f'<g transform="translate({k * (WIDTH + 24):g} 0)">{panel(engine, *box)}</g>' for k, engine in enumerate(ran)
     ]
-    width, label = len(ran) * (WIDTH + 24), f"convergence of {' and '.join(engine.engine for engine in ran)}"
+    width, label = 2 * (WIDTH + 24), f"convergence of {' and '.join(engine.engine for engine in ran)}"
     return str(svg(width, HEIGHT + KEY, "".join(panels) + key(), label))
 
 

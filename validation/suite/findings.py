@@ -116,11 +116,9 @@ class Record:
         """The finding that decides for a judge: one that differs, else the one nearest to its limit; None if silent."""
         return max(self.of(judge), key=severity, default=None)
 
-    @property
-    def deciding(self) -> tuple[Finding, ...]:
-        """The worst finding of every judge, and all that differ."""
-        worst = [self.worst(judge) for judge in JUDGES]
-        return tuple(x for x in self.findings if x.verdict == DIFFERS or any(x is y for y in worst))
+    def in_part(self, judge: str) -> bool:
+        """Whether a judge compared some quantities and not others."""
+        return len({finding.verdict == NOT_COMPARED for finding in self.of(judge)}) > 1
 
     @property
     def failures(self) -> tuple[Finding, ...]:

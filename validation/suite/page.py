@@ -11,10 +11,13 @@ from mbsd3d.report.wording import digits
 from mbsd3d.style import DARK, LIGHT
 
 from . import table
-from .findings import AGREES, DIFFERS, EXPLAINED, JUDGES, NOT_COMPARED, Finding, Record
+from .findings import AGREES, DEFINITIONS, DIFFERS, EXPLAINED, EXUDYN, JUDGES, MUJOCO, NOT_COMPARED, Finding, Record
 
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
+SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
+"""Judges that compare a dozen quantities each: they stand side by side."""
+PART = "◐ "  # some quantities were not compared
 TEMPLATE = "validation.html"
 
 
@@ -33,10 +36,10 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     str
         HTML; every text of a case is escaped.
     """
-    groups = {name: [r for r in records if r.group == name] for name in dict.fromkeys(r.group for r in records)}
     return template().render(
         content=content,
-        groups=groups,
+        groups=grouped(records),
+        sections=grouped([record for record in records if detailed(record)]),
         judges=table.columns_of(records),
         counted=table.counted(records),
         differences=table.differences(records),
@@ -48,6 +51,12 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     )
 
 
+def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
+    """Group -> its cases."""
+    names = dict.fromkeys(record.group for record in records)
+    return {name: [record for record in records if record.group == name] for name in names}
+
+
 @cache
 def template() -> Any:
     """Template of the page; every text that is put into it is escaped."""
@@ -57,7 +66,8 @@ def template() -> Any:
     options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     found = Environment(loader=FileSystemLoader(folders), **options)
     found.filters |= {"number": number, "cell": cell, "key": anchor, "svg": svg}
-    found.globals |= {"marks": MARKS, "classes": CLASSES, "many": table.MANY}
+    found.filters |= {"single": single, "matrix": matrix, "reasons": reasons, "detailed": detailed}
+    found.globals |= {"marks": MARKS, "classes": CLASSES}
     return found.get_template(TEMPLATE)
 
 
@@ -66,13 +76,51 @@ def number(value: Any) -> str:
     return "" if value is None else digits(float(value), count=2)
 
 
-def cell(finding: Finding | None) -> dict[str, str]:
+def cell(record: Record, judge: str) -> dict[str, str]:
     """Text, class and tip of a cell of the overview."""
+    found = entry(record.worst(judge))
+    return found | {"text": f"{PART * record.in_part(judge)}{found['text']}"}
+
+
+def entry(finding: Finding | None) -> dict[str, str]:
+    """Text, class and tip of a finding."""
     if finding is None:
         return {"text": "", "kind": "", "tip": ""}
-    shown = "" if finding.verdict == NOT_COMPARED else number(finding.error) if finding.error else ""
+    shown = number(finding.error) if finding.error and finding.verdict != NOT_COMPARED else ""
+    tip = finding.note if finding.limit is None else f"limit {finding.limit:.0e}; {finding.note}"
     text = f"{MARKS[finding.verdict]} {shown}".strip()
-    return {"text": text, "kind": CLASSES[finding.verdict], "tip": finding.note or finding.quantity}
+    return {"text": text, "kind": CLASSES[finding.verdict], "tip": f"{finding.quantity}: {tip}"}
+
+
+def detailed(record: Record) -> bool:
+    """Whether a case has a section of its own; of random ones only where there is something to say."""
+    return bool(record.picture or record.charts) or record.verdict != AGREES
+
+
+def single(record: Record) -> list[Finding]:
+    """Findings of the judges that have few."""
+    return [finding for finding in record.findings if finding.judge not in SEVERAL]
+
+
+def matrix(record: Record) -> tuple[list[str], list[tuple[str, list[dict[str, str]]]]]:
+    """(judges, rows of (quantity, cells)) of the judges that compare many quantities."""
+    compared = [x for x in record.findings if x.judge in SEVERAL and x.verdict != NOT_COMPARED]
+    judges = [judge for judge in SEVERAL if any(x.judge == judge for x in compared)]
+    found = {(x.quantity, x.judge): x for x in compared}
+    quantities = dict.fromkeys(x.quantity for x in sorted(compared, key=lambda x: SEVERAL.index(x.judge)))
+    return judges, [(name, [entry(found.get((name, judge))) for judge in judges]) for name in quantities]
+
+
+def reasons(record: Record) -> list[str]:
+    """Why those judges did not compare something: one line per reason."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for x in record.findings:
+        if x.judge in SEVERAL and x.verdict == NOT_COMPARED:
+            found.setdefault((x.judge, x.note), []).append(x.quantity)
+    return [
+        f"{judge}, not compared{': ' if any(names) else ''}{', '.join(filter(None, names))}: {note}"
+        for (judge, note), names in found.items()
+    ]
 
 
 def anchor(name: str) -> str:

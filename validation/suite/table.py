@@ -7,7 +7,10 @@ from .findings import AGREES, CERTIFICATE, DIFFERS, EXPLAINED, JUDGES, NOT_COMPA
 
 MANY = 30
 """Of one group: more cases than that share a line, and only those that differ have their own."""
-SILENT, ABSENT = "-", ""
+SILENT, ABSENT, PART = "-", "", "~"
+LEGEND = (
+    "Errors are relative; exact: counts equal; *: explained, with a number; !: differs; ~: in part; -: not compared."
+)
 REASONS = 3  # most frequent ones shown per judge
 
 
@@ -33,7 +36,8 @@ def columns_of(records: Iterable[Record]) -> list[str]:
 
 def line(record: Record, judges: Sequence[str]) -> list[str]:
     """Cells of one case."""
-    return [record.name, record.verdict, *(cell(record.worst(judge)) for judge in judges)]
+    cells = [f"{cell(record.worst(judge))}{PART * record.in_part(judge)}" for judge in judges]
+    return [record.name, record.verdict, *cells]
 
 
 def summary(group: str, records: Sequence[Record], judges: Sequence[str]) -> list[str]:
@@ -103,10 +107,6 @@ def counted(records: Sequence[Record]) -> str:
 
 def text(records: Sequence[Record]) -> str:
     """Everything."""
-    parts = [*aligned(lines_of(records, columns_of(records))), ""]
-    parts += [
-        "Errors are relative; exact: counts are equal; *: explained, with a number; !: differs; -: not compared.",
-        "",
-    ]
+    parts = [*aligned(lines_of(records, columns_of(records))), "", LEGEND, ""]
     parts += [*differences(records), *omissions(records), counted(records)]
     return "\n".join(parts)
