@@ -16,7 +16,8 @@ from . import rods
 from .freedoms import Freedoms, freedoms
 from .layout import Layout, Piece
 
-FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "AUTORESET", "SENSOR")  # nothing of these is in a twin: not looked for
+FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
+TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver, whose Newton step is exact: at 1e-8 it takes the last forces for good
 LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
@@ -76,6 +77,7 @@ def sketch(mujoco: Any, system: System, layout: Layout, integrator: str, dense: 
     spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
     spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
+    spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
     made = Sketch(mujoco, system, layout, spec)
     for piece in layout.pieces:
         add_piece(made, piece)

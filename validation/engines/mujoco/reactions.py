@@ -1,8 +1,8 @@
 """Reactions of the joints at a state that MuJoCo has evaluated: on body b, at the joint's point, world axes.
 
 A tree joint carries the interaction force of its body (``cfrc_int``); what acts along its coordinates is of springs and
-couplings, and taken off. MuJoCo's sum knows gravity, connects and welds only: pulls of spatial tendons and forces of
-actuators are told to it as external ones while it adds up.
+couplings, and taken off. MuJoCo's sum does not know the actuators at sites: what they apply is told to it as external
+forces while it adds up.
 """
 
 from collections.abc import Iterator
@@ -72,7 +72,7 @@ class Reactions:
         return tension * span / np.linalg.norm(span)
 
     def tell_applied(self, data: Any) -> None:
-        """Pulls and applied forces as external ones at the centres of mass, for the sum only."""
+        """Applied loads as external ones at the centres of mass, for the sum only."""
         for body, at, force, moment in self.applied(data):
             if body is not GROUND:
                 k = self.model.body(self.made.layout.main[id(body)].name).id
@@ -80,16 +80,7 @@ class Reactions:
                 data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
 
     def applied(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-        """(body, point, force, moment) of rods, springs and applied loads."""
-        pulls: list[tuple[Any, float]] = [(rod, self.rows(data, equality)[0]) for rod, _, equality in self.tendons]
-        for force, tendon in self.loads.springs:
-            k = self.model.tendon(tendon).id
-            stretch = data.ten_length[k] - force.length
-            pulls.append((force, -force.stiffness * stretch - force.damping * data.ten_velocity[k]))
-        for part, tension in pulls:
-            force = self.pull(data, part, tension)
-            for body, at, sign in ((part.a, part.at_a, -1.0), (part.b, part.at_b, 1.0)):
-                yield body, self.point(data, body, at), sign * force, np.zeros(3)
+        """(body, point, force, moment) of applied loads."""
         for actuator, part in self.loads.applied:
             k = self.model.actuator(actuator).id
             linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
@@ -132,6 +123,8 @@ class Reactions:
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)
+            if not rows.size:  # MuJoCo leaves out rows that nothing can violate: bodies that are rigid by other joints
+                continue
             site = data.site_xpos[self.model.eq_obj1id[self.model.equality(equality).id]]
             force, moment = force + rows, moment + np.cross(site - at, rows)
         return force, moment
