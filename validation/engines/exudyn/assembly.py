@@ -39,14 +39,14 @@ class Assembly:
         self.container = module.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.body = {id(GROUND): self.mbs.AddObject(self.items.ObjectGround())}
+        self.nodes: dict[int, int] = {}
         self.reference = np.array([body.orientation for body in system.bodies])
         self.start = multiply(state.q.reshape(-1, 7)[:, 3:], conjugate(self.reference))
         for k, body in enumerate(system.bodies):
             self.body[id(body)] = self.add_body(k, body)
         self.objects: dict[int, list[int]] = {}
-        self.zero = self.mbs.AddMarker(
-            self.items.MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(self.items.NodePointGround()), coordinate=0)
-        )
+        self.zero_node = self.mbs.AddNode(self.items.NodePointGround())
+        self.zero = self.mbs.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=self.zero_node, coordinate=0))
 
     def add_body(self, k: int, body: Any) -> int:
         """A rigid body with its weight."""
@@ -66,9 +66,10 @@ class Assembly:
                 initialCoordinates=[*shift, *(e - (1, 0, 0, 0))],
                 initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
             )
+        self.nodes[id(body)] = self.mbs.AddNode(node)
         number = self.mbs.AddObject(
             self.items.ObjectRigidBody(
-                mass=body.mass, centerOfMass=com, nodeNumber=self.mbs.AddNode(node),
+                mass=body.mass, centerOfMass=com, nodeNumber=self.nodes[id(body)],
                 inertia=[I_O[0, 0], I_O[1, 1], I_O[2, 2], I_O[1, 2], I_O[0, 2], I_O[0, 1]],
             )
         )  # fmt: skip

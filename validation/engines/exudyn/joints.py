@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import joints as j
-from mbsd3d.contacts import RollingDisc
+from mbsd3d.contacts import KnifeEdge, RollingDisc
 from mbsd3d.couplings import Gear, GearMesh, RackPinion
 from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
 from mbsd3d.joints import cross, matched_perpendiculars, perpendiculars
@@ -20,6 +20,7 @@ from mbsd3d.signals import Constant
 
 from ..base import Array, NotExpressible
 from .assembly import Assembly
+from .contacts import add_knife_edge, add_rolling
 
 
 class Expression(NamedTuple):
@@ -78,22 +79,19 @@ def add_spherical(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
+def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
+    """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
+    add_spherical(model, joint, what)
+    turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
+    turn_b = Coordinate("angle", joint.b, joint.a, joint.axis_b, joint.axis_b)
+    markers = [model.coordinate(x, counted=False) for x in (turn_a, turn_b)]
+    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
+
+
 def add_distance(model: Assembly, joint: Any, what: str) -> None:
     """Constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
-
-
-def add_rolling(model: Assembly, joint: Any, what: str) -> None:
-    """All three rows are held as velocities there."""
-    if joint.crown:
-        raise NotExpressible(f"{what}: crown {joint.crown:g} m; the rolling disc of Exudyn has a sharp rim")
-    # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
-    markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
-    disc = model.items.ObjectJointRollingDisc(
-        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
-    )
-    model.connect(joint, disc)
 
 
 def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
@@ -196,11 +194,18 @@ JOINTS: dict[type, Expression] = {
     j.Distance: Expression("DistanceConstraint", add_distance),
     j.Parallel: Expression("GenericJoint, turns about x and y locked", generic((0, 0, 0, 1, 1, 0), along(2))),
     j.Perpendicular: Expression("GenericJoint, x of a across y of b", generic((0, 0, 0, 0, 0, 1), crossed)),
+    j.ConstantVelocity: Expression(
+        "SphericalJoint and CoordinateConstraint of two rates about the shafts, on velocities", add_constant_velocity
+    ),
     j.Screw: Expression("GenericJoint (cylindrical) and CoordinateConstraint of slide and angle", add_screw),
     Gear: Expression("CoordinateConstraint of two angles", add_gear),
     RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
     GearMesh: Expression("CoordinateConstraint of two angles (motion only: no tooth force on the bearings)", add_mesh),
-    RollingDisc: Expression("RollingDiscJoint, all rows on velocities; sharp rim only", add_rolling),
+    RollingDisc: Expression(
+        "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
+        add_rolling,
+    ),
+    KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
     AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
     SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
     PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),
@@ -208,17 +213,11 @@ JOINTS: dict[type, Expression] = {
 }
 """Joint class -> how it is expressed."""
 
-REFUSED: dict[str, str] = {
-    "ConstantVelocity": "Exudyn has no joint that keeps two shafts turning alike about their bisector",
-    "KnifeEdge": "Exudyn has no condition on the velocity of a body's point along a direction fixed in the body",
-}
-"""Joint class -> why not."""
-
 
 def add_joint(model: Assembly, joint: Any) -> None:
     """Add a joint, or NotExpressible with its name."""
     kind = type(joint)
     what = f"joint '{model.system.name(joint)}' ({kind.__name__})"
     if kind not in JOINTS:
-        raise NotExpressible(f"{what}: {REFUSED.get(kind.__name__, 'Exudyn has no element for it')}")
+        raise NotExpressible(f"{what}: Exudyn has no element for it")
     JOINTS[kind].add(model, joint, what)
