@@ -4,52 +4,49 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from mbsd3d import State
 from validation.engines.base import NotComparable, Twin
 
-from .judge import Runs, differences
-from .ladder import INTERVALS
+from .judge import Runs, limit_difference
 from .ours import Ours
-from .quantities import quantities
-from .start import START, acceleration_differences
+from .start import acceleration_differences
 from .verdict import DIFFERS, EXPLAINED, Attribution, Finding
 
 
 class Cause(NamedTuple):
-    """A setting of a twin that may be to blame, its changed value, and by what a difference must shrink to prove it."""
+    """A setting of a twin that may be to blame, what it is changed to, and the part of a difference that then stays."""
 
     name: str
     setting: str
     value: Any
-    shrinks: float
+    stays: float
 
 
 CAUSES: dict[str, tuple[Cause, ...]] = {
-    "MuJoCo": (
-        Cause("softness of the loops (solref)", "softness", 1.0, 0.6),
-    ),
-    "Exudyn": (),
-}  # fmt: skip
-"""By engine. ``shrinks``: the difference has to fall below this part of what it was."""
+    "MuJoCo": (Cause("softness of the equalities (solref)", "softness", 8.0, 0.25),),  # half: error as its square
+    "Exudyn": (Cause("tolerance of Newton's iterations", "tolerance", 1e-13, 0.0),),
+}
+"""By engine, in the order they are tried."""
+NEAR = 0.2
+"""By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen."""
 
 
 def explained(
-    findings: Sequence[Finding], again: Callable[..., Twin], system: Any, state: State, ours: Ours,
-    runs: Runs | None = None, span: int = 0,
+    findings: Sequence[Finding], make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None = None, span: int = 0,
 ) -> list[Finding]:  # fmt: skip
     """The findings, with a tried and measured cause on those that differ; without one they stay as they are."""
-    suspects = [x for x in findings if x.status == DIFFERS]
+    suspects = {x.quantity: x for x in findings if x.status == DIFFERS}
     if not suspects:
         return list(findings)
-    proofs: dict[str, list[Attribution]] = {x.quantity: [] for x in suspects}
-    for cause in CAUSES.get(suspects[0].engine, ()):
-        for name, (before, after) in changed(cause, again, system, state, ours, runs, span).items():
-            if name in proofs and after <= cause.shrinks * before:
-                proofs[name].append(Attribution(cause.name, f"{cause.setting} = {cause.value}", before, after))
+    proofs: dict[str, list[Attribution]] = {name: [] for name in suspects}
+    for cause in CAUSES.get(findings[0].engine, ()):
+        for name, after in changed(cause, make, system, state, ours, climb, span).items():
+            before = suspects[name].difference if name in suspects else None
+            if before and abs(after / before - cause.stays) <= NEAR * max(cause.stays, 0.05):
+                proofs[name].append(Attribution(cause.name, f"{cause.setting} = {cause.value:g}", before, after))
     return [
-        replace(x, status=EXPLAINED, attributions=tuple(proofs[x.quantity]))
+        replace(x, status=EXPLAINED, attributions=(*x.attributions, *proofs[x.quantity]))
         if x.status == DIFFERS and proofs[x.quantity]
         else x
         for x in findings
@@ -57,26 +54,16 @@ def explained(
 
 
 def changed(
-    cause: Cause, again: Callable[..., Twin], system: Any, state: State, ours: Ours, runs: Runs | None, span: int
-) -> dict[str, tuple[float, float]]:
-    """Quantity -> (difference as it was, with the cause changed), each at the same step."""
+    cause: Cause, make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None, span: int,
+) -> dict[str, float]:  # fmt: skip
+    """Quantity -> difference with the cause changed; of motions that of the limits, as everywhere."""
     try:
-        twin = again(**{cause.setting: cause.value})
-        plain = again()
+        twin = make(**{cause.setting: cause.value})
+        found = {name: x[0] for name, x in acceleration_differences(system, state, twin, ours).items()}
+        if climb is not None and span:
+            runs = climb(twin)
+            found |= {name: limit_difference(runs, name, span)[0] for name in runs.values}
     except NotComparable:
         return {}
-    before = acceleration_differences(system, state, plain, ours)
-    after = acceleration_differences(system, state, twin, ours)
-    found = {name: (before[name][0], after[name][0]) for name in START}
-    if runs is None or not span:
-        return found
-    try:
-        motion = twin.run(float(ours.motion.t[-1]), runs.ladder.steps[-1], INTERVALS)
-    except NotComparable:
-        return found
-    other = quantities(system, motion, ours.size)
-    for name, x in other.items():
-        own = runs.own[name]
-        away = np.abs(x.values / x.scale - own.values / own.scale)[:span]
-        found[name] = (differences(runs, name, span)[-1], float(away.max()))
     return found

@@ -16,9 +16,9 @@ from validation.engines.base import EngineMissing, NotComparable, Twin
 from .causes import explained
 from .formulation import ENGINE as DEFINITIONS
 from .formulation import compare_definitions, skipped
-from .judge import Runs, curves, judge_motion
+from .judge import POSES, Runs, curves, judge_motion
 from .ladder import INTERVALS, climb, fastest_rate, first_steps
-from .ours import Ours, ours_at
+from .ours import Ours, ours_at, ours_at_start
 from .start import judge_start
 from .verdict import SKIPPED, Compared, CrossCheck, Finding
 
@@ -26,9 +26,9 @@ MODULES = {"mujoco": "validation.engines.mujoco", "exudyn": "validation.engines.
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
 ENGINES = (*MODULES, DEFINITIONS)
 WAYS: dict[str, tuple[dict[str, Any], ...]] = {
-    "mujoco": ({},),
+    "mujoco": ({}, {"rods": "tendons"}),
     "exudyn": (
-        {"formulation": "kinematic tree", "solver": "rk44"},  # trees and free bodies: explicit, without constraints
+        {"formulation": "kinematic tree"},  # trees of hinges and sliders: explicit, without constraints
         {},
         {"tolerance": 1e-9},  # where Newton's iterations cannot reach the usual one
         {"linear": "full-pivot"},  # redundant rows
@@ -40,7 +40,7 @@ BUDGET = 10.0  # s of an engine's ladder
 
 def cross_check(
     system: Any,
-    t_end: float,
+    t_end: float | None,
     *,
     engines: Sequence[str] = ENGINES,
     state: State | None = None,
@@ -57,8 +57,8 @@ def cross_check(
     Parameters
     ----------
     system : System
-    t_end : float
-        [s]
+    t_end : float or None
+        [s]; None = mass matrix and accelerations at the start only.
     engines : sequence of str
         Of "mujoco", "exudyn" and "definitions" (not an engine: a second formulation, see `crosscheck.formulation`).
     state : State or None
@@ -93,7 +93,7 @@ def cross_check(
     """
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
-        ours = ours_at(system, start, times)
+        ours = ours_at_start(system, start) if t_end is None else ours_at(system, start, times)
         found: list[Compared] = []
         interrupted = False
         for k, engine in enumerate(engines):
@@ -108,19 +108,21 @@ def cross_check(
                 found += [skipped(NAMES.get(name, name), "interrupted") for name in engines[k:]]
                 interrupted = True
                 break
-    own = max(float(ours.error[name][-1]) for name in ("position", "rotation", "velocity", "angular velocity"))
-    return CrossCheck(float(t_end), tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, notes(ours))
+    own = max((float(ours.error[name][-1]) for name in POSES if name in ours.error), default=0.0)
+    end = float(ours.motion.t[-1])
+    return CrossCheck(end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, notes(ours))
 
 
 def check_input(
-    system: Any, t_end: float, engines: Sequence[str], state: State | None, tolerance: float, budget: float
+    system: Any, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
 ) -> tuple[State, np.ndarray]:
     """(start, sample times); ValueError for what makes no sense."""
     check_system(system, "cross_check")
     check_state(state, "cross_check")
-    start, t_end = state or system.state(), number(t_end, "cross_check: t_end")
-    if not t_end > start.t:
-        raise ValueError(f"cross_check: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give more")
+    start = state or system.state()
+    end = start.t + 1.0 if t_end is None else number(t_end, "cross_check: t_end")
+    if not end > start.t:
+        raise ValueError(f"cross_check: t_end = {end:g} s does not lie after the start at {start.t:g} s; give more")
     if not system.bodies:
         raise ValueError("cross_check: the system has no bodies; give one that moves")
     if isinstance(engines, str) or not engines:
@@ -132,7 +134,7 @@ def check_input(
         raise ValueError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
     if not number(budget, "cross_check: budget") > 0.0:
         raise ValueError(f"cross_check: budget {budget:g} s; give seconds above 0")
-    return start, np.linspace(start.t, t_end, INTERVALS + 1)
+    return start, np.linspace(start.t, end, INTERVALS + 1)
 
 
 def compare(
@@ -140,7 +142,8 @@ def compare(
 ) -> Compared:
     """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
-        return compare_definitions(system, state, float(ours.motion.t[-1]), ours.size)
+        end = float(ours.motion.t[-1])
+        return compare_definitions(system, state, end if end > state.t else None, ours.size)
     make = import_module(MODULES[engine]).twin
     halted, reason = None, NotComparable("no way to run it")
     for settings in WAYS[engine]:
@@ -153,7 +156,7 @@ def compare(
         except NotComparable as error:
             reason = error
             continue
-        if found.steps:
+        if found.steps or ours.motion.t.size == 1:
             return found
         halted = halted or found
     if halted is None:
@@ -167,19 +170,24 @@ def compare_way(
     """All findings about an engine run in one way; a motion it cannot follow is one of them."""
     twin, t_end = make(), float(ours.motion.t[-1])
     name, findings = twin.engine, judge_start(system, state, twin, ours, tolerance)
+    if t_end == state.t:
+        return Compared(name, tuple(explained(findings, make, system, state, ours)), twin.settings, twin.order)
+    first = first_steps(t_end - state.t, fastest_rate(ours.motion))
+
+    def runs_of(twin: Twin) -> Runs:
+        return Runs(system, climb(twin, system, t_end, first, ours.size, 0.1 * tolerance, budget, report), ours)
+
     try:
-        first = first_steps(t_end - state.t, fastest_rate(ours.motion))
-        ladder = climb(twin, system, t_end, first, ours.size, 0.1 * tolerance, budget, report)
+        runs = runs_of(twin)
     except NotComparable as error:
         findings.append(Finding(name, "motion", SKIPPED, reason=str(error)))
         return Compared(name, tuple(explained(findings, make, system, state, ours)), twin.settings, twin.order)
-    runs = Runs(system, ladder, ours)
     motion, span = judge_motion(runs, name, tolerance)
-    findings = explained(findings + motion, make, system, state, ours, runs, span)
-    seconds = tuple(run.seconds for run in ladder.runs)
+    findings = explained(findings + motion, make, system, state, ours, runs_of, span)
+    ladder = runs.ladder
     return Compared(
-        name, tuple(findings), twin.settings, twin.order, tuple(ladder.steps), seconds, ladder.stopped,
-        curves(runs, span),
+        name, tuple(findings), twin.settings, twin.order, tuple(ladder.steps),
+        tuple(run.seconds for run in ladder.runs), ladder.stopped, curves(runs, span),
     )  # fmt: skip
 
 

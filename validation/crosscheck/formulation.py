@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State, simulate
-from validation import reference_point
+from mbsd3d import State, accelerations, simulate
+from validation import definitions, reference_point
 from validation.engines.base import Array, NotExpressible
 
 from .ours import TIGHT
@@ -24,20 +24,24 @@ LIMIT = 1e-9
 EPS = 1e-14
 
 
-def compare_definitions(system: Any, state: State, t_end: float, size: Sizes) -> Compared:
-    """Findings about gaps, slips, accelerations and reactions at nine states of the run."""
+def compare_definitions(system: Any, state: State, t_end: float | None, size: Sizes) -> Compared:
+    """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only."""
     try:
         reference_point.solve(system, state)
     except (ValueError, KeyError) as error:
         text = f"no definition is written for {error}" if isinstance(error, KeyError) else str(error)
         raise NotExpressible(text) from error
-    solution = simulate(system, t_end, state=state, rtol=TIGHT, output=SAMPLES)
-    found: dict[str, list[tuple[float, str, float]]] = {}
+    if t_end is None:
+        solution = accelerations(system, state)
+    else:
+        solution = simulate(system, t_end, state=state, rtol=TIGHT, output=SAMPLES)
+    found: dict[str, list[tuple[float, str, float, float]]] = {}
     for k in range(solution.t.size):
         for name, difference, part, limit in at_state(solution, k, size):
             found.setdefault(name, []).append((difference / limit, part, difference, limit))
-    findings = tuple(finding(name, max(entries), t_end) for name, entries in found.items())
-    return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {SAMPLES} states")
+    findings = tuple(finding(name, max(entries), float(solution.t[-1])) for name, entries in found.items())
+    states = f"{solution.t.size} states" if t_end else "the start"
+    return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {states}")
 
 
 def finding(name: str, worst: tuple, t_end: float) -> Finding:
@@ -56,12 +60,37 @@ def at_state(solution: Any, k: int, size: Sizes) -> list[tuple[str, float, str, 
     pull = max(largest(b[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
     bodies = [body.name for body in system.bodies]
     entries = [
-        ("joint gaps", there.residual / max(size.length, 1.0), "joints", LIMIT),
+        ("joint gaps", *gaps(solution, k, max(size.length, 1.0)), LIMIT),
         ("joint velocities", there.rate / max(size.speed, 1.0), "joints", LIMIT),
         ("acceleration", *worst(a[:, :3] - b[:, :3], pull, bodies), limit),
         ("angular acceleration", *worst(a[:, 3:] - b[:, 3:], pull / size.length, bodies), limit),
     ]
     return entries + reactions(solution, k, there, size, limit)
+
+
+def gaps(solution: Any, k: int, scale: float) -> tuple[float, str]:
+    """(greatest |c| of the definitions of geometry over a length, whose) at sample k."""
+    system, state = solution.system, solution.state(k)
+    now = definitions.Motion(system, state, state.v.reshape(1, -1, 6))
+    found = [(0.0, "no joint")]
+    for joint in system.joints:
+        if type(joint).__name__ in definitions.GEOMETRY:
+            *parts, last = definitions.GEOMETRY[type(joint).__name__](now, joint)
+            c = [*(part.x0 for part in parts), last.x0 + whole_turns(solution, k, joint)]
+            found.append((max(map(largest, c)) / scale, system.name(joint)))
+    return max(found)
+
+
+def whole_turns(solution: Any, k: int, joint: Any) -> float:
+    """What the turns that a hinge has made add to c, the last part of a definition: it knows angles up to +-pi only."""
+    hinges = {
+        "AngleDriver": lambda: [(1.0, joint.hinge)],
+        "Gear": lambda: [(1.0, joint.hinge_b), (-joint.ratio, joint.hinge_a)],
+        "RackPinion": lambda: [(-joint.radius, joint.pinion)],
+        "Screw": lambda: [(-joint.pitch / (2 * np.pi), joint)],
+    }.get(type(joint).__name__, list)()
+    angles = [(factor, float(solution.angle(hinge)[k])) for factor, hinge in hinges]
+    return sum(factor * (angle - float(np.arctan2(np.sin(angle), np.cos(angle)))) for factor, angle in angles)
 
 
 def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str]:

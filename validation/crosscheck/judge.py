@@ -84,16 +84,26 @@ def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Findin
     return [judge(runs, engine, name, span, used) for name in runs.values], span
 
 
+def limit_difference(runs: Runs, name: str, span: int) -> tuple[float, str, Limit]:
+    """(greatest relative difference of the limits over the first ``span`` samples, whose, the engine's limit)."""
+    own, limit = runs.own[name], runs.limit(name, span)
+    by_part = np.abs(limit.values - own.values / own.scale)[beginning(name) : span].max(axis=(0, 2))
+    return float(by_part.max()), own.parts[int(by_part.argmax())], limit
+
+
+def beginning(name: str) -> int:
+    """First sample that counts: multipliers of an engine are those of its steps, and none has led to the start."""
+    return 1 if name.startswith("reaction") else 0
+
+
 def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
     """One quantity over the first ``span`` samples."""
-    first = 1 if name.startswith("reaction") else 0
-    own, limit, order = runs.own[name], runs.limit(name, span), runs.ladder.twin.order
-    away = np.abs(limit.values - own.values / own.scale)[first:span]
-    by_part = away.max(axis=(0, 2))
-    unsure = float((limit.error + runs.ours.error[name][: len(limit.error)])[span - 1])
+    difference, part, limit = limit_difference(runs, name, span)
+    order = runs.ladder.twin.order
+    unsure = float((limit.error + runs.ours.error[name])[span - 1])
     found = dict(
-        difference=float(by_part.max()), uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
-        until=float(runs.ours.motion.t[span - 1]), part=own.parts[int(by_part.argmax())],
+        difference=difference, uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
+        until=float(runs.ours.motion.t[span - 1]), part=part,
     )  # fmt: skip
     if found["difference"] > max(SURE * unsure, tolerance):
         return Finding(engine, name, DIFFERS, **found)
@@ -111,9 +121,8 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
 
 def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:
     """Greatest relative difference of every run from our motion over the compared time."""
-    first = 1 if name.startswith("reaction") else 0
-    own = runs.own[name]
-    return tuple(float(np.abs(x - own.values / own.scale)[first:span].max()) for x in runs.values[name])
+    own = runs.own[name].values / runs.own[name].scale
+    return tuple(float(np.abs(x - own)[beginning(name) : span].max()) for x in runs.values[name])
 
 
 def curves(runs: Runs, span: int) -> tuple[Curve, ...]:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State, simulate
+from mbsd3d import State, accelerations, simulate
 from validation.engines.base import Array, Load, Motion
 from validation.reference_point import constraint_rows
 
@@ -94,6 +94,14 @@ def ours_at(system: Any, state: State, times: Array) -> Ours:
     away = np.max([parted(found[name], beside[name]) for name in poses], axis=0)
     growth = np.maximum(away / NUDGE, 1.0) if start is not state else np.ones(times.size)
     return Ours(motion, size, found, error, growth, rest, tight.record.steps)
+
+
+def ours_at_start(system: Any, state: State) -> Ours:
+    """The same at the start alone: sizes and unique reactions, nothing to estimate."""
+    solution = accelerations(system, state)
+    motion, rest = motion_of(solution)
+    size = sizes(system, motion, float(solution.compiled.model.length))
+    return Ours(motion, size, {}, {}, np.ones(1), rest, 0)
 
 
 def parted(one: Quantity, other: Quantity) -> Array:
