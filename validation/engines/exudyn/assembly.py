@@ -31,9 +31,14 @@ class Assembly:
         The start.
     rotation : str
         A key of `ROTATIONS`.
+    left_out : mapping
+        id(joint) -> rows of its first object that Exudyn is not to see; see `independence`.
     """
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str) -> None:
+    def __init__(
+        self, module: Any, system: Any, state: Any, rotation: str, left_out: dict[int, set[int]] | None = None
+    ) -> None:
+        self.left_out = left_out or {}
         self.system, self.state, self.rotation = system, state, rotation
         self.module, self.items = module, module.itemInterface
         self.container = module.SystemContainer()
@@ -78,6 +83,11 @@ class Assembly:
             self.mbs.AddLoad(self.items.LoadMassProportional(markerNumber=mass, loadVector=self.system.gravity))
         return number
 
+    def kept(self, joint: Any, locked: tuple[int, ...]) -> list[int]:
+        """Flags of the directions that a joint locks, without those left out."""
+        gone = self.left_out.get(id(joint), set())
+        return [int(flag and k not in gone) for k, flag in enumerate(locked)]
+
     def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
         """A frame on a body: point and axes (columns), world at the reference pose."""
         place = np.eye(4)
@@ -115,8 +125,10 @@ class Assembly:
         return float(np.remainder(2 * np.arctan2(relative[1:] @ x.axis, relative[0]) + np.pi, 2 * np.pi) - np.pi)
 
     def connect(self, part: Any, item: Any) -> None:
-        """Add a connector of a joint or force."""
-        self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
+        """Add a connector of a joint or force; one with a single row goes with that row."""
+        single = isinstance(item, self.items.ObjectConnectorCoordinate | self.items.ObjectConnectorDistance)
+        if not (single and id(part) not in self.objects and 0 in self.left_out.get(id(part), ())):
+            self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""
