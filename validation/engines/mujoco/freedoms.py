@@ -108,7 +108,7 @@ TABLE: dict[type, tuple] = {  # slides, hinges about axes of B, their angles
 }
 
 
-def freedoms(joint: Joint, name: str) -> Freedoms:
+def freedoms_of(joint: Joint, name: str) -> Freedoms:
     """Frames and freedoms of a joint of `TABLE`, of a ConstantVelocity or Distance; errors name it."""
     if type(joint) is ConstantVelocity:
         return shafts(joint, name)

@@ -6,7 +6,7 @@ inertia, that is welded to the rest: the two together move as the body does.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from mbsd3d import (
@@ -18,6 +18,8 @@ from mbsd3d import (
     Joint,
     Parallel,
     Perpendicular,
+    PointOnLine,
+    PointOnPlane,
     Revolute,
     Spherical,
     System,
@@ -26,6 +28,7 @@ from mbsd3d import (
 from .freedoms import TABLE
 
 DIRECT = (Revolute, Spherical)  # close a loop by equalities of their own
+LATE = (PointOnLine, PointOnPlane)  # where body a is the child, a ball before slides: MuJoCo 4.0.1 has its J_dot wrong
 LOOSE = (Parallel, Perpendicular, Distance)  # keep no two points together: last to span the tree
 
 
@@ -38,7 +41,6 @@ class Piece:
     parent: "Piece | None"  # None is the ground
     joint: Joint | None
     is_b: bool = True  # whether it is body b of the joint
-    children: list["Piece"] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -90,8 +92,8 @@ def lay_out(system: System, rods: bool) -> Layout:
 
 def rank(joint: Joint, referred: bool) -> int:
     """Order in which joints are asked into the tree; one whose angle or slide is used must have it as a coordinate."""
-    if isinstance(joint, LOOSE):
-        return 4
+    if isinstance(joint, LATE + LOOSE):
+        return 4 if isinstance(joint, LATE) else 5
     if type(joint) not in (Revolute, Spherical) or referred:
         return 0 if isinstance(joint, Fixed) else 1
     return 2 if isinstance(joint, Revolute) else 3
@@ -137,6 +139,4 @@ def add(layout: Layout, body: Body, parent: Piece | None, joint: Joint | None, i
     """A new piece."""
     piece = Piece(len(layout.pieces), body, parent, joint, is_b)
     layout.pieces.append(piece)
-    if parent is not None:
-        parent.children.append(piece)
     return piece
