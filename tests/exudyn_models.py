@@ -112,7 +112,7 @@ def distances(motion, solution):
 
 def judge(system, state, t_end, *, solver, reactions=True, **settings):
     """Errors of the motion fall with the order, those of reactions are extrapolated away; the motion is ours."""
-    made = twin(system, state=state, solver=solver, **settings)
+    made = twin(system, state=state, solver=solver, tolerance=1e-10, **settings)
     truth = simulate(system, t_end, state=state, rtol=1e-12, output=5)
     steps = {2: (32, 64), 5: (64, 128)}.get(made.order, (16, 32))
     coarse, fine = (made.run(t_end, n, 4) for n in steps)

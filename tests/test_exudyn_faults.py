@@ -1,5 +1,10 @@
 """The twin in Exudyn: what it refuses and how, engine failures, versions; quiet, repeatable, nothing written."""
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
 from models import example_system, random_body, revolute_chain
@@ -144,3 +149,17 @@ def test_advised_settings(name):
     ends = [twin(system, **given).run(0.05, 64, 1).position[-1] for given in settings]
     assert max(np.abs(end - ends[0]).max() for end in ends) < 1e-4
     assert any("formulation" in given for given in settings) == (name == "iftomm_A01_pendulum")
+
+
+def test_interrupt():
+    """Ctrl-C ends a long run as what it is, between two records; the twin can run again."""
+    made = twin(cases.load("iftomm_A04_bricard").system)
+    began = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        made.run(10.0, 128 * 1024, 1)
+    interrupted = time.perf_counter() - began
+    began = time.perf_counter()
+    made.run(10.0 / 128, 1024, 1)
+    # the whole run takes 128 times as long as this one
+    assert interrupted < 0.2 + 20 * (time.perf_counter() - began)

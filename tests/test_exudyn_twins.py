@@ -5,7 +5,7 @@ import pytest
 from models import direction, random_body, random_inertia
 from test_loads import EXAMPLES as FORCES
 
-from mbsd3d import GROUND, Body, GearMesh, Revolute, System, simulate
+from mbsd3d import GROUND, Body, GearMesh, Prismatic, Revolute, System, simulate
 from mbsd3d.rotations import matrix
 from validation import cases
 from validation.engines.base import EngineFailed
@@ -177,3 +177,19 @@ def test_counts_of_all_cases():
             found = twin(case.system).degrees_of_freedom()
             counts = found["nAE"] - found["nPureAE"], found["redundantConstraints"], found["degreeOfFreedom"]
             assert counts == tuple(case.dof_info[key] for key in ("rows", "redundant", "dof")), name
+
+
+@pytest.mark.parametrize("settings", [{"solver": "index2"}, {"solver": "rk44", "formulation": "kinematic tree"}])
+def test_parts_as_built(settings):
+    """Points and axes that differ on both sides: the frames of each side are its own."""
+    rng = np.random.default_rng(12)
+    a, b = random_body(rng, "a"), random_body(rng, "b")
+    axes = [direction(rng) for _ in range(2)]
+    off = [axis + 0.03 * direction(rng) for axis in axes]
+    at = [body.position + 0.3 * direction(rng) for body in (a, b)]
+    hinge = Revolute(GROUND, a, at=at[0], axis=axes[0], at_b=at[0] + 0.05 * direction(rng), axis_b=off[0])
+    guide = Prismatic(b, a, at=at[1], axis=axes[1], at_b=at[1] + 0.05 * direction(rng), axis_b=off[1])
+    system = System([a, b], [hinge, guide])
+    state = simulate(system, 0.2, state=system.assemble(), rtol=1e-11, output=2).final
+    made, _ = judge(system, state, state.t + 0.3, **settings)
+    check_start(system, state, made)

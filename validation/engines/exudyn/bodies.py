@@ -118,13 +118,14 @@ class BodyTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError if samples do not lie on steps."""
-        settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
+        start, every = self.state.t, self.scheme.records(self.state.t, t_end, steps, samples)
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
+        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
         seconds = march(self.module, self.mbs, self.scheme, settings)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
-        t = check_samples(table[:, 0], self.state.t, t_end, samples, table[:, 1:])
+        t = check_samples(table[:, 0], start, t_end, samples * every, table[:, 1:])[::every]
         n = self.mbs.systemData.ODE2Size()
-        q, u, lam = np.split(table[:, 1:], [n, 2 * n], axis=1)
+        q, u, lam = np.split(table[::every, 1:], [n, 2 * n], axis=1)
         lam[0] = first
         position, turn = self.model.poses(q)
         v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)

@@ -110,6 +110,8 @@ class TreeTwin:
         self.later = {
             n: [self.sensor(body, n) for body in system.bodies] for n in ("Acceleration", "AngularAcceleration")
         }
+        item = module.itemInterface.SensorUserFunction(sensorUserFunction=pulse, storeInternal=True, writeToFile=False)
+        self.mbs.AddSensor(item)
         self.mbs.Assemble()
         self.order, self.settings = float(SOLVERS[self.scheme.solver][1]), f"kinematic tree, {self.scheme}"
         self.start()
@@ -179,20 +181,24 @@ class TreeTwin:
         return self.values(*self.later.values()).reshape(-1, 6)
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`."""
+        """See `Twin.run`; also ValueError if samples do not lie on steps."""
+        start, every = self.state.t, self.scheme.records(self.state.t, t_end, steps, samples)
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
-        seconds = march(
-            self.module, self.mbs, self.scheme,
-            self.scheme.settings(self.module, self.state.t, t_end, steps, samples),
-        )  # fmt: skip
+        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
+        seconds = march(self.module, self.mbs, self.scheme, settings)
         stored = {
             name: np.array([self.mbs.GetSensorStoredData(k) for k in own]).swapaxes(0, 1)
             for name, own in self.sensors.items()
         }
-        t = check_samples(stored["Position"][:, 0, 0], self.state.t, t_end, samples, *stored.values())
+        t = check_samples(stored["Position"][:, 0, 0], start, t_end, samples * every, *stored.values())[::every]
+        position, turn, velocity, omega = (stored[name][::every, :, 1:] for name in OUTPUTS)
         frames = np.array([self.model.links[self.model.link_of[id(body)]].here.axes for body in self.system.bodies])
-        turn = stored["RotationMatrix"][..., 1:].reshape(len(t), -1, 3, 3) @ frames.swapaxes(1, 2)
+        turn = turn.reshape(len(t), -1, 3, 3) @ frames.swapaxes(1, 2)
         orientation = multiply(quaternion_from_matrix(turn), np.array([b.orientation for b in self.system.bodies]))
-        vectors = [stored[name][..., 1:] for name in ("Position", "Velocity", "AngularVelocity")]
-        return Motion(t, vectors[0], orientation, vectors[1], vectors[2], {}, seconds)
+        return Motion(t, position, orientation, velocity, omega, {}, seconds)
+
+
+def pulse(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+    """Nothing but a moment of Python, in which Ctrl-C is heard."""
+    return [t]
