@@ -18,7 +18,6 @@ from mbsd3d import (
     JointFriction,
     KnifeEdge,
     Polynomial,
-    PositionDriver,
     Revolute,
     RollingDisc,
     SpeedDriver,
@@ -37,10 +36,10 @@ mujoco = pytest.importorskip("mujoco")
 def test_every_joint_is_expressed_or_refused():
     joints = public_classes(Joint) - {Driver}
     assert set(EXPRESSES) <= joints
-    assert joints - set(EXPRESSES) == {RollingDisc, KnifeEdge, PositionDriver}
+    assert joints - set(EXPRESSES) == {RollingDisc, KnifeEdge}
 
 
-@pytest.mark.parametrize("cls", [RollingDisc, KnifeEdge, PositionDriver])
+@pytest.mark.parametrize("cls", [RollingDisc, KnifeEdge])
 def test_refused_joints(cls):
     system = tree(cls)
     with pytest.raises(NotExpressible, match=f"joint '{cls.__name__} 1' .*MuJoCo"):

@@ -15,6 +15,7 @@ from mbsd3d import (
     Planar,
     PointOnLine,
     PointOnPlane,
+    PositionDriver,
     Prismatic,
     RackPinion,
     Revolute,
@@ -59,6 +60,7 @@ EXPRESSES: dict[type, str] = {
     GearMesh: "sum of joint coordinates held at zero: motion, not the tooth force",
     AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
     SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
+    PositionDriver: "three slides and a ball, the slides tied to a clock and oscillators; no Table",
     SpeedDriver: "joint coordinate tied to a clock and oscillators, where a joint turns about its axis; no Table",
 }
 """Joint class -> how; where a joint without closure of its own closes a loop, a piece of its body is welded to it."""
@@ -66,7 +68,6 @@ EXPRESSES: dict[type, str] = {
 REFUSED = {
     "RollingDisc": "MuJoCo rolls by contact with friction only, which slips",
     "KnifeEdge": "MuJoCo has no row on velocities alone",
-    "PositionDriver": "MuJoCo moves points by mocap bodies, whose speed its equalities do not know",
 }
 
 

@@ -20,16 +20,18 @@ from mbsd3d import (
     Perpendicular,
     PointOnLine,
     PointOnPlane,
+    PositionDriver,
     Revolute,
+    SpeedDriver,
     Spherical,
     System,
 )
 
-from .freedoms import TABLE
+from .freedoms import ALONG, TABLE
 
 DIRECT = (Revolute, Spherical)  # close a loop by equalities of their own
 LATE = (PointOnLine, PointOnPlane)  # where body a is the child, a ball before slides: MuJoCo 4.0.1 has its J_dot wrong
-LOOSE = (Parallel, Perpendicular, Distance)  # keep no two points together: last to span the tree
+LOOSE = (Parallel, Perpendicular, Distance, PositionDriver)  # keep no two points together: last to span the tree
 
 
 @dataclass(eq=False)
@@ -70,6 +72,7 @@ def lay_out(system: System, rods: bool) -> Layout:
     known = {*TABLE, ConstantVelocity, *((Distance,) if rods else ())}
     joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}
+    referred |= {id(joint) for joint in joints for driver in system.joints if turns_it(joint, driver)}
     tree = spanning(sorted(joints, key=lambda joint: rank(joint, id(joint) in referred)))
     layout = Layout([], {}, [], [])
     grow(layout, GROUND, tree)
@@ -88,6 +91,12 @@ def lay_out(system: System, rods: bool) -> Layout:
             piece = add(layout, body, layout.main.get(id(before)), joint, is_b=body is joint.b)
             layout.extra.append(piece)
     return layout
+
+
+def turns_it(joint: Joint, driver: Joint) -> bool:
+    """Whether a speed driver turns a hinge, which it does not name."""
+    own = joint.angle() if isinstance(driver, SpeedDriver) else None
+    return own is not None and {own.a, own.b} == {driver.a, driver.b} and abs(abs(own.axis @ driver.axis) - 1.0) < ALONG
 
 
 def rank(joint: Joint, referred: bool) -> int:
