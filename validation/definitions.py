@@ -99,10 +99,6 @@ class Motion:
         xa, ya, xb, yb = (self.axis(body, v) for body in (j.a, j.b) for v in (x, y))
         return arctan2(dot(ya, xb) - dot(xa, yb), dot(xa, xb) + dot(ya, yb))
 
-    def up_to_turns(self, angle: Series) -> Series:
-        """The angle without whole turns: a pose does not know how often it has turned."""
-        return angle - 2 * np.pi * np.round(angle.x0 / (2 * np.pi))
-
     def untwisted(self, j: Any) -> Series:
         """No relative rotation: sum of e_a x e_b over a triad (3 rows)."""
         first, *rest = (self.parallel(j, e, e) for e in np.eye(3))
@@ -162,7 +158,7 @@ GEOMETRY: dict[str, Callable] = {
     "Screw": lambda k, j: [*GEOMETRY["Cylindrical"](k, j), k.slide(j) - k.turn(j, j.axis) * (j.pitch / (2 * np.pi))],
     "Gear": lambda k, j: [k.turn(j.hinge_b, j.hinge_b.axis) - k.turn(j.hinge_a, j.hinge_a.axis) * j.ratio],
     "RackPinion": lambda k, j: [k.slide(j.rack) - k.turn(j.pinion, j.pinion.axis) * j.radius],
-    "AngleDriver": lambda k, j: [k.up_to_turns(k.turn(j.hinge, j.hinge.angle().axis) - k.signal(j.signal))],
+    "AngleDriver": lambda k, j: [k.turn(j.hinge, j.hinge.angle().axis) - k.signal(j.signal)],
     "SlideDriver": lambda k, j: [k.slide(j.slider) - k.signal(j.signal)],
     "PositionDriver": position,
 }
