@@ -12,7 +12,6 @@ from mbsd3d import (
     Distance,
     Fixed,
     Gear,
-    GearMesh,
     KnifeEdge,
     Parallel,
     Perpendicular,
@@ -25,7 +24,6 @@ from mbsd3d import (
     Revolute,
     RollingDisc,
     Screw,
-    Sine,
     SlideDriver,
     SpeedDriver,
     Spherical,
@@ -40,49 +38,24 @@ from mbsd3d.kernels.rows import rows
 from mbsd3d.model import compile_system
 from mbsd3d.rotations import matrix, multiply
 from mbsd3d.selection import dense_jacobian, scaled_jacobian
+from validation.examples import (  # noqa: F401  # the tests take all of them from here
+    EXAMPLES,
+    NOT_ON_GROUND,
+    across,
+    direction,
+    middle,
+    random_body,
+    random_inertia,
+    random_orientation,
+    rolling_plane,
+    signal,
+)
 
 
 def derivative(function, step=1e-3):
     """d function / dh at h = 0, central difference of fourth order: 3e-14 of the fifth derivative, rounding 1e-13."""
     near, far = (function(h) - function(-h) for h in (step, 2 * step))
     return (8 * near - far) / (12 * step)
-
-
-def direction(rng):
-    """Unit vector without a zero component, (3,)."""
-    axis = rng.normal(size=3) + np.sign(rng.normal(size=3)) * 0.2
-    return axis / np.linalg.norm(axis)
-
-
-def across(rng, axis):
-    """Unit vector at right angles to ``axis``, otherwise general, (3,)."""
-    other = np.cross(axis, direction(rng))
-    return other / np.linalg.norm(other)
-
-
-def random_orientation(rng):
-    """Unit quaternion, (4,)."""
-    e = rng.normal(size=4)
-    return e / np.linalg.norm(e)
-
-
-def random_inertia(rng, mass, size=0.3):
-    """Inertia of six equal point masses at random places: any axes, and the triangle rule holds, (3, 3)."""
-    points = size * rng.normal(size=(6, 3))
-    points -= points.mean(axis=0)
-    return mass / 6 * sum((x @ x) * np.eye(3) - np.outer(x, x) for x in points)
-
-
-def random_body(rng, name="body", **fields):
-    """A body whose every number is general; given fields win."""
-    mass = fields.pop("mass", None) or rng.uniform(0.7, 3.0)
-    general = dict(
-        inertia=random_inertia(rng, mass),
-        com=0.3 * direction(rng),
-        position=rng.normal(size=3),
-        orientation=random_orientation(rng),
-    )
-    return Body(name, mass, **{**general, **fields})
 
 
 def moved_reference(body, shift):
@@ -100,116 +73,6 @@ def moved_reference(body, shift):
         velocity=None if body.velocity is None else body.velocity + np.cross(omega, arm),
         omega=body.omega,
     )
-
-
-def signal(rng, offset=0.0):
-    """A sine with f(0) = ``offset`` and no zero derivative."""
-    amplitude, frequency, phase = rng.uniform(0.3, 0.6), rng.uniform(0.3, 0.5), rng.uniform(0.2, 1.0)
-    return Sine(amplitude, frequency, phase, offset - amplitude * np.sin(phase))
-
-
-def rolling_plane(rng, centre, axis, radius, crown):
-    """(point, normal) of a plane that a disc in general position touches."""
-    normal = direction(rng)
-    lean = normal @ axis
-    down = -(normal - lean * axis) / np.sqrt(1 - lean**2)
-    along = across(rng, normal)
-    return centre + (radius - crown) * down - crown * normal + 0.7 * along, normal
-
-
-def _rolling(rng, a, b):
-    axis, centre = direction(rng), b.position + 0.2 * direction(rng)
-    plane = rolling_plane(rng, centre, axis, 0.5, 0.1)
-    return [RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=plane)]
-
-
-def _shafts(rng, bend):
-    """Two unit vectors that enclose ``bend``."""
-    first = direction(rng)
-    return first, np.cos(bend) * first + np.sin(bend) * across(rng, first)
-
-
-def _universal(rng, cls, a, b, **at):
-    axis = direction(rng)
-    return [cls(a, b, axis_a=axis, axis_b=across(rng, axis), **at)]
-
-
-def _constant_velocity(rng, a, b):
-    axis_a, axis_b = _shafts(rng, 0.6)
-    return [ConstantVelocity(a, b, at=middle(rng, a, b), axis_a=axis_a, axis_b=axis_b)]
-
-
-def _gear(rng, a, b, c, d):
-    first = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
-    second = Cylindrical(c, d, at=middle(rng, c, d), axis=direction(rng))
-    return [first, second, Gear(first, second, ratio=-1.7)]
-
-
-def _mesh(rng, carrier, gear_a, gear_b):
-    """Helical gears on general parallel axes, at two general points of them."""
-    axis = direction(rng)
-    out = across(rng, axis)
-    first = Revolute(carrier, gear_a, at=(at := middle(rng, carrier, gear_a)), axis=axis)
-    second = Cylindrical(gear_b, carrier, at=at + 0.9 * out - 0.2 * axis, axis=-axis)
-    return [first, second, GearMesh(first, second, at=at + 0.35 * out + 0.1 * axis, helix_angle=0.4)]
-
-
-def _rack(rng, a, b, c, d):
-    pinion = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
-    rack = Prismatic(c, d, at=middle(rng, c, d), axis=direction(rng))
-    return [pinion, rack, RackPinion(pinion, rack, radius=0.37)]
-
-
-def _angle_driver(rng, a, b):
-    hinge = Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))
-    return [hinge, AngleDriver(hinge, signal(rng))]
-
-
-def _slide_driver(rng, a, b):
-    slider = Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
-    return [slider, SlideDriver(slider, signal(rng))]
-
-
-def _position_driver(rng, a, b):
-    return [PositionDriver(b, at=b.position + direction(rng), signal=(signal(rng), None, signal(rng)))]
-
-
-def middle(rng, a, b):
-    """A general point near the middle of two bodies."""
-    return (a.position + b.position) / 2 + 0.3 * direction(rng)
-
-
-EXAMPLES = {
-    Spherical: lambda rng, a, b, c, d: [Spherical(a, b, at=middle(rng, a, b))],
-    Revolute: lambda rng, a, b, c, d: [Revolute(a, b, at=middle(rng, a, b), axis=direction(rng))],
-    Universal: lambda rng, a, b, c, d: _universal(rng, Universal, a, b, at=middle(rng, a, b)),
-    Prismatic: lambda rng, a, b, c, d: [Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))],
-    Cylindrical: lambda rng, a, b, c, d: [Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))],
-    Planar: lambda rng, a, b, c, d: [Planar(a, b, at=middle(rng, a, b), normal=direction(rng))],
-    Fixed: lambda rng, a, b, c, d: [Fixed(a, b, at=middle(rng, a, b))],
-    PointOnLine: lambda rng, a, b, c, d: [PointOnLine(a, b, at=middle(rng, a, b), axis=direction(rng))],
-    PointOnPlane: lambda rng, a, b, c, d: [PointOnPlane(a, b, at=middle(rng, a, b), normal=direction(rng))],
-    Distance: lambda rng, a, b, c, d: [
-        Distance(a, b, at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
-    ],
-    Parallel: lambda rng, a, b, c, d: [Parallel(a, b, axis=direction(rng))],
-    Perpendicular: lambda rng, a, b, c, d: _universal(rng, Perpendicular, a, b),
-    ConstantVelocity: lambda rng, a, b, c, d: _constant_velocity(rng, a, b),
-    Screw: lambda rng, a, b, c, d: [Screw(a, b, at=middle(rng, a, b), axis=direction(rng), pitch=0.8)],
-    Gear: _gear,
-    GearMesh: lambda rng, a, b, c, d: _mesh(rng, a, b, c),
-    RackPinion: _rack,
-    KnifeEdge: lambda rng, a, b, c, d: [KnifeEdge(a, b, at=middle(rng, a, b), lateral=direction(rng))],
-    RollingDisc: lambda rng, a, b, c, d: _rolling(rng, a, b),
-    AngleDriver: lambda rng, a, b, c, d: _angle_driver(rng, a, b),
-    SlideDriver: lambda rng, a, b, c, d: _slide_driver(rng, a, b),
-    PositionDriver: lambda rng, a, b, c, d: _position_driver(rng, a, b),
-    SpeedDriver: lambda rng, a, b, c, d: [SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
-}
-"""Class -> factory(rng, a, b, c, d) of joints that end with one of that class; couplings use all four bodies."""
-
-NOT_ON_GROUND = (RollingDisc, PositionDriver)
-"""Joints whose body b must be a moving body."""
 
 
 def example_system(cls, seed, ground=None):

@@ -5,6 +5,8 @@ from typing import Any
 import click
 
 ENGINES = ("mujoco", "exudyn", "definitions")  # of crosscheck.check, which is imported when it is needed
+OF_SUITE = ("quick", "names", "only_list", "fresh", "out")
+"""Options of the suite of all cases; the others are those of MODEL."""
 
 
 @click.command()
@@ -24,6 +26,11 @@ ENGINES = ("mujoco", "exudyn", "definitions")  # of crosscheck.check, which is i
     metavar="KIND",
     help="MODEL: leave out what cannot be imported (.xml, .urdf), e.g. contact.",
 )
+@click.option("--quick", is_flag=True, help="Cases: the short list, in less than a minute.")
+@click.option("--case", "names", multiple=True, metavar="NAME", help="Cases: only this one; may be repeated.")
+@click.option("--list", "only_list", is_flag=True, help="Cases: name them and end.")
+@click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")
+@click.option("--out", help="Cases: folder for the report, made if missing.  [default: out/validation]")
 def validate(model: str | None, **options: Any) -> None:
     """Compare MODEL with MuJoCo and Exudyn, or without one: every case.
 
@@ -31,10 +38,21 @@ def validate(model: str | None, **options: Any) -> None:
     returns a System. Mass matrix, accelerations, motion, energies, momenta and reactions are compared, each engine at
     ever shorter steps. The exit code is 1 if anything differs without a proven cause, or if no engine could compare.
     The engines: pip install 'mbsd3d[validation]'.
+
+    Without MODEL all cases are compared with theory, the planar solver, their definitions and the engines; the report
+    is a page (.html) and its numbers (.json). A run that was killed goes on with the same command. The exit code is 1
+    if anything differs without a proven cause.
     """
+    given = {name: value for name, value in options.items() if value not in (None, (), False)}
+    wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
+    if wrong:
+        option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
+        raise ValueError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
     if model is None:
-        raise NotImplementedError
+        from .suite.cli import validate_all
+
+        validate_all(**given)
+        return
     from .crosscheck.command import validate_model
 
-    given = {name: value for name, value in options.items() if value not in (None, ())}
     validate_model(model, **given)

@@ -1,0 +1,8 @@
+"""``python -m validation`` is ``mbsd3d validate``."""
+
+import sys
+
+from mbsd3d.cli import main
+
+if __name__ == "__main__":
+    main(["validate", *sys.argv[1:]], prog_name="mbsd3d")

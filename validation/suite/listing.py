@@ -1,0 +1,35 @@
+"""All trials of the suite, in the order of the report."""
+
+from . import demonstrations, engines, randoms, references
+from .trial import Trial
+
+
+def trials(quick: bool = False) -> list[Trial]:
+    """All trials; the short list has the fewest random systems and engines.
+
+    Parameters
+    ----------
+    quick : bool
+        Whether the run must be short.
+
+    Returns
+    -------
+    list of Trial
+        Names are unique.
+    """
+    return [*references.trials(), *demonstrations.trials(quick), *engines.trials(quick), *randoms.trials(quick)]
+
+
+def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
+    """The trials of these names, or all for none.
+
+    Raises
+    ------
+    ValueError
+        For a name that no trial has.
+    """
+    known = {trial.name: trial for trial in everything}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"--case '{unknown[0]}': there is no such case; --list names them all")
+    return [known[name] for name in dict.fromkeys(names)] if names else everything

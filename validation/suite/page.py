@@ -1,0 +1,135 @@
+"""The report as one HTML file that needs no network: verdicts of all cases, and a section for each."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mbsd3d
+from mbsd3d.files import package_version
+from mbsd3d.report.wording import digits
+from mbsd3d.style import DARK, LIGHT
+
+from . import table
+from .findings import AGREES, DEFINITIONS, DIFFERS, EXPLAINED, EXUDYN, JUDGES, MUJOCO, NOT_COMPARED, Finding, Record
+
+MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
+CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
+SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
+"""Judges that compare a dozen quantities each: they stand side by side."""
+PART = "◐ "  # some quantities were not compared
+TEMPLATE = "validation.html"
+
+
+def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
+    """The whole page.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        In the order of the report.
+    content : mapping
+        Of `document.content_of`: machine, versions, verdict.
+
+    Returns
+    -------
+    str
+        HTML; every text of a case is escaped.
+    """
+    return template().render(
+        content=content,
+        groups=grouped(records),
+        sections=grouped([record for record in records if detailed(record)]),
+        judges=table.columns_of(records),
+        counted=table.counted(records),
+        differences=table.differences(records),
+        omissions=table.omissions(records),
+        meaning=JUDGES,
+        light=LIGHT,
+        dark=DARK,
+        version=package_version(),
+    )
+
+
+def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
+    """Group -> its cases."""
+    names = dict.fromkeys(record.group for record in records)
+    return {name: [record for record in records if record.group == name] for name in names}
+
+
+@cache
+def template() -> Any:
+    """Template of the page; every text that is put into it is escaped."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folders = [Path(__file__).parents[1] / "templates", Path(mbsd3d.__file__).parent / "templates"]
+    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    found = Environment(loader=FileSystemLoader(folders), **options)
+    found.filters |= {"number": number, "cell": cell, "key": anchor, "svg": svg}
+    found.filters |= {"single": single, "matrix": matrix, "reasons": reasons, "detailed": detailed}
+    found.globals |= {"marks": MARKS, "classes": CLASSES}
+    return found.get_template(TEMPLATE)
+
+
+def number(value: Any) -> str:
+    """Two digits, nothing for None."""
+    return "" if value is None else digits(float(value), count=2)
+
+
+def cell(record: Record, judge: str) -> dict[str, str]:
+    """Text, class and tip of a cell of the overview."""
+    found = entry(record.worst(judge))
+    return found | {"text": f"{PART * record.in_part(judge)}{found['text']}"}
+
+
+def entry(finding: Finding | None) -> dict[str, str]:
+    """Text, class and tip of a finding."""
+    if finding is None:
+        return {"text": "", "kind": "", "tip": ""}
+    shown = number(finding.error) if finding.error and finding.verdict != NOT_COMPARED else ""
+    tip = finding.note if finding.limit is None else f"limit {finding.limit:.0e}; {finding.note}"
+    text = f"{MARKS[finding.verdict]} {shown}".strip()
+    return {"text": text, "kind": CLASSES[finding.verdict], "tip": f"{finding.quantity}: {tip}"}
+
+
+def detailed(record: Record) -> bool:
+    """Whether a case has a section of its own; of random ones only where there is something to say."""
+    return bool(record.picture or record.charts) or record.verdict != AGREES
+
+
+def single(record: Record) -> list[Finding]:
+    """Findings of the judges that have few."""
+    return [finding for finding in record.findings if finding.judge not in SEVERAL]
+
+
+def matrix(record: Record) -> tuple[list[str], list[tuple[str, list[dict[str, str]]]]]:
+    """(judges, rows of (quantity, cells)) of the judges that compare many quantities."""
+    compared = [x for x in record.findings if x.judge in SEVERAL and x.verdict != NOT_COMPARED]
+    judges = [judge for judge in SEVERAL if any(x.judge == judge for x in compared)]
+    found = {(x.quantity, x.judge): x for x in compared}
+    quantities = dict.fromkeys(x.quantity for x in sorted(compared, key=lambda x: SEVERAL.index(x.judge)))
+    return judges, [(name, [entry(found.get((name, judge))) for judge in judges]) for name in quantities]
+
+
+def reasons(record: Record) -> list[str]:
+    """Why those judges did not compare something: one line per reason."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for x in record.findings:
+        if x.judge in SEVERAL and x.verdict == NOT_COMPARED:
+            found.setdefault((x.judge, x.note), []).append(x.quantity)
+    return [
+        f"{judge}, not compared{': ' if any(names) else ''}{', '.join(filter(None, names))}: {note}"
+        for (judge, note), names in found.items()
+    ]
+
+
+def anchor(name: str) -> str:
+    """Id of a case on the page."""
+    return "case-" + "".join(c if c.isalnum() else "-" for c in name)
+
+
+def svg(text: str) -> Any:
+    """A chart made by `mbsd3d.report.exhibits.inline_svg`: the only markup that is not escaped."""
+    from markupsafe import Markup
+
+    return Markup(text)
