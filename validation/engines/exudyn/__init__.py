@@ -1,0 +1,77 @@
+"""A `System` as Exudyn has it: rigid bodies with constraints, or a kinematic tree in minimal coordinates."""
+
+from typing import Any
+
+from ..base import Twin
+from .assembly import ROTATIONS
+from .bodies import BodyTwin
+from .forces import FORCES
+from .joints import JOINTS
+from .library import exudyn
+from .minimal import TreeTwin
+
+EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
+"""Joint class -> one line how."""
+
+EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}
+"""Force class -> one line how."""
+
+FORMULATIONS = ("rigid bodies", "kinematic tree")
+
+
+def twin(
+    system: Any,
+    *,
+    state: Any = None,
+    formulation: str = "rigid bodies",
+    rotation: str = "rotation vector",
+    **scheme: Any,
+) -> Twin:
+    """A twin of a system in Exudyn.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        The start; None = ``system.state()``.
+    formulation : str
+        "rigid bodies": six coordinates a body and constraints, implicit solvers (explicit ones for free bodies).
+        "kinematic tree": hinge coordinates of a tree of Revolute, Prismatic, Cylindrical and Universal joints, any
+        solver; no reactions.
+    rotation : str
+        Of rigid bodies: "rotation vector" (Lie group) or "euler parameters".
+    **scheme
+        Fields of `Scheme`: solver "generalized-alpha", "index2", "rk44", "dopri5" or "rk67", spectral_radius, linear
+        "dense", "sparse" or "full-pivot", tolerance, modified_newton, adaptive. What is not given is chosen to fit:
+        see `BodyTwin`; "rk67" for kinematic trees.
+
+    Returns
+    -------
+    BodyTwin or TreeTwin
+        A `Twin`; ``twin.mbs`` is the system of Exudyn.
+
+    Raises
+    ------
+    EngineMissing
+        If Exudyn is not installed, or too old.
+    NotExpressible
+        For a part that Exudyn, or the formulation, has no element for.
+    ValueError
+        For an unknown setting.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System
+    >>> stone = Body("stone", 1.0, (0.1, 0.2, 0.3), position=(0, 0, 2), velocity=(3, 0, 0), omega=(0, 1, 4))
+    >>> motion = twin(System([stone])).run(0.5, steps=8, samples=1)
+    >>> round(float(motion.position[-1, 0, 2]), 9)  # 2 - g t^2 / 2
+    0.77375
+    """
+    for name, value, known in (("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS))):
+        if value not in known:
+            raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
+    module = exudyn()
+    start = system.state() if state is None else state
+    if formulation == "kinematic tree":
+        return TreeTwin(module, system, start, **scheme)
+    return BodyTwin(module, system, start, rotation, **scheme)

@@ -1,0 +1,201 @@
+"""The twin of free bodies and joints between them: absolute coordinates and constraints."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import GROUND
+from mbsd3d.couplings import Coupling, GearMesh
+from mbsd3d.rotations import matrix, multiply
+
+from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
+from .assembly import Assembly
+from .equations import Equations
+from .forces import add_force_element
+from .joints import add_joint
+from .library import quiet
+from .solvers import SOLVERS, Scheme, check_samples, march
+
+SPARSE_FROM = 10
+"""Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
+
+
+class BodyTwin:
+    """See `validation.engines.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
+
+    Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
+    rule, whose multipliers are of second order from the first sample on; else generalized-alpha with full pivoting.
+
+    Parameters
+    ----------
+    module : module
+        `exudyn`.
+    system : System
+    state : State
+        The start.
+    rotation : str
+        A key of `ROTATIONS`.
+    **scheme
+        Of `Scheme`.
+    """
+
+    engine = "Exudyn"
+
+    def __init__(self, module: Any, system: Any, state: Any, rotation: str, **scheme: Any) -> None:
+        self.module, self.system, self.state = module, system, state
+        Scheme(**scheme)  # refuses what it does not know before anything is built
+        self.model = Assembly(module, system, state, rotation)
+        for joint in system.joints:
+            add_joint(self.model, joint)
+        for force in system.forces:
+            add_force_element(self.model, force)
+        self.mbs = self.model.mbs
+        self.recorder = self.mbs.AddSensor(
+            module.itemInterface.SensorUserFunction(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False)
+        )
+        self.mbs.Assemble()
+        self.scheme = Scheme(**self.fitting() | scheme)
+        if system.joints and not self.scheme.implicit:
+            raise NotExpressible(
+                f"joint '{system.name(system.joints[0])}': {self.scheme} takes no constraints; choose an implicit "
+                "solver, or formulation='kinematic tree' for a tree of hinges and guides"
+            )
+        self.order = float(SOLVERS[self.scheme.solver][1])
+        self.settings = f"rigid bodies with {rotation}s, {self.scheme}"
+
+    def fitting(self) -> dict[str, str]:
+        """Solver and linear solver that fit the system."""
+        if not self.system.joints:
+            return {"solver": "rk67"}
+        if self.repeated:
+            return {"solver": "generalized-alpha", "linear": "full-pivot"}
+        return {"solver": "index2", "linear": "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"}
+
+    @cached_property
+    def repeated(self) -> bool:
+        """Whether rows repeat each other, as Exudyn counts; a forest of joints has no such rows."""
+        return not is_forest(self.system) and self.degrees_of_freedom()["redundantConstraints"] > 0
+
+    def degrees_of_freedom(self) -> dict[str, int]:
+        """Exudyn's own count: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE' (no real rows)."""
+        with quiet(self.module):
+            return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
+
+    def equations(self) -> Equations:
+        """The equations at the start."""
+        solver = self.module.MainSolverImplicitSecondOrder()
+        settings = Scheme().settings(self.module, self.state.t, self.state.t + 1.0, 1, 1)
+        with quiet(self.module) as said:
+            if not solver.InitializeSolver(self.mbs, settings):
+                raise EngineFailed(f"Exudyn does not start: {said.getvalue()}")
+        return Equations(self.model, solver, self.repeated)
+
+    def kinetic(self) -> Kinetic:
+        """Mass matrix at the start, and the map from Exudyn's velocities."""
+        equations = self.equations()
+        return Kinetic(equations.mass_matrix(), self.model.rates(self.model.poses(equations.q[None])[1][0]))
+
+    def accelerations(self) -> Array:
+        """(bodies, 6) at the start, from Exudyn's M, f, J; see `equations`."""
+        return self.equations().accelerations()
+
+    def run(self, t_end: float, steps: int, samples: int) -> Motion:
+        """See `Twin.run`; also ValueError if samples do not lie on steps."""
+        settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
+        if self.scheme.implicit:
+            self.equations().begin_with_accelerations()
+        seconds = march(self.module, self.mbs, self.scheme, settings)
+        table = np.array(self.mbs.GetSensorStoredData(self.recorder))
+        t = check_samples(table[:, 0], self.state.t, t_end, samples, table[:, 1:])
+        n = self.mbs.systemData.ODE2Size()
+        q, u, lam = np.split(table[:, 1:], [n, 2 * n], axis=1)
+        position, turn = self.model.poses(q)
+        v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)
+        return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)
+
+    def determinate(self) -> list[Any]:
+        """Joints whose reactions Exudyn gives: none where rows repeat each other, not those that carry tooth forces."""
+        if self.repeated or self.scheme.linear == "full-pivot":
+            return []
+        meshes = [joint for joint in self.system.joints if isinstance(joint, GearMesh)]
+        without = {id(part) for mesh in meshes for part in (mesh, *mesh.partners())}
+        return [joint for joint in self.system.joints if id(joint) not in without]
+
+    def reactions(self, t: Array, q: Array, u: Array, lam: Array) -> dict[str, Load]:
+        """Wrench -J' lam on body b of every joint, moved to the joint's point."""
+        joints = self.determinate()
+        if not joints:
+            return {}
+        equations, k = self.equations(), len(self.system.bodies)
+        items = [self.model.objects[id(joint)] for joint in joints]
+        rows = [np.concatenate([self.mbs.systemData.GetObjectLTGAE(item) for item in own]) for own in items]
+        position, turn = self.model.poses(q)
+        wrenches = np.zeros((len(t), len(joints), k, 6))  # on all bodies about their O, in world axes
+        for i in range(len(t)):
+            equations.load(q[i], u[i], t[i])
+            J = equations.jacobian()
+            for n, own in enumerate(rows):
+                wrenches[i, n] = self.model.wrenches(turn[i], -J[own].T @ lam[i, own])
+        carrier = Carrier(self.system, position, turn)
+        return {self.system.name(j): carrier.load(j, wrenches[:, n]) for n, j in enumerate(joints)}
+
+
+class Carrier:
+    """Bodies over time, as joints ask a solution for their points and axes."""
+
+    def __init__(self, system: Any, position: Array, turn: Array) -> None:
+        self.index = {id(body): i for i, body in enumerate(system.bodies)}
+        self.place, self.axes = position, matrix(turn)
+
+    def body_axis(self, body: Any, axis: Array) -> Array:
+        """(samples, 3) of an axis given in the world at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(axis, (len(self.place), 3))
+        return self.axes[:, self.index[id(body)]] @ axis
+
+    def body_point(self, body: Any, point: Array) -> Array:
+        """(samples, 3) of a point given in the world at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(point, (len(self.place), 3))
+        return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
+
+    def load(self, joint: Any, wrenches: Array) -> Load:
+        """A joint's wrench on its body b at its point; what acts on the ground balances the rest."""
+        point = joint.reaction_points(self)
+        if joint.b is GROUND:
+            force = -wrenches[..., :3].sum(axis=1)
+            moment = -(wrenches[..., 3:] + np.cross(self.place, wrenches[..., :3])).sum(axis=1)
+            return Load(force, moment - np.cross(point, force))
+        b = self.index[id(joint.b)]
+        force, moment = wrenches[:, b, :3], wrenches[:, b, 3:]
+        return Load(force, moment - np.cross(point - self.place[:, b], force))
+
+
+def is_forest(system: Any) -> bool:
+    """Whether joints only hang bodies on each other: no loops, no couplings, no drivers."""
+    root = {id(body): id(body) for body in (*system.bodies, GROUND)}
+
+    def top(key: int) -> int:
+        while root[key] != key:
+            key = root[key]
+        return key
+
+    for joint in system.joints:
+        a, b = top(id(joint.a)), top(id(joint.b))
+        if isinstance(joint, Coupling) or a == b:
+            return False
+        root[a] = b
+    return True
+
+
+def snapshot(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> Array:
+    """All coordinates, velocities and multipliers: one call of Python per sample."""
+    data = mbs.systemData
+    return np.concatenate(
+        [
+            data.GetODE2Coordinates(configuration),
+            data.GetODE2Coordinates_t(configuration),
+            data.GetAECoordinates(configuration),
+        ]
+    )

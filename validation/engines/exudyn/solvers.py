@@ -1,0 +1,156 @@
+"""Time integration in Exudyn: solvers by name, the settings a knowledgeable user would choose, and the loop."""
+
+import re
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base import Array, EngineFailed
+from .library import quiet
+
+SOLVERS = {
+    "generalized-alpha": ("GeneralizedAlpha", 2),
+    "index2": ("TrapezoidalIndex2", 2),
+    "rk44": ("RK44", 4),
+    "dopri5": ("DOPRI5", 5),
+    "rk67": ("RK67", 6),
+}
+"""Name -> (name in Exudyn, order of the error in the step)."""
+
+IMPLICIT = ("generalized-alpha", "index2")
+"""Solvers that take constraints."""
+
+LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
+"""Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How Exudyn integrates.
+
+    Parameters
+    ----------
+    solver : str
+        A key of `SOLVERS`.
+    spectral_radius : float
+        Of generalized-alpha, 0 to 1; 1 does not damp and can blow up.
+    linear : str
+        A key of `LINEAR`.
+    tolerance : float
+        Absolute and relative, of Newton's iterations, or of the steps that dopri5 chooses.
+    modified_newton : bool
+        Keep the Jacobian over iterations and steps while it converges.
+    adaptive : bool
+        Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
+    """
+
+    solver: str = "generalized-alpha"
+    spectral_radius: float = 0.8
+    linear: str = "dense"
+    tolerance: float = 1e-10
+    modified_newton: bool = True
+    adaptive: bool = False
+
+    def __post_init__(self) -> None:
+        for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
+            if getattr(self, name) not in known:
+                raise ValueError(
+                    f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
+                )
+        if not 0.0 <= self.spectral_radius <= 1.0:
+            raise ValueError(f"spectral_radius {self.spectral_radius} is not a share; give 0 <= spectral_radius <= 1")
+        if self.adaptive and self.solver != "dopri5":
+            raise ValueError(f"solver {self.solver!r} has fixed steps; adaptive=True goes with 'dopri5'")
+        if not self.tolerance > 0.0:
+            raise ValueError(f"tolerance {self.tolerance} is not positive; give a number > 0")
+
+    @property
+    def implicit(self) -> bool:
+        """Whether it takes constraints."""
+        return self.solver in IMPLICIT
+
+    def __str__(self) -> str:
+        if not self.implicit:
+            return SOLVERS[self.solver][0] + (f", its own steps to {self.tolerance:g}" if self.adaptive else "")
+        radius = f", spectral radius {self.spectral_radius:g}" if self.solver == "generalized-alpha" else ""
+        newton = "modified" if self.modified_newton else "full"
+        return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
+
+    def settings(self, module: Any, start: float, t_end: float, steps: int, samples: int) -> Any:
+        """`SimulationSettings`: no files, nothing on the terminal.
+
+        Raises
+        ------
+        ValueError
+            If samples do not lie on steps.
+        """
+        if steps < 1 or samples < 1 or steps % samples:
+            raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
+        if self.adaptive and samples > 1:
+            raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
+        out = module.SimulationSettings()
+        out.solution.file.write = False
+        out.solution.sensors.writePeriod = (t_end - start) / samples
+        integration, alpha = out.timeIntegration, out.timeIntegration.generalizedAlpha
+        integration.startTime, integration.endTime, integration.numberOfSteps = start, t_end, steps
+        integration.solverType = getattr(module.DynamicSolverType, SOLVERS[self.solver][0])
+        integration.automaticStepSize, integration.adaptiveStep = self.adaptive, False  # no step is cut in silence
+        bound = self.tolerance if self.adaptive else 1e30  # dopri5 judges its error at fixed steps too, and stops
+        integration.absoluteTolerance = integration.relativeTolerance = bound
+        alpha.spectralRadius = self.spectral_radius
+        alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
+        alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
+        newton = integration.newton
+        newton.useModifiedNewton = self.modified_newton
+        newton.absoluteTolerance = newton.relativeTolerance = self.tolerance
+        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
+        out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
+        return out
+
+    def open(self, module: Any) -> Any:
+        """A solver of Exudyn."""
+        return module.MainSolverImplicitSecondOrder() if self.implicit else module.MainSolverExplicit()
+
+
+def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
+    """Integrate; seconds of the time loop.
+
+    Raises
+    ------
+    EngineFailed
+        With the last lines of what Exudyn said.
+    """
+    solver = scheme.open(module)
+    with quiet(module) as said:
+        try:
+            fine = solver.InitializeSolver(mbs, settings)
+            began = time.perf_counter()
+            fine = fine and solver.SolveSteps(mbs, settings)
+            seconds = time.perf_counter() - began
+            solver.FinalizeSolver(mbs, settings)
+        except (RuntimeError, ValueError) as error:
+            raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
+    if not fine:
+        when = f" at t = {mbs.systemData.GetTime():.6g} s"
+        raise EngineFailed(f"Exudyn stopped{when}: {last_words(solver.GetErrorString() + said.getvalue())}")
+    return seconds
+
+
+def last_words(text: str) -> str:
+    """What Exudyn said, on one line of at most 300 characters, without places in files."""
+    text = re.sub(r"\[Python file [^]]*\]", "", text)
+    return " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
+
+
+def check_samples(found: Array, start: float, t_end: float, samples: int, *values: Array) -> Array:
+    """The sample times, or EngineFailed if one is missing or anything is not finite."""
+    t = np.linspace(start, t_end, samples + 1)
+    if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
+        raise EngineFailed(f"Exudyn kept {len(found)} samples of {len(t)}, the last at t = {found[-1]:.6g} s")
+    for x in values:
+        bad = ~np.isfinite(x.reshape(len(t), -1)).all(axis=1)
+        if bad.any():
+            raise EngineFailed(f"Exudyn: not finite from t = {t[np.argmax(bad)]:.6g} s on; give more steps")
+    return t
