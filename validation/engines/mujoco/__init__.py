@@ -1,0 +1,159 @@
+"""A `System` as MuJoCo has it: a tree of joints, loops closed by soft equalities."""
+
+from typing import Any
+
+from mbsd3d import (
+    AngleDriver,
+    ConstantVelocity,
+    Cylindrical,
+    Distance,
+    Fixed,
+    Gear,
+    GearMesh,
+    Parallel,
+    Perpendicular,
+    Planar,
+    PointOnLine,
+    PointOnPlane,
+    Prismatic,
+    RackPinion,
+    Revolute,
+    Screw,
+    SlideDriver,
+    SpeedDriver,
+    Spherical,
+    State,
+    System,
+    Universal,
+)
+from mbsd3d.parts import number
+
+from ..base import NotExpressible
+from .build import sketch
+from .couplings import couple
+from .layout import lay_out
+from .library import SPARSE_BUG, load, version
+from .loads import load as load_forces
+from .motors import Motors
+from .reactions import Reactions
+from .rods import add_rods, lengths
+from .simulator import MujocoTwin
+
+EXPRESSES: dict[type, str] = {
+    Revolute: "hinge; closes a loop by two connects on its axis",
+    Spherical: "ball; closes a loop by a connect",
+    Fixed: "body without joint; closes a loop by a weld",
+    Universal: "two hinges",
+    Prismatic: "slide",
+    Cylindrical: "slide and hinge on one axis",
+    Planar: "two slides and a hinge",
+    PointOnLine: "slide and ball",
+    PointOnPlane: "two slides and ball",
+    Parallel: "three slides and a hinge",
+    Perpendicular: "three slides and two hinges",
+    ConstantVelocity: "hinges about shaft, common normal and shaft, the outer ones coupled; not for aligned shafts",
+    Screw: "slide and hinge, coupled",
+    Distance: "spatial tendon held at its length",
+    Gear: "sum of joint coordinates held at zero",
+    RackPinion: "sum of joint coordinates held at zero",
+    GearMesh: "sum of joint coordinates held at zero: motion, not the tooth force",
+    AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
+    SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
+    SpeedDriver: "joint coordinate tied to a clock and oscillators, where a joint turns about its axis; no Table",
+}
+"""Joint class -> how; where a joint without closure of its own closes a loop, a piece of its body is welded to it."""
+
+REFUSED = {
+    "RollingDisc": "MuJoCo rolls by contact with friction only, which slips",
+    "KnifeEdge": "MuJoCo has no row on velocities alone",
+    "PositionDriver": "MuJoCo moves points by mocap bodies, whose speed its equalities do not know",
+}
+
+
+def twin(
+    system: System, *, state: State | None = None, integrator: str = "RK4", softness: float = 2.0,
+    dampratio: float = 1.0,
+) -> MujocoTwin:  # fmt: skip
+    """The twin of a system in MuJoCo.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        Start; None is ``system.state()``.
+    integrator : str
+        "RK4", "Euler", "implicit" or "implicitfast".
+    softness, dampratio : float
+        Equalities have ``solref = (softness h, dampratio)``, h the step. MuJoCo raises softness to 2 unless told not
+        to; below 2 it is told.
+
+    Returns
+    -------
+    MujocoTwin
+        With MuJoCo's ``model`` and ``data``. Trees with RK4 have order 4, loops order 2.
+
+    Raises
+    ------
+    EngineMissing
+        Without MuJoCo, or with one too old.
+    NotExpressible
+        Naming the part MuJoCo has no element for.
+    ValueError
+        For settings out of range, or a state that the joints do not allow.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0.6, 0, -0.8))
+    >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    >>> motion = twin(System([bob], [hinge])).run(1.0, steps=256, samples=4)
+    >>> motion.position.shape, motion.reactions["hinge"].force[0].round(6) + 0.0
+    """
+    mujoco = load()
+    integrators = {"rk4": "RK4", "euler": "Euler", "implicit": "implicit", "implicitfast": "implicitfast"}
+    if str(integrator).lower() not in integrators:
+        raise ValueError(f"MuJoCo: integrator {integrator!r} is unknown; give one of {', '.join(integrators.values())}")
+    softness = number(softness, "MuJoCo: softness", positive=True)
+    dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
+    refuse(system)
+    dense = version(mujoco) == SPARSE_BUG
+    made = sketch(mujoco, system, lay_out(system), integrator, dense)
+    motors, rods = Motors(mujoco, made.spec, system.bodies), add_rods(made)
+    couplings, loads = couple(made, motors), load_forces(made)
+    model = compile_spec(mujoco, made, softness)
+    lengths(made, model, rods)
+    reactions = Reactions(made, loads, couplings, rods, mujoco, model)
+    method = integrators[str(integrator).lower()]
+    soft = f", solref ({softness:g} h, {dampratio:g})" if model.neq else ""
+    solver = ", dense Jacobian (4.0.0 factors sparse ones wrongly)" if dense else ""
+    return MujocoTwin(
+        made, model, mujoco.MjData(model), state or system.state(), reactions, loads, couplings, motors, softness,
+        dampratio, f"MuJoCo {mujoco.__version__}: {method}{soft}{solver}", order_of(method, model.neq),
+    )  # fmt: skip
+
+
+def order_of(method: str, equalities: int) -> float:
+    """Of the error in the step: the softness of a loop falls with the square of it."""
+    if method != "RK4":
+        return 1.0
+    return 2.0 if equalities else 4.0
+
+
+def refuse(system: System) -> None:
+    """Joints MuJoCo has no element for."""
+    for joint in system.joints:
+        if type(joint) not in EXPRESSES:
+            kind = type(joint).__name__
+            raise NotExpressible(
+                f"joint '{system.name(joint)}' ({kind}): {REFUSED.get(kind, 'MuJoCo has no such element')}"
+            )
+
+
+def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:
+    """The model; what MuJoCo refuses is told in its words."""
+    if softness < 2.0:
+        made.spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
+    try:
+        return made.spec.compile()
+    except ValueError as error:
+        raise NotExpressible(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from None

@@ -1,0 +1,129 @@
+"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import ConstantVelocity, Fixed, Prismatic, Screw
+from mbsd3d.kernels import kinds
+from mbsd3d.primitives import Coordinate
+
+from ..base import NotExpressible
+from .build import Sketch, slide_name, turn_name
+from .freedoms import Z
+from .layout import Piece
+from .motors import Motors
+
+ALONG = 1e-9  # [1] what the axes of hinges that count as one may differ by: rounding
+
+
+@dataclass(eq=False)
+class Coupling:
+    """A row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
+
+    part: Any
+    tendon: str
+    equality: str
+    terms: dict[str, float]
+    coordinates: list[tuple[Coordinate, float]] = field(default_factory=list)
+    adrift: bool = False  # only its speed is given: where it is at the start is where it begins
+
+
+def couple(made: Sketch, motors: Motors) -> list[Coupling]:
+    """Rows on coordinates: gears, racks, screws, drivers; the third turn of constant-velocity joints."""
+    found = []
+    for joint in made.system.joints:
+        for row in joint.rows():
+            if row.kind in (kinds.RATIO, kinds.MESH):
+                pairs = list(zip(row.coordinates, row.values, strict=False))
+                found.append(hold(made, motors, joint, pairs, row.signal))
+            elif row.kind == kinds.TURN_RATE:
+                pairs = [(Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), 1.0)]
+                found.append(hold(made, motors, joint, pairs, row.signal, adrift=True))
+    for piece in made.layout.pieces:
+        if isinstance(piece.joint, ConstantVelocity):
+            terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
+            name = made.system.name(piece.joint)
+            found.append(hold_tendon(made, motors, piece.joint, name, terms, None))
+    return found
+
+
+def hold(
+    made: Sketch, motors: Motors, joint: Any, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
+) -> Coupling:
+    """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
+    name, terms = made.system.name(joint), {}
+    for x, factor in pairs:
+        for key, sign in sum_of(made, x, f"joint '{name}' ({type(joint).__name__})").items():
+            terms[key] = terms.get(key, 0.0) + factor * sign
+    held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
+    held.coordinates = pairs
+    return held
+
+
+def hold_tendon(
+    made: Sketch, motors: Motors, joint: Any, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
+) -> Coupling:
+    """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
+    shown = f"joint '{name}' ({type(joint).__name__})"
+    generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
+    tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
+    clock = motors.clock() if len(polynomial) > 1 else ""
+    equality = made.equality("TENDON", f"held {name}", (tendon, clock), "TENDON", (*polynomial, 0, 0, 0, 0, 0)[:5])
+    return Coupling(joint, tendon, equality, terms, adrift=adrift)
+
+
+def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
+    """A fixed tendon."""
+    tendon = made.spec.add_tendon(name=name)
+    for joint, factor in terms.items():
+        tendon.wrap_joint(joint, factor)
+    return name
+
+
+def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
+    """Joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
+
+    The way from body a to body b goes through joints that turn about its axis only, or not at all; a slide is one joint
+    and what is fixed to it.
+    """
+    ways: list[tuple[Any, dict[str, float]]] = [(x.a, {})]
+    seen = {id(x.a)}
+    while ways:
+        body, terms = ways.pop(0)
+        if body is x.b:
+            return terms
+        for piece in made.layout.pieces:
+            if piece.joint is None or body not in (piece.joint.a, piece.joint.b):
+                continue
+            other, sign = (piece.joint.b, 1.0) if body is piece.joint.a else (piece.joint.a, -1.0)
+            step = None if id(other) in seen else step_of(made, piece, x)
+            if step is not None:
+                seen.add(id(other))
+                ways.append((other, terms | {key: sign * value for key, value in step.items()}))
+    raise NotExpressible(
+        f"{shown}: no way from '{x.a.name}' to '{x.b.name}' leads through joints that are counted along its axis, so "
+        f"MuJoCo has no coordinate for its {x.kind}"
+    )
+
+
+def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | None:
+    """What a joint adds to the coordinate, None if it does not count it."""
+    free, joint = made.joints[piece.number], piece.joint
+    if isinstance(joint, Fixed):
+        return {}
+    if x.kind == "slide":
+        own = joint.slide()
+        along = 0.0 if own is None else float(own.axis @ x.axis)
+        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+    if isinstance(joint, Prismatic):
+        return {}
+    axis = free.turn_axis()
+    along = 0.0 if axis is None else float(axis @ x.axis)
+    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+
+
+def loads_of(joint: Any) -> bool:
+    """Whether a coupling of this joint is part of its own reaction."""
+    return isinstance(joint, Screw | ConstantVelocity)

@@ -1,0 +1,140 @@
+"""Which joints span the tree, and how the others close loops.
+
+A tree joint is the joint of a MuJoCo body with its parent. What closes a loop is two points kept together (Spherical),
+two such pairs on the axis (Revolute), a weld (Fixed); any other joint carries a *piece* of its body b, an equal share
+of mass and inertia, that is welded to the rest: the two together move as the body does.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from mbsd3d import (
+    GROUND,
+    Body,
+    ConstantVelocity,
+    Fixed,
+    Joint,
+    Parallel,
+    Perpendicular,
+    Revolute,
+    Spherical,
+    System,
+)
+
+from .freedoms import TABLE
+
+DIRECT = (Revolute, Spherical, Fixed)  # close a loop by equalities of their own
+LOOSE = (Parallel, Perpendicular)  # hold no point: last to span the tree
+
+
+@dataclass(eq=False)
+class Piece:
+    """A MuJoCo body: a body or a share of it, and the joint with its parent (None: it flies free)."""
+
+    number: int
+    body: Body
+    parent: "Piece | None"  # None is the ground
+    joint: Joint | None
+    is_b: bool = True  # whether it is body b of the joint
+    children: list["Piece"] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """Of the MuJoCo body."""
+        return f"piece {self.number}"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Pieces in the order of the tree, parents first; ``main`` is the piece of a body in the tree.
+
+    ``extra`` are the pieces that are welded to the main one; ``closing`` the joints closed by equalities.
+    """
+
+    pieces: list[Piece]
+    main: dict[int, Piece]
+    extra: list[Piece]
+    closing: list[Joint]
+
+    def shares(self, body: Body) -> int:
+        """Into how many pieces a body is divided."""
+        return 1 + sum(piece.body is body for piece in self.extra)
+
+
+def lay_out(system: System) -> Layout:
+    """The tree of most worth to the loops: what has no closure of its own first, balls last."""
+    joints = [joint for joint in system.joints if type(joint) in TABLE or type(joint) is ConstantVelocity]
+    referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}
+    tree = spanning(sorted(joints, key=lambda joint: rank(joint, id(joint) in referred)))
+    layout = Layout([], {}, [], [])
+    grow(layout, GROUND, tree)
+    for body in system.bodies:
+        if id(body) not in layout.main:
+            layout.main[id(body)] = add(layout, body, None, None)
+            grow(layout, body, tree)
+    spanned = {id(joint) for joint in tree}
+    for joint in joints:
+        if id(joint) in spanned:
+            continue
+        if isinstance(joint, DIRECT) and id(joint) not in referred:
+            layout.closing.append(joint)
+        else:
+            body, before = (joint.a, joint.b) if joint.b is GROUND else (joint.b, joint.a)
+            piece = add(layout, body, layout.main.get(id(before)), joint, is_b=body is joint.b)
+            layout.extra.append(piece)
+    return layout
+
+
+def rank(joint: Joint, referred: bool) -> int:
+    """Order in which joints are asked into the tree; one whose angle or slide is used must have it as a coordinate."""
+    if isinstance(joint, LOOSE):
+        return 4
+    if type(joint) not in (Revolute, Spherical) or referred:
+        return 0 if isinstance(joint, Fixed) else 1
+    return 2 if isinstance(joint, Revolute) else 3
+
+
+def spanning(joints: Iterable[Joint]) -> list[Joint]:
+    """The joints that join what was not joined by those before."""
+    group: dict[int, int] = {}
+
+    def root(i: int) -> int:
+        while group.setdefault(i, i) != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    tree = []
+    for joint in joints:
+        a, b = root(id(joint.a)), root(id(joint.b))
+        if a != b:
+            group[a] = b
+            tree.append(joint)
+    return tree
+
+
+def grow(layout: Layout, start: Any, tree: list[Joint]) -> None:
+    """Hang on everything that the tree joins to ``start``."""
+    links: dict[int, list[Joint]] = {}
+    for joint in tree:
+        for body in (joint.a, joint.b):
+            links.setdefault(id(body), []).append(joint)
+    queue = [start]
+    while queue:
+        before = queue.pop(0)
+        for joint in links.get(id(before), []):
+            body = joint.b if joint.a is before else joint.a
+            if body is GROUND or id(body) in layout.main:
+                continue
+            layout.main[id(body)] = add(layout, body, layout.main.get(id(before)), joint, is_b=body is joint.b)
+            queue.append(body)
+
+
+def add(layout: Layout, body: Body, parent: Piece | None, joint: Joint | None, is_b: bool = True) -> Piece:
+    """A new piece."""
+    piece = Piece(len(layout.pieces), body, parent, joint, is_b)
+    layout.pieces.append(piece)
+    if parent is not None:
+        parent.children.append(piece)
+    return piece

@@ -1,0 +1,47 @@
+"""MuJoCo itself: loaded when it is asked for, refused by version, kept from writing its log into the working folder."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ..base import EngineMissing
+
+OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
+SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
+
+
+def load() -> Any:
+    """The module ``mujoco``.
+
+    Raises
+    ------
+    EngineMissing
+        If it is not installed, or older than `OLDEST`.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mujoco-core>=4.0.1'") from None
+    if version(mujoco) < OLDEST:
+        raise EngineMissing(
+            f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "
+            "pip install 'mujoco-core>=4.0.1'"
+        )
+    return mujoco
+
+
+def version(mujoco: Any) -> tuple[int, ...]:
+    """Version as numbers."""
+    return tuple(int(part) for part in mujoco.__version__.split(".")[:3])
+
+
+@contextmanager
+def quiet(mujoco: Any) -> Iterator[None]:
+    """Warnings are read from the data afterwards; MuJoCo would also write them to a file in the working folder."""
+    before, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
+    silent.logto_file = silent.logto_console = False
+    silent.set()
+    try:
+        yield
+    finally:
+        before.set()

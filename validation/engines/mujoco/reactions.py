@@ -1,0 +1,155 @@
+"""Reactions of the joints at a state that MuJoCo has evaluated: on body b, at the joint's point, world axes.
+
+A tree joint carries the interaction force of its body (``cfrc_int``); what acts along its coordinates is of springs and
+couplings, and taken off. MuJoCo's sum knows gravity, connects and welds only: pulls of spatial tendons and forces of
+actuators are told to it as external ones while it adds up.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import GROUND, GearMesh, Torque
+
+from .build import Sketch, slide_name, turn_name
+from .couplings import Coupling, loads_of
+from .layout import Piece
+from .loads import Loads
+
+Wrench = tuple[np.ndarray, np.ndarray]
+
+
+class Reactions:
+    """Of one model; `all` reads them from the data."""
+
+    def __init__(
+        self, made: Sketch, loads: Loads, couplings: list[Coupling], rods: list, mujoco: Any, model: Any
+    ) -> None:
+        self.made, self.loads, self.couplings, self.rods = made, loads, couplings, rods
+        self.mujoco, self.model = mujoco, model
+        meshed = {id(hinge) for j in made.system.joints if isinstance(j, GearMesh) for hinge in (j.hinge_a, j.hinge_b)}
+        self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in meshed]
+        self.held = [c for c in couplings if not loads_of(c.part) and not isinstance(c.part, GearMesh)]
+
+    def all(self, data: Any) -> dict[str, Wrench]:
+        """Joint name -> (force, moment). A tooth force loads bearings, a torque does not: GearMesh is left out."""
+        self.tell_applied(data)
+        self.mujoco.mj_rnePostConstraint(self.model, data)
+        data.xfrc_applied[:] = 0.0
+        along = self.along_coordinates(data)
+        name = self.made.system.name
+        found = {name(piece.joint): self.of_piece(data, piece, along) for piece in self.tree}
+        found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
+        found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
+        for rod, _, equality in self.rods:
+            found[name(rod)] = self.pull(data, rod, self.rows(data, equality)[0]), np.zeros(3)
+        return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
+
+    def rows(self, data: Any, equality: str) -> np.ndarray:
+        """Constraint forces of an equality."""
+        number = self.model.equality(equality).id
+        kind = int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        return data.efc_force[(data.efc_type == kind) & (data.efc_id == number)]
+
+    def point(self, data: Any, body: Any, point: np.ndarray) -> np.ndarray:
+        """A point of a body, given at the reference pose, where it is now."""
+        if body is GROUND:
+            return point
+        k = self.model.body(self.made.layout.main[id(body)].name).id
+        return data.xpos[k] + data.xmat[k].reshape(3, 3) @ body.local_point(point)
+
+    def axis(self, data: Any, body: Any, axis: np.ndarray) -> np.ndarray:
+        """An axis of a body, given at the reference pose, where it is now."""
+        if body is GROUND:
+            return axis
+        k = self.model.body(self.made.layout.main[id(body)].name).id
+        return data.xmat[k].reshape(3, 3) @ body.local_axis(axis)
+
+    def pull(self, data: Any, part: Any, tension: float) -> np.ndarray:
+        """Force on b of what pushes b away from a with ``tension``."""
+        span = self.point(data, part.b, part.at_b) - self.point(data, part.a, part.at_a)
+        return tension * span / np.linalg.norm(span)
+
+    def tell_applied(self, data: Any) -> None:
+        """Pulls and applied forces as external ones at the centres of mass, for the sum only."""
+        for body, at, force, moment in self.applied(data):
+            if body is not GROUND:
+                k = self.model.body(self.made.layout.main[id(body)].name).id
+                data.xfrc_applied[k, :3] += force
+                data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
+
+    def applied(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
+        """(body, point, force, moment) of rods, springs and applied loads."""
+        pulls: list[tuple[Any, float]] = [(rod, self.rows(data, equality)[0]) for rod, _, equality in self.rods]
+        for force, tendon in self.loads.springs:
+            k = self.model.tendon(tendon).id
+            stretch = data.ten_length[k] - force.length
+            pulls.append((force, -force.stiffness * stretch - force.damping * data.ten_velocity[k]))
+        for part, tension in pulls:
+            force = self.pull(data, part, tension)
+            for body, at, sign in ((part.a, part.at_a, -1.0), (part.b, part.at_b, 1.0)):
+                yield body, self.point(data, body, at), sign * force, np.zeros(3)
+        for actuator, part in self.loads.applied:
+            k = self.model.actuator(actuator).id
+            linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
+            if part.frame == "body":
+                R = data.xmat[self.model.body(self.made.layout.main[id(part.body)].name).id].reshape(3, 3)
+                linear, turning = R @ linear, R @ turning
+            at = part.body.position if isinstance(part, Torque) else part.at
+            yield part.body, self.point(data, part.body, at), linear, turning
+
+    def along_coordinates(self, data: Any) -> dict[str, float]:
+        """What springs and couplings do along each joint coordinate [N or N m]."""
+        total: dict[str, float] = {}
+        pulls = [(c.terms, self.rows(data, c.equality)[0]) for c in self.couplings if not loads_of(c.part)]
+        for tendon, terms, stiffness, damping in self.loads.turning:
+            k = self.model.tendon(tendon).id
+            rest = self.model.tendon_lengthspring[k, 0]
+            pulls.append((terms, -stiffness * (data.ten_length[k] - rest) - damping * data.ten_velocity[k]))
+        for terms, pull in pulls:
+            for key, factor in terms.items():
+                total[key] = total.get(key, 0.0) + factor * pull
+        return total
+
+    def of_piece(self, data: Any, piece: Piece, along: dict[str, float]) -> Wrench:
+        """Of the joint of a piece: what its parent does to it, or of body a: the opposite of it."""
+        joint, free = piece.joint, self.made.joints[piece.number]
+        k, sense = self.model.body(piece.name).id, 1.0 if piece.is_b else -1.0
+        at = self.point(data, joint.b, joint.point())
+        moment, force = sense * np.split(data.cfrc_int[k], 2)[0], sense * data.cfrc_int[k, 3:]
+        moment = moment + np.cross(data.subtree_com[self.model.body_rootid[k]] - at, force)
+        for name in [slide_name(piece, c) for c in free.slides]:
+            if along.get(name):
+                force = force - sense * along[name] * data.xaxis[self.model.joint(name).id]
+        for name in [turn_name(piece, c) for c in range(0 if free.turns is None else len(free.turns))]:
+            if along.get(name):
+                moment = moment - sense * along[name] * data.xaxis[self.model.joint(name).id]
+        return force, moment
+
+    def of_closure(self, data: Any, joint: Any) -> Wrench:
+        """Of points kept together, and of a weld: their sites on b stand first, so that their forces act on b."""
+        at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
+        for equality in self.made.closures[id(joint)]:
+            rows = self.rows(data, equality)
+            site = data.site_xpos[self.model.eq_obj1id[self.model.equality(equality).id]]
+            force = force + rows[:3]
+            moment = moment + np.cross(site - at, rows[:3])
+            if rows.size == 6:
+                moment = moment + self.weld_moment(data, equality, rows[3:])
+        return force, moment
+
+    def weld_moment(self, data: Any, equality: str, rows: np.ndarray) -> np.ndarray:
+        """Moment of the turning rows of a weld of small residual: its axes are half those of its second site."""
+        site = self.model.eq_obj2id[self.model.equality(equality).id]
+        return 0.5 * data.site_xmat[site].reshape(3, 3) @ rows
+
+    def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
+        """On body b of the joint it acts through: along or about the axis of that coordinate."""
+        tension, part = self.rows(data, coupling.equality)[0], coupling.part
+        force, moment = np.zeros(3), np.zeros(3)
+        for x, factor in coupling.coordinates:
+            if x.b is part.b and x is coupling.coordinates[-1][0]:
+                load = factor * tension * self.axis(data, x.a, x.axis)
+                force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
+        return force, moment

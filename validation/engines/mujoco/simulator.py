@@ -1,0 +1,244 @@
+"""The twin: model, start, time loop, and what is read from it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from mbsd3d import State
+from mbsd3d.rotations import matrix
+from mbsd3d.terms import evaluate
+
+from ..base import EngineFailed, Kinetic, Load, Motion
+from .build import Sketch
+from .couplings import Coupling
+from .library import quiet
+from .loads import Loads
+from .motors import Motors
+from .reactions import Reactions
+from .start import FITS, coordinates, velocities
+
+CHUNK = 64  # steps between two looks at Ctrl-C
+WARNINGS = ("INERTIA", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
+
+
+@dataclass
+class MujocoTwin:
+    """A `System` in MuJoCo; see `twin`.
+
+    Attributes
+    ----------
+    engine, settings, order
+        As `Twin` has them.
+    model, data : MjModel, MjData
+        MuJoCo's own; `begin` puts the data at the start.
+    """
+
+    made: Sketch
+    model: Any
+    data: Any
+    state: State
+    reactions: Reactions
+    loads: Loads
+    couplings: list[Coupling]
+    motors: Motors
+    softness: float
+    dampratio: float
+    settings: str
+    order: float
+    engine: str = "MuJoCo"
+
+    def __post_init__(self) -> None:
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        bodies = [m.body(self.made.layout.main[id(body)].name).id for body in self.made.system.bodies]
+        self.ids, self.pulses = np.array(bodies), self.controls()
+        self.qpos = coordinates(self.made, m, self.state)
+        d.qpos[:] = self.qpos
+        self.qvel = velocities(self.made, mujoco, m, d, self.state)
+        for generator in self.motors.generators:
+            joint = m.joint(generator.name)
+            self.qpos[joint.qposadr[0]], self.qvel[joint.dofadr[0]] = generator.start(self.state.t)
+        self.check_pose()
+        self.place_drifters()
+
+    def check_pose(self) -> None:
+        """The tree must meet the state; a ValueError names the body that is off."""
+        d, q = self.data, self.state.q.reshape(-1, 7)
+        gaps = np.abs(d.xpos[self.ids] - q[:, :3]).max(axis=1)
+        turns = np.abs(d.xmat[self.ids].reshape(-1, 3, 3) - matrix(q[:, 3:])).max(axis=(1, 2))
+        worst = int(np.argmax(np.maximum(gaps, turns)))
+        if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > FITS:
+            body = self.made.system.bodies[worst]
+            raise ValueError(
+                f"state: body '{body.name}' is {gaps[worst]:.3g} m and {turns[worst]:.3g} rad off what its joints "
+                "allow; start from system.state() or system.assemble()"
+            )
+
+    def place_drifters(self) -> None:
+        """Speed drivers go on from where they are."""
+        for coupling in self.couplings:
+            if coupling.adrift:
+                self.begin()
+                row = self.model.equality(coupling.equality).id
+                later = self.model.eq_data[row, 1:5] @ self.state.t ** np.arange(1, 5)
+                self.model.eq_data[row, 0] = self.data.ten_length[self.model.tendon(coupling.tendon).id] - later
+
+    def begin(self) -> None:
+        """The data at the start, evaluated."""
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        mujoco.mj_resetData(m, d)
+        d.qpos[:], d.qvel[:], d.time = self.qpos, self.qvel, self.state.t
+        for actuator, _ in self.loads.applied:
+            d.ctrl[m.actuator(actuator).id] = 1.0
+        with self.driven(), quiet(mujoco):
+            mujoco.mj_forward(m, d)
+
+    def controls(self) -> list[tuple[int, list]]:
+        """(actuator, terms of its signal)."""
+        return [(self.model.actuator(name).id, signal.terms()) for name, signal in self.loads.signals]
+
+    @contextmanager
+    def driven(self) -> Iterator[None]:
+        """Forces that follow time are set by MuJoCo's control callback, in every stage of a step."""
+        if not self.pulses:
+            yield
+            return
+        mujoco, before = self.made.mujoco, self.made.mujoco.get_mjcb_control()
+
+        def control(model: Any, data: Any) -> None:
+            for k, terms in self.pulses:
+                data.ctrl[k] = evaluate(terms, data.time)
+
+        mujoco.set_mjcb_control(control)
+        try:
+            yield
+        finally:
+            mujoco.set_mjcb_control(before)
+
+    def kinetic(self) -> Kinetic:
+        """Mass matrix at the start in MuJoCo's velocities; those of welded pieces are brought together."""
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        self.begin()
+        own = np.ones(m.nv, bool)
+        own[[m.joint(generator.name).dofadr[0] for generator in self.motors.generators]] = False
+        M = np.zeros((m.nv, m.nv))
+        mujoco.mj_fullM(m, d, M)
+        welds = [self.jacobian(m.body(p.name).id) for p in self.made.layout.extra]
+        mains = [self.jacobian(m.body(self.made.layout.main[id(p.body)].name).id) for p in self.made.layout.extra]
+        together = np.eye(int(own.sum()))
+        if welds:
+            together = scipy.linalg.null_space((np.vstack(welds) - np.vstack(mains))[:, own], rcond=1e-10)
+        jacobians = np.vstack([self.jacobian(k) for k in self.ids])[:, own]
+        return Kinetic(together.T @ M[np.ix_(own, own)] @ together, jacobians @ together)
+
+    def jacobian(self, body: int) -> np.ndarray:
+        """(6, nv): velocity of O and angular velocity of a MuJoCo body."""
+        J = np.zeros((2, 3, self.model.nv))
+        self.made.mujoco.mj_jacBody(self.model, self.data, J[0], J[1], body)
+        return J.reshape(6, -1)
+
+    def accelerations(self) -> np.ndarray:
+        """(bodies, 6): acceleration of O and world angular acceleration at the start.
+
+        Of a loop, with MuJoCo's equalities made hard: see `harden`.
+        """
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        self.begin()
+        if d.nefc:
+            self.harden()
+        mujoco.mj_rnePostConstraint(m, d)
+        out, found = np.zeros(6), np.zeros((self.ids.size, 6))
+        for i, k in enumerate(self.ids):
+            mujoco.mj_objectAcceleration(m, d, mujoco.mjtObj.mjOBJ_XBODY, int(k), out, 0)
+            found[i] = [*(out[3:] + m.opt.gravity), *out[:3]]  # it feels gravity as an accelerometer does
+        return found
+
+    def harden(self) -> None:
+        """The accelerations of the rows as they are without softness: J v_dot = -J_dot v, by MuJoCo's own solver.
+
+        It solves J v_dot + R f = a_ref; with a_ref = R f - J_dot v of the last f this is a proximal iteration, which
+        gains the factor 1 - d = 1e-4 each time. J_dot v is the fourth-order difference of J v along the motion.
+        """
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        step, speeds = 1e-3 / max(1.0, np.abs(self.qvel).max()), []
+        for k in (-2, -1, 1, 2):
+            d.qpos[:] = self.qpos
+            mujoco.mj_integratePos(m, d.qpos, self.qvel, k * step)
+            mujoco.mj_fwdPosition(m, d)
+            speed = np.zeros(d.nefc)
+            mujoco.mj_mulJacVec(m, d, speed, self.qvel)
+            speeds.append(speed)
+        bias = (8 * (speeds[2] - speeds[1]) - (speeds[3] - speeds[0])) / (12 * step)
+        self.begin()
+        force = np.zeros(d.nefc)
+        for _ in range(6):
+            d.efc_aref[:] = d.efc_R * force - bias
+            mujoco.mj_fwdConstraint(m, d)
+            force = d.efc_force.copy()
+
+    def run(self, t_end: float, steps: int, samples: int) -> Motion:
+        """``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
+
+        Raises
+        ------
+        ValueError
+            If ``samples`` does not divide ``steps``, or t_end is not after the start.
+        EngineFailed
+            If MuJoCo warns of numbers that are not finite or too large.
+        """
+        if samples < 1 or steps % samples:
+            raise ValueError(f"MuJoCo: {samples} samples do not divide {steps} steps; give a multiple")
+        if t_end <= self.state.t:
+            raise ValueError(f"MuJoCo: t_end {t_end:g} s is not after the start at {self.state.t:g} s")
+        m, d = self.model, self.data
+        m.opt.timestep = (t_end - self.state.t) / steps
+        m.eq_solref[:] = self.softness * m.opt.timestep, self.dampratio
+        self.begin()
+        qpos, qvel, t = np.zeros((samples + 1, m.nq)), np.zeros((samples + 1, m.nv)), np.zeros(samples + 1)
+        qpos[0], qvel[0], t[0] = d.qpos, d.qvel, d.time
+        with self.driven(), quiet(self.made.mujoco):
+            began = perf_counter()
+            for k in range(1, samples + 1):
+                self.advance(steps // samples)
+                qpos[k], qvel[k], t[k] = d.qpos, d.qvel, d.time
+            seconds = perf_counter() - began
+            return self.motion(t, qpos, qvel, seconds)
+
+    def advance(self, steps: int) -> None:
+        """Many steps; stops where MuJoCo warns."""
+        mujoco, m, d = self.made.mujoco, self.model, self.data
+        while steps > 0:
+            mujoco.mj_step(m, d, min(steps, CHUNK))
+            steps -= CHUNK
+            for warning in WARNINGS:
+                found = d.warning[getattr(mujoco.mjtWarning, f"mjWARN_{warning}")]
+                if found.number:
+                    raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {self.said(warning, found.lastinfo)}")
+
+    def said(self, warning: str, info: int) -> str:
+        """MuJoCo's own words."""
+        kind = int(getattr(self.made.mujoco.mjtWarning, f"mjWARN_{warning}"))
+        return self.made.mujoco.mju_warningText(kind, info)
+
+    def motion(self, t: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, seconds: float) -> Motion:
+        """Each sample evaluated once more: poses, velocities, reactions."""
+        mujoco, m, d, n = self.made.mujoco, self.model, self.data, self.ids.size
+        shape = (t.size, n)
+        r, e, r_dot, omega = (np.zeros((*shape, k)) for k in (3, 4, 3, 3))
+        loads: dict[str, list] = {}
+        roots = m.body_rootid[self.ids]
+        for k in range(t.size):
+            d.qpos[:], d.qvel[:], d.time = qpos[k], qvel[k], t[k]
+            mujoco.mj_forward(m, d)
+            r[k], e[k], omega[k] = d.xpos[self.ids], d.xquat[self.ids], d.cvel[self.ids, :3]
+            r_dot[k] = d.cvel[self.ids, 3:] + np.cross(omega[k], r[k] - d.subtree_com[roots])
+            for name, wrench in self.reactions.all(d).items():
+                loads.setdefault(name, []).append(wrench)
+        found = {name: Load(*(np.array(x) for x in zip(*wrenches, strict=True))) for name, wrenches in loads.items()}
+        if not all(np.isfinite(x).all() for x in (r, e, r_dot, omega)):
+            raise EngineFailed(f"MuJoCo: numbers that are not finite up to t = {t[-1]:.6g} s")
+        return Motion(t, r, e, r_dot, omega, found, seconds)
