@@ -85,8 +85,8 @@ class Assembly:
             place[:3, :3] = axes
         return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.body[id(body)], localHT=place))
 
-    def coordinate(self, x: Coordinate) -> int:
-        """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node."""
+    def coordinate(self, x: Coordinate, counted: bool = True) -> int:
+        """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
         bodies = [self.body[id(x.a)], self.body[id(x.b)]]
         if x.kind == "slide":
             return self.mbs.AddMarker(
@@ -95,11 +95,13 @@ class Assembly:
                     localPosition0=x.point_a - x.a.position, localPosition1=x.point_b - x.b.position,
                 )
             )  # fmt: skip
-        node = self.items.NodeGenericData(numberOfDataCoordinates=1, initialCoordinates=[self.angle_at_start(x)])
+        turns = {}
+        if counted:
+            angle = self.angle_at_start(x)
+            node = self.items.NodeGenericData(numberOfDataCoordinates=1, initialCoordinates=[angle])
+            turns = {"nodeNumber": self.mbs.AddNode(node)}
         return self.mbs.AddMarker(
-            self.items.MarkerBodiesRelativeRotationCoordinate(
-                bodyNumbers=bodies, axis0=x.axis, nodeNumber=self.mbs.AddNode(node)
-            )
+            self.items.MarkerBodiesRelativeRotationCoordinate(bodyNumbers=bodies, axis0=x.axis, **turns)
         )
 
     def angle_at_start(self, x: Coordinate) -> float:

@@ -103,13 +103,13 @@ class BodyTwin:
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError if samples do not lie on steps."""
         settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
-        if self.scheme.implicit:
-            self.equations().begin_with_accelerations()
+        first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
         seconds = march(self.module, self.mbs, self.scheme, settings)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
         t = check_samples(table[:, 0], self.state.t, t_end, samples, table[:, 1:])
         n = self.mbs.systemData.ODE2Size()
         q, u, lam = np.split(table[:, 1:], [n, 2 * n], axis=1)
+        lam[0] = first
         position, turn = self.model.poses(q)
         v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)
         return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)

@@ -104,8 +104,11 @@ class Equations:
         e = self.model.poses(self.q[None])[1][0]
         return (self.model.rates(e) @ self.change()[0]).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
 
-    def begin_with_accelerations(self) -> None:
-        """Let every run start from them: Exudyn's own solve forgets how prescribed motions accelerate."""
-        first, (change, multipliers) = self.model.module.ConfigurationType.Initial, self.change()
-        self.mbs.systemData.SetODE2Coordinates_tt(change, first)
-        self.mbs.systemData.SetAECoordinates(multipliers, first)
+    def begin_with_accelerations(self) -> Array:
+        """Let every run start from them; the multipliers that belong to them.
+
+        Exudyn's own solve forgets how prescribed motions accelerate, and its first sample holds no multipliers.
+        """
+        change, multipliers = self.change()
+        self.mbs.systemData.SetODE2Coordinates_tt(change, self.model.module.ConfigurationType.Initial)
+        return multipliers

@@ -88,10 +88,10 @@ def add_rolling(model: Assembly, joint: Any, what: str) -> None:
     """All three rows are held as velocities there."""
     if joint.crown:
         raise NotExpressible(f"{what}: crown {joint.crown:g} m; the rolling disc of Exudyn has a sharp rim")
-    at, normal = joint.plane
-    markers = [model.marker(joint.a, at), model.marker(joint.b, joint.centre)]
+    # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
+    markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
     disc = model.items.ObjectJointRollingDisc(
-        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=normal
+        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
     )
     model.connect(joint, disc)
 
@@ -130,9 +130,8 @@ def add_mesh(model: Assembly, joint: Any, what: str) -> None:
     row, n = joint.primitives[0], joint.direction()
     for hinge in (joint.hinge_a, joint.hinge_b):
         if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
-            raise NotExpressible(
-                f"{what}: its teeth push along '{hinge.name}', which slides; Exudyn couples angles only"
-            )
+            name = model.system.name(hinge)
+            raise NotExpressible(f"{what}: its teeth push along '{name}', which slides; Exudyn couples angles only")
     a, b = row.coordinates
     couple(model, joint, b, -row.values[0] / row.values[1], a, what)
 
@@ -176,7 +175,10 @@ def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
     model.connect(
         joint,
         model.items.ObjectConnectorCoordinate(
-            markerNumbers=[model.zero, model.coordinate(x)], velocityLevel=True, offset=float(signal(0.0)), **moving
+            markerNumbers=[model.zero, model.coordinate(x, counted=False)],
+            velocityLevel=True,
+            offset=float(signal(0.0)),
+            **moving,
         ),
     )
 

@@ -12,6 +12,8 @@ from validation.engines.base import EngineMissing
 OLDEST = (1, 13, 6)
 """Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
 
+WANTED = ".".join(map(str, OLDEST))
+
 
 def exudyn() -> Any:
     """The module, imported when it is asked for.
@@ -21,13 +23,11 @@ def exudyn() -> Any:
     EngineMissing
         If it is not installed or older than `OLDEST`.
     """
-    wanted = ".".join(map(str, OLDEST))
     try:
         version = metadata.version("exudyn")
     except metadata.PackageNotFoundError:
-        raise EngineMissing(f"Exudyn is not installed; pip install 'exudyn>={wanted}'") from None
-    if numbers(version) < OLDEST:
-        raise EngineMissing(f"Exudyn {version} is older than {wanted}; pip install -U 'exudyn>={wanted}'")
+        raise EngineMissing(f"Exudyn is not installed; pip install 'exudyn>={WANTED}'") from None
+    check_version(version)
     try:
         import exudyn as module
         import exudyn.itemInterface
@@ -36,9 +36,10 @@ def exudyn() -> Any:
     return module
 
 
-def numbers(version: str) -> tuple[int, ...]:
-    """(1, 13, 6) of "1.13.6.dev1"."""
-    return tuple(int(part) for part in version.split(".")[:3] if part.isdigit())
+def check_version(version: str) -> None:
+    """EngineMissing for a version before `OLDEST`."""
+    if tuple(int(part) for part in version.split(".")[:3] if part.isdigit()) < OLDEST:
+        raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
 
 
 @contextmanager

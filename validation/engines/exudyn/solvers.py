@@ -84,10 +84,12 @@ class Scheme:
         Raises
         ------
         ValueError
-            If samples do not lie on steps.
+            If samples do not lie on steps, or the end not after the start.
         """
         if steps < 1 or samples < 1 or steps % samples:
             raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
+        if not t_end > start:
+            raise ValueError(f"t_end {t_end:g} s does not lie after the start, {start:g} s; give a later time")
         if self.adaptive and samples > 1:
             raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
         out = module.SimulationSettings()
@@ -141,7 +143,8 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
 def last_words(text: str) -> str:
     """What Exudyn said, on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
-    return " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
+    words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
+    return words + ("; rows that repeat each other need linear='full-pivot'" if "singular" in words else "")
 
 
 def check_samples(found: Array, start: float, t_end: float, samples: int, *values: Array) -> Array:

@@ -36,13 +36,13 @@ from .library import SPARSE_BUG, load, version
 from .loads import load as load_forces
 from .motors import Motors
 from .reactions import Reactions
-from .rods import add_rods, lengths
+from .rods import add_tendons, set_lengths
 from .simulator import MujocoTwin
 
 EXPRESSES: dict[type, str] = {
     Revolute: "hinge; closes a loop by two connects on its axis",
     Spherical: "ball; closes a loop by a connect",
-    Fixed: "body without joint; closes a loop by a weld",
+    Fixed: "body without joint",
     Universal: "two hinges",
     Prismatic: "slide",
     Cylindrical: "slide and hinge on one axis",
@@ -53,7 +53,7 @@ EXPRESSES: dict[type, str] = {
     Perpendicular: "three slides and two hinges",
     ConstantVelocity: "hinges about shaft, common normal and shaft, the outer ones coupled; not for aligned shafts",
     Screw: "slide and hinge, coupled",
-    Distance: "spatial tendon held at its length",
+    Distance: "two hinges at one end and a ball at the other, or a spatial tendon held at its length",
     Gear: "sum of joint coordinates held at zero",
     RackPinion: "sum of joint coordinates held at zero",
     GearMesh: "sum of joint coordinates held at zero: motion, not the tooth force",
@@ -71,8 +71,8 @@ REFUSED = {
 
 
 def twin(
-    system: System, *, state: State | None = None, integrator: str = "RK4", softness: float = 2.0,
-    dampratio: float = 1.0,
+    system: System, *, state: State | None = None, integrator: str = "RK4", softness: float = 16.0,
+    dampratio: float = 0.5, rods: str = "joints",
 ) -> MujocoTwin:  # fmt: skip
     """The twin of a system in MuJoCo.
 
@@ -84,8 +84,13 @@ def twin(
     integrator : str
         "RK4", "Euler", "implicit" or "implicitfast".
     softness, dampratio : float
-        Equalities have ``solref = (softness h, dampratio)``, h the step. MuJoCo raises softness to 2 unless told not
-        to; below 2 it is told.
+        Equalities have ``solref = (softness h, dampratio)``, h the step: stiffness 1 / (softness dampratio h)^2,
+        damping 2 / (softness h). At 2 and 1 the stages of RK4, which leave the rows by h^2, see accelerations that do
+        not fall with h: velocities have order 1 then, reactions 0. From 16 and 0.5 on all are of order 2. MuJoCo
+        raises softness to 2 unless told not to; below 2 it is told.
+    rods : str
+        "joints" or "tendons", what a Distance becomes: exact but for a direction in which it is lost, or everywhere
+        but with a greater error.
 
     Returns
     -------
@@ -115,14 +120,16 @@ def twin(
         raise ValueError(f"MuJoCo: integrator {integrator!r} is unknown; give one of {', '.join(integrators.values())}")
     softness = number(softness, "MuJoCo: softness", positive=True)
     dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
+    if rods not in ("joints", "tendons"):
+        raise ValueError(f"MuJoCo: rods {rods!r} is unknown; give 'joints' or 'tendons'")
     refuse(system)
     dense = version(mujoco) == SPARSE_BUG
-    made = sketch(mujoco, system, lay_out(system), integrator, dense)
-    motors, rods = Motors(mujoco, made.spec, system.bodies), add_rods(made)
+    made = sketch(mujoco, system, lay_out(system, rods == "joints"), integrator, dense)
+    motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_forces(made)
     model = compile_spec(mujoco, made, softness)
-    lengths(made, model, rods)
-    reactions = Reactions(made, loads, couplings, rods, mujoco, model)
+    set_lengths(made, model, tendons)
+    reactions = Reactions(made, loads, couplings, tendons, mujoco, model)
     method = integrators[str(integrator).lower()]
     soft = f", solref ({softness:g} h, {dampratio:g})" if model.neq else ""
     solver = ", dense Jacobian (4.0.0 factors sparse ones wrongly)" if dense else ""

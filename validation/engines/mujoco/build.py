@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Fixed, Revolute, System
+from mbsd3d import GROUND, Body, Distance, Revolute, System
 from mbsd3d.rotations import quaternion_from_matrix
 
 from ..base import NotExpressible
+from . import rods
 from .freedoms import Freedoms, freedoms
 from .layout import Layout, Piece
 
-FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "AUTORESET", "SENSOR")  # nothing of these is in a twin: not looked for
+FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
+TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver, whose Newton step is exact: at 1e-8 it takes the last forces for good
 LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
@@ -75,6 +77,7 @@ def sketch(mujoco: Any, system: System, layout: Layout, integrator: str, dense: 
     spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
     spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
+    spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
     made = Sketch(mujoco, system, layout, spec)
     for piece in layout.pieces:
         add_piece(made, piece)
@@ -100,12 +103,18 @@ def add_piece(made: Sketch, piece: Piece) -> None:
         r, R = body.position, body.axes
     else:
         free = made.joints[piece.number] = freedoms(piece.joint, made.system.name(piece.joint))
-        r, R = rest_pose(piece, free, origin, R_parent)
+        r, R = (
+            rods.rest_pose(piece, origin, R_parent @ local_axes(rods.ends(piece)[0], np.eye(3)))
+            if isinstance(piece.joint, Distance)
+            else rest_pose(piece, free, origin, R_parent)
+        )
     made.poses[piece.number] = r, R
     child = above.add_body(name=piece.name, pos=R_parent.T @ (r - origin), quat=quaternion_from_matrix(R_parent.T @ R))
     weigh(child, body, made.layout.shares(body), made.system)
     if piece.joint is None:
         child.add_freejoint(name=f"{piece.number} free").align = made.mujoco.mjtAlignFree.mjALIGNFREE_FALSE
+    elif isinstance(piece.joint, Distance):
+        rods.add_joints(made.mujoco, child, piece)
     else:
         add_joints(made, child, piece, free)
 
@@ -172,13 +181,6 @@ def turn_name(piece: Piece, k: int) -> str:
 def close(made: Sketch, joint: Any) -> list[str]:
     """Equalities of a joint outside the tree, body b first: their forces act on b."""
     name = made.system.name(joint)
-    if isinstance(joint, Fixed):
-        axes = [local_axes(body, np.eye(3)) for body in (joint.b, joint.a)]
-        sites = tuple(
-            made.site(body, at, own)
-            for body, at, own in zip((joint.b, joint.a), (joint.at_b, joint.at), axes, strict=True)
-        )
-        return [made.equality("WELD", f"closing {name}", sites, "SITE", data=(0.0,) * 10 + (1.0,))]
     offsets = (0.0,)
     if isinstance(joint, Revolute):
         offsets = (-0.5 * made.system.lowered.model.length, 0.5 * made.system.lowered.model.length)

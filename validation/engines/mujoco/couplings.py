@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, Prismatic, Screw
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, Prismatic, Screw
 from mbsd3d.kernels import kinds
 from mbsd3d.primitives import Coordinate
 
@@ -37,6 +37,7 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
         for row in joint.rows():
             if row.kind in (kinds.RATIO, kinds.MESH):
                 pairs = list(zip(row.coordinates, row.values, strict=False))
+                pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
                 found.append(hold(made, motors, joint, pairs, row.signal))
             elif row.kind == kinds.TURN_RATE:
                 pairs = [(Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), 1.0)]
@@ -46,6 +47,16 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
             terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
             name = made.system.name(piece.joint)
             found.append(hold_tendon(made, motors, piece.joint, name, terms, None))
+    return found
+
+
+def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
+    """What a helical mesh has of gears that slide: n . u of their slides, n the line of action."""
+    n, found = mesh.direction(), []
+    for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
+        x = hinge.slide()
+        factor = 0.0 if x is None else sign * float(n @ x.axis) * (1.0 if mesh.gear(hinge) is hinge.b else -1.0)
+        found += [(x, factor)] if factor else []
     return found
 
 

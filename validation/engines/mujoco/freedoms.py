@@ -14,6 +14,7 @@ import numpy as np
 from mbsd3d import (
     ConstantVelocity,
     Cylindrical,
+    Distance,
     Fixed,
     Joint,
     Parallel,
@@ -108,9 +109,11 @@ TABLE: dict[type, tuple] = {  # slides, hinges about axes of B, their angles
 
 
 def freedoms(joint: Joint, name: str) -> Freedoms:
-    """Frames and freedoms of a joint of `TABLE`, or of a ConstantVelocity; errors name it."""
+    """Frames and freedoms of a joint of `TABLE`, of a ConstantVelocity or Distance; errors name it."""
     if type(joint) is ConstantVelocity:
         return shafts(joint, name)
+    if type(joint) is Distance:  # see `rods`
+        return Freedoms(np.eye(3), np.eye(3), joint.at_a, joint.at_b, (), BALL, no_angle, np.eye(3))
     slides, hinges, angles = TABLE[type(joint)]
     A, B = frames(joint)
     at_a, at_b = getattr(joint, "at", joint.point()), joint.point()

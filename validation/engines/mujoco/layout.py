@@ -1,8 +1,8 @@
 """Which joints span the tree, and how the others close loops.
 
 A tree joint is the joint of a MuJoCo body with its parent. What closes a loop is two points kept together (Spherical),
-two such pairs on the axis (Revolute), a weld (Fixed); any other joint carries a *piece* of its body b, an equal share
-of mass and inertia, that is welded to the rest: the two together move as the body does.
+two such pairs on the axis (Revolute); any other joint carries a *piece* of its body b, an equal share of mass and
+inertia, that is welded to the rest: the two together move as the body does.
 """
 
 from collections.abc import Iterable
@@ -13,6 +13,7 @@ from mbsd3d import (
     GROUND,
     Body,
     ConstantVelocity,
+    Distance,
     Fixed,
     Joint,
     Parallel,
@@ -24,8 +25,8 @@ from mbsd3d import (
 
 from .freedoms import TABLE
 
-DIRECT = (Revolute, Spherical, Fixed)  # close a loop by equalities of their own
-LOOSE = (Parallel, Perpendicular)  # hold no point: last to span the tree
+DIRECT = (Revolute, Spherical)  # close a loop by equalities of their own
+LOOSE = (Parallel, Perpendicular, Distance)  # keep no two points together: last to span the tree
 
 
 @dataclass(eq=False)
@@ -62,9 +63,10 @@ class Layout:
         return 1 + sum(piece.body is body for piece in self.extra)
 
 
-def lay_out(system: System) -> Layout:
-    """The tree of most worth to the loops: what has no closure of its own first, balls last."""
-    joints = [joint for joint in system.joints if type(joint) in TABLE or type(joint) is ConstantVelocity]
+def lay_out(system: System, rods: bool) -> Layout:
+    """The tree of most worth to the loops: what has no closure of its own first, balls last; ``rods``: these too."""
+    known = {*TABLE, ConstantVelocity, *((Distance,) if rods else ())}
+    joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}
     tree = spanning(sorted(joints, key=lambda joint: rank(joint, id(joint) in referred)))
     layout = Layout([], {}, [], [])

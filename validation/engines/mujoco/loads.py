@@ -94,7 +94,7 @@ def apply(made: Sketch, loads: Loads, force: Force | Torque, name: str) -> None:
     for k, (signal, direction) in enumerate(wanted):
         actuator = made.spec.add_actuator(name=f"load {name} {k}", target=site)
         actuator.trntype = made.mujoco.mjtTrn.mjTRN_SITE
-        actuator.gear[3 if turns else 0 :][:3] = direction
+        actuator.gear[:] = [*np.zeros(3), *direction] if turns else [*direction, *np.zeros(3)]
         if force.frame == "world":
             actuator.refsite = world_site(made)
         loads.applied.append((actuator.name, force))

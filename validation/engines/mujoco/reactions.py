@@ -1,8 +1,8 @@
 """Reactions of the joints at a state that MuJoCo has evaluated: on body b, at the joint's point, world axes.
 
 A tree joint carries the interaction force of its body (``cfrc_int``); what acts along its coordinates is of springs and
-couplings, and taken off. MuJoCo's sum knows gravity, connects and welds only: pulls of spatial tendons and forces of
-actuators are told to it as external ones while it adds up.
+couplings, and taken off. MuJoCo's sum does not know the actuators at sites: what they apply is told to it as external
+forces while it adds up.
 """
 
 from collections.abc import Iterator
@@ -24,9 +24,9 @@ class Reactions:
     """Of one model; `all` reads them from the data."""
 
     def __init__(
-        self, made: Sketch, loads: Loads, couplings: list[Coupling], rods: list, mujoco: Any, model: Any
+        self, made: Sketch, loads: Loads, couplings: list[Coupling], tendons: list, mujoco: Any, model: Any
     ) -> None:
-        self.made, self.loads, self.couplings, self.rods = made, loads, couplings, rods
+        self.made, self.loads, self.couplings, self.tendons = made, loads, couplings, tendons
         self.mujoco, self.model = mujoco, model
         meshed = {id(hinge) for j in made.system.joints if isinstance(j, GearMesh) for hinge in (j.hinge_a, j.hinge_b)}
         self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in meshed]
@@ -42,7 +42,7 @@ class Reactions:
         found = {name(piece.joint): self.of_piece(data, piece, along) for piece in self.tree}
         found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
         found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
-        for rod, _, equality in self.rods:
+        for rod, _, equality in self.tendons:
             found[name(rod)] = self.pull(data, rod, self.rows(data, equality)[0]), np.zeros(3)
         return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
 
@@ -72,7 +72,7 @@ class Reactions:
         return tension * span / np.linalg.norm(span)
 
     def tell_applied(self, data: Any) -> None:
-        """Pulls and applied forces as external ones at the centres of mass, for the sum only."""
+        """Applied loads as external ones at the centres of mass, for the sum only."""
         for body, at, force, moment in self.applied(data):
             if body is not GROUND:
                 k = self.model.body(self.made.layout.main[id(body)].name).id
@@ -80,16 +80,7 @@ class Reactions:
                 data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
 
     def applied(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-        """(body, point, force, moment) of rods, springs and applied loads."""
-        pulls: list[tuple[Any, float]] = [(rod, self.rows(data, equality)[0]) for rod, _, equality in self.rods]
-        for force, tendon in self.loads.springs:
-            k = self.model.tendon(tendon).id
-            stretch = data.ten_length[k] - force.length
-            pulls.append((force, -force.stiffness * stretch - force.damping * data.ten_velocity[k]))
-        for part, tension in pulls:
-            force = self.pull(data, part, tension)
-            for body, at, sign in ((part.a, part.at_a, -1.0), (part.b, part.at_b, 1.0)):
-                yield body, self.point(data, body, at), sign * force, np.zeros(3)
+        """(body, point, force, moment) of applied loads."""
         for actuator, part in self.loads.applied:
             k = self.model.actuator(actuator).id
             linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
@@ -128,21 +119,15 @@ class Reactions:
         return force, moment
 
     def of_closure(self, data: Any, joint: Any) -> Wrench:
-        """Of points kept together, and of a weld: their sites on b stand first, so that their forces act on b."""
+        """Of points kept together: the site on b stands first, so that the forces act on b."""
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)
+            if not rows.size:  # MuJoCo leaves out rows that nothing can violate: bodies that are rigid by other joints
+                continue
             site = data.site_xpos[self.model.eq_obj1id[self.model.equality(equality).id]]
-            force = force + rows[:3]
-            moment = moment + np.cross(site - at, rows[:3])
-            if rows.size == 6:
-                moment = moment + self.weld_moment(data, equality, rows[3:])
+            force, moment = force + rows, moment + np.cross(site - at, rows)
         return force, moment
-
-    def weld_moment(self, data: Any, equality: str, rows: np.ndarray) -> np.ndarray:
-        """Moment of the turning rows of a weld of small residual: its axes are half those of its second site."""
-        site = self.model.eq_obj2id[self.model.equality(equality).id]
-        return 0.5 * data.site_xmat[site].reshape(3, 3) @ rows
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
         """On body b of the joint it acts through: along or about the axis of that coordinate."""

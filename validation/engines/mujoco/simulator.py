@@ -7,19 +7,21 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
-from mbsd3d import State
+from mbsd3d import Distance, State
 from mbsd3d.rotations import matrix
 from mbsd3d.terms import evaluate
 
 from ..base import EngineFailed, Kinetic, Load, Motion
 from .build import Sketch
 from .couplings import Coupling
+from .instant import mass_matrix, start_accelerations
+from .layout import Piece
 from .library import quiet
 from .loads import Loads
 from .motors import Motors
 from .reactions import Reactions
+from .rods import check as check_rods
 from .start import FITS, coordinates, velocities
 
 CHUNK = 64  # steps between two looks at Ctrl-C
@@ -56,6 +58,8 @@ class MujocoTwin:
         mujoco, m, d = self.made.mujoco, self.model, self.data
         bodies = [m.body(self.made.layout.main[id(body)].name).id for body in self.made.system.bodies]
         self.ids, self.pulses = np.array(bodies), self.controls()
+        own = self.own()
+        m.stat.meaninertia = float(m.dof_M0[own].mean()) if own.any() else 1.0  # MuJoCo measures convergence by it
         self.qpos = coordinates(self.made, m, self.state)
         d.qpos[:] = self.qpos
         self.qvel = velocities(self.made, mujoco, m, d, self.state)
@@ -120,65 +124,20 @@ class MujocoTwin:
             mujoco.set_mjcb_control(before)
 
     def kinetic(self) -> Kinetic:
-        """Mass matrix at the start in MuJoCo's velocities; those of welded pieces are brought together."""
-        mujoco, m, d = self.made.mujoco, self.model, self.data
+        """Mass matrix at the start; see `mass_matrix`."""
         self.begin()
-        own = np.ones(m.nv, bool)
-        own[[m.joint(generator.name).dofadr[0] for generator in self.motors.generators]] = False
-        M = np.zeros((m.nv, m.nv))
-        mujoco.mj_fullM(m, d, M)
-        welds = [self.jacobian(m.body(p.name).id) for p in self.made.layout.extra]
-        mains = [self.jacobian(m.body(self.made.layout.main[id(p.body)].name).id) for p in self.made.layout.extra]
-        together = np.eye(int(own.sum()))
-        if welds:
-            together = scipy.linalg.null_space((np.vstack(welds) - np.vstack(mains))[:, own], rcond=1e-10)
-        jacobians = np.vstack([self.jacobian(k) for k in self.ids])[:, own]
-        return Kinetic(together.T @ M[np.ix_(own, own)] @ together, jacobians @ together)
-
-    def jacobian(self, body: int) -> np.ndarray:
-        """(6, nv): velocity of O and angular velocity of a MuJoCo body."""
-        J = np.zeros((2, 3, self.model.nv))
-        self.made.mujoco.mj_jacBody(self.model, self.data, J[0], J[1], body)
-        return J.reshape(6, -1)
+        return mass_matrix(self)
 
     def accelerations(self) -> np.ndarray:
-        """(bodies, 6): acceleration of O and world angular acceleration at the start.
-
-        Of a loop, with MuJoCo's equalities made hard: see `harden`.
-        """
-        mujoco, m, d = self.made.mujoco, self.model, self.data
+        """(bodies, 6): acceleration of O and world angular acceleration at the start, loops made hard; see `harden`."""
         self.begin()
-        if d.nefc:
-            self.harden()
-        mujoco.mj_rnePostConstraint(m, d)
-        out, found = np.zeros(6), np.zeros((self.ids.size, 6))
-        for i, k in enumerate(self.ids):
-            mujoco.mj_objectAcceleration(m, d, mujoco.mjtObj.mjOBJ_XBODY, int(k), out, 0)
-            found[i] = [*(out[3:] + m.opt.gravity), *out[:3]]  # it feels gravity as an accelerometer does
-        return found
+        return start_accelerations(self)
 
-    def harden(self) -> None:
-        """The accelerations of the rows as they are without softness: J v_dot = -J_dot v, by MuJoCo's own solver.
-
-        It solves J v_dot + R f = a_ref; with a_ref = R f - J_dot v of the last f this is a proximal iteration, which
-        gains the factor 1 - d = 1e-4 each time. J_dot v is the fourth-order difference of J v along the motion.
-        """
-        mujoco, m, d = self.made.mujoco, self.model, self.data
-        step, speeds = 1e-3 / max(1.0, np.abs(self.qvel).max()), []
-        for k in (-2, -1, 1, 2):
-            d.qpos[:] = self.qpos
-            mujoco.mj_integratePos(m, d.qpos, self.qvel, k * step)
-            mujoco.mj_fwdPosition(m, d)
-            speed = np.zeros(d.nefc)
-            mujoco.mj_mulJacVec(m, d, speed, self.qvel)
-            speeds.append(speed)
-        bias = (8 * (speeds[2] - speeds[1]) - (speeds[3] - speeds[0])) / (12 * step)
-        self.begin()
-        force = np.zeros(d.nefc)
-        for _ in range(6):
-            d.efc_aref[:] = d.efc_R * force - bias
-            mujoco.mj_fwdConstraint(m, d)
-            force = d.efc_force.copy()
+    def own(self) -> np.ndarray:
+        """Which velocities of MuJoCo are of the mechanism, not of what drives it."""
+        own = np.ones(self.model.nv, bool)
+        own[[self.model.joint(generator.name).dofadr[0] for generator in self.motors.generators]] = False
+        return own
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """``steps`` equal steps to t_end, of which every (steps / samples)-th is kept, and the start.
@@ -224,9 +183,15 @@ class MujocoTwin:
         kind = int(getattr(self.made.mujoco.mjtWarning, f"mjWARN_{warning}"))
         return self.made.mujoco.mju_warningText(kind, info)
 
+    def rods(self) -> list[tuple[str, Piece]]:
+        """Names of the Distance joints and the pieces that hang on them."""
+        pieces = self.made.layout.pieces
+        return [(self.made.system.name(p.joint), p) for p in pieces if isinstance(p.joint, Distance)]
+
     def motion(self, t: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, seconds: float) -> Motion:
         """Each sample evaluated once more: poses, velocities, reactions."""
         mujoco, m, d, n = self.made.mujoco, self.model, self.data, self.ids.size
+        check_rods(m, self.rods(), t, qpos)
         shape = (t.size, n)
         r, e, r_dot, omega = (np.zeros((*shape, k)) for k in (3, 4, 3, 3))
         loads: dict[str, list] = {}

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State
+from mbsd3d import Distance, State
 from mbsd3d.rotations import matrix, quaternion_from_matrix
 
+from . import rods
 from .build import Sketch, local_axes, slide_name, turn_name
 from .layout import Piece
 
@@ -32,6 +33,14 @@ def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
             continue
         free, joint = made.joints[piece.number], piece.joint
         (r_a, R_a), (r_b, R_b) = pose(joint.a), pose(joint.b)
+        if isinstance(joint, Distance):
+            span = r_b + R_b @ joint.b.local_point(joint.at_b) - r_a - R_a @ joint.a.local_point(joint.at_a)
+            R_near, rod = (R_a, span) if piece.is_b else (R_b, -span)
+            q1, q2 = rods.angles(piece, (R_near @ local_axes(rods.ends(piece)[0], np.eye(3))).T @ rod)
+            put(rods.swing_name(piece, 0), q1)
+            put(rods.swing_name(piece, 1), q2)
+            put(f"{piece.number} ball", quaternion_from_matrix(ball(made, piece, R_a, R_b, rods.swing(piece, q1, q2))))
+            continue
         A = R_a @ local_axes(joint.a, free.A)
         s = A.T @ (r_b + R_b @ joint.b.local_point(free.at_b) - r_a - R_a @ joint.a.local_point(free.at_a))
         for k in free.slides:
@@ -46,12 +55,16 @@ def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
     return qpos
 
 
-def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray) -> np.ndarray:
-    """Turn of a child from its pose at rest on its parent, in its own axes."""
+def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.ndarray | None = None) -> np.ndarray:
+    """Turn of a child in its own axes, from its pose at rest on its parent or on a rod that has taken a ``turn``."""
     R_parent, R = (R_a, R_b) if piece.is_b else (R_b, R_a)
     R0_parent = np.eye(3) if piece.parent is None else made.poses[piece.parent.number][1]
-    at_rest = R_parent @ R0_parent.T @ made.poses[piece.number][1]
-    return at_rest.T @ R
+    at_rest = made.poses[piece.number][1]
+    if turn is not None:
+        parent = rods.ends(piece)[0]
+        F = R0_parent @ local_axes(parent, np.eye(3))
+        at_rest = F @ turn @ F.T @ at_rest
+    return (R_parent @ R0_parent.T @ at_rest).T @ R
 
 
 def counted(made: Sketch, joint: Any, state: State, angles: tuple) -> tuple:

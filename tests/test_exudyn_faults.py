@@ -1,0 +1,130 @@
+"""The twin in Exudyn: what it refuses and how, engine failures, versions; quiet, repeatable, nothing written."""
+
+import numpy as np
+import pytest
+from models import EXAMPLES, example_system, random_body, revolute_chain
+from test_loads import EXAMPLES as FORCES
+
+from mbsd3d import GROUND, GearMesh, Joint, Revolute, RollingDisc, Spherical, System, TorsionSpring, simulate
+from mbsd3d.elements import ForceElement
+from validation import cases
+from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
+
+pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
+
+from exudyn_models import distances, tree  # noqa: E402
+
+from validation.engines.exudyn import EXPRESSES, EXPRESSES_FORCES, twin  # noqa: E402
+from validation.engines.exudyn.forces import REFUSED as REFUSED_FORCES  # noqa: E402
+from validation.engines.exudyn.joints import REFUSED  # noqa: E402
+from validation.engines.exudyn.library import check_version  # noqa: E402
+
+
+def public(base):
+    """Names of the concrete public classes below ``base``."""
+    import mbsd3d
+
+    found = [getattr(mbsd3d, name) for name in mbsd3d.__all__]
+    return {x.__name__ for x in found if isinstance(x, type) and issubclass(x, base) and x is not base} - {"Driver"}
+
+
+def test_every_part_is_expressed_or_refused():
+    """A new joint or force must be put into one of the tables."""
+    assert {x.__name__ for x in EXPRESSES} | set(REFUSED) == public(Joint)
+    assert {x.__name__ for x in EXPRESSES_FORCES} | set(REFUSED_FORCES) == public(ForceElement)
+    assert all(EXPRESSES.values()) and all(EXPRESSES_FORCES.values())
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_refused_joints(name):
+    system = example_system(next(cls for cls in EXAMPLES if cls.__name__ == name), 5)
+    with pytest.raises(NotExpressible, match=f"joint '{name} 1' .{name}.: {REFUSED[name]}"):
+        twin(system)
+
+
+@pytest.mark.parametrize("name", sorted(set(REFUSED_FORCES) - {"CustomForce"}))  # which takes 9 s to compile
+def test_refused_forces(name):
+    rng = np.random.default_rng(3)
+    one, two = random_body(rng, "one"), random_body(rng, "two")
+    joints, force = FORCES[name](rng, one, two)
+    with pytest.raises(NotExpressible, match=f"force '{name} 1' .{name}.: {REFUSED_FORCES[name]}"):
+        twin(System([one, two], joints, [force]))
+
+
+def test_refused_variants():
+    """Parts that it has, in a way that it has not; what a tree has not; solvers that take no constraints."""
+    rng = np.random.default_rng(6)
+    a, b = random_body(rng, "a"), random_body(rng, "b")
+    hinge = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2), axis_b=(1, 2, 2.001))
+    for parts, settings, text in (
+        (example_system(RollingDisc, 5), {}, "crown 0.1 m"),
+        (example_system(GearMesh, 5), {}, "'Cylindrical 1', which slides"),
+        (System([a], [hinge], [TorsionSpring(hinge, stiffness=1.0)]), {}, "axes on both sides differ"),
+        (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
+        (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),
+        (System([a], [Spherical(GROUND, a, at=(0, 0, 0))]), {"formulation": "kinematic tree"}, "has only Revolute"),
+        (System([a, b], [Revolute(a, b, at=(0, 0, 0), axis=(1, 2, 3))]), {"formulation": "kinematic tree"}, "hang on"),
+        (cases.load("door_two_hinges").system, {"formulation": "kinematic tree"}, "closes a loop"),
+    ):
+        with pytest.raises(NotExpressible, match=text):
+            twin(parts, **settings)
+
+
+def test_bad_settings():
+    system = revolute_chain(1)
+    for settings, text in (
+        ({"solver": "euler"}, "solver 'euler' is unknown; give one of 'generalized-alpha'"),
+        ({"linear": "lu"}, "linear 'lu' is unknown"),
+        ({"rotation": "angles"}, "rotation 'angles' is unknown"),
+        ({"formulation": "minimal"}, "formulation 'minimal' is unknown"),
+        ({"spectral_radius": 1.5}, "spectral_radius 1.5 is not a share"),
+        ({"tolerance": 0.0}, "tolerance 0.0 is not positive"),
+        ({"solver": "rk44", "adaptive": True}, "adaptive=True goes with 'dopri5'"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            twin(system, **settings)
+    for steps, samples in ((10, 4), (0, 1), (8, 0)):
+        with pytest.raises(ValueError, match="samples do not divide"):
+            twin(system).run(1.0, steps, samples)
+    with pytest.raises(ValueError, match="does not lie after the start"):
+        twin(system).run(0.0, 8, 1)
+
+
+def test_own_steps_of_dopri5():
+    """Adaptive steps end where asked, within a tolerance; samples in between are refused."""
+    system, state = tree()
+    made = twin(system, state=state, formulation="kinematic tree", solver="dopri5", adaptive=True, tolerance=1e-10)
+    end = made.run(state.t + 0.3, 4, 1)
+    truth = simulate(system, state.t + 0.3, state=state, rtol=1e-12, output=2)
+    assert (distances(end, truth) < 1e-8).all()  # 100 local errors of 1e-10
+    with pytest.raises(ValueError, match="give samples=1"):
+        made.run(state.t + 0.3, 4, 2)
+
+
+def test_failures_say_when_and_why():
+    """A step far too long: Newton's failure ends in an error of one line."""
+    case = cases.load("heavy_top_fast")
+    with pytest.raises(EngineFailed, match=r"Exudyn stopped at t = [\d.]+ s: ") as raised:
+        twin(case.system).run(2.0, 8, 1)
+    assert "\n" not in str(raised.value) and ".py" not in str(raised.value)
+    with pytest.raises(EngineFailed, match="not finite from t"):
+        twin(cases.load("free_dzhanibekov").system, solver="rk44").run(1e6, 16, 16)
+
+
+def test_versions():
+    check_version("1.13.6"), check_version("1.14.0.dev1"), check_version("2.0")
+    with pytest.raises(EngineMissing, match="Exudyn 1.12.99 is older than 1.13.6; pip install"):
+        check_version("1.12.99")
+
+
+def test_quiet_and_repeatable(capfd, tmp_path, monkeypatch):
+    """Nothing on the terminal, no files, the same bits again."""
+    monkeypatch.chdir(tmp_path)
+    system, state = tree()
+    made = twin(system, state=state)
+    first, second = (made.run(state.t + 0.1, 16, 2) for _ in range(2))
+    made.accelerations(), made.degrees_of_freedom()
+    with pytest.raises(EngineFailed):
+        twin(cases.load("door_two_hinges").system, solver="index2", linear="dense").run(0.5, 4, 1)
+    assert (first.position == second.position).all() and (first.omega == second.omega).all()
+    assert tuple(capfd.readouterr()) == ("", "") and not list(tmp_path.iterdir())
