@@ -89,6 +89,15 @@ def four_bars(n: int) -> System:
     return System([*rods, *couplers], joints, gravity=(0, -9.81, 0))
 
 
+def slow_top() -> System:
+    """A top of three different moments that nods deeply while it goes round, its centre of mass off its axis."""
+    body = Body(
+        "top", 2.0, (0.02, 0.024, 0.012), com=(0.01, -0.02, 0.25), omega=(1.5, -0.7, 60.0),
+        orientation=rotation((0.8, 0.5, 0.1), 0.9),
+    )  # fmt: skip
+    return System([body], [Spherical(GROUND, body, at=(0, 0, 0), name="pivot")])
+
+
 def stewart() -> System:
     """Stewart platform on six sprung legs, set moving: Universal, Prismatic and Spherical joints, 72 rows, 6 freedoms."""
     platform = Body(
@@ -111,7 +120,7 @@ def stewart() -> System:
             Prismatic(barrel, piston, at=foot, axis=along, name=f"slide {k}"),
             Spherical(piston, platform, at=head, name=f"head {k}"),
         ]
-        forces.append(SpringDamper(barrel, piston, at_a=foot, at_b=head, stiffness=2e3, damping=20.0))
+        forces.append(SpringDamper(barrel, piston, at_a=foot, at_b=head, stiffness=2e3, damping=2.0))
     return System(bodies, joints, forces)
 
 
