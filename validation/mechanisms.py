@@ -1,4 +1,4 @@
-"""Mechanisms of any size: a chain of hinges with its MuJoCo twin, parallelograms side by side, and a Stewart platform."""
+"""Mechanisms of any size: a chain of hinges with its MuJoCo twin, parallelograms, a top, a Stewart platform."""
 
 from typing import Any
 
@@ -66,8 +66,8 @@ def ladder(n: int, tilt: float = 0.7, lean: float = 0.4) -> System:
 def four_bars(n: int) -> System:
     """n four-bar windows of slender rods of 1 m and 1 kg, upright at 1 rad/s: the N-four-bar of the IFToMM library.
 
-    Gravity along -y. One freedom; at +-90 degrees all rods lie on one line and there are n + 1. In space 3 n of the rows
-    are redundant. Names, order and start are those of ``references/iftomm_A02_fourbar_N2.json``.
+    Gravity along -y. One freedom; at +-90 degrees all rods lie on one line and there are n + 1. In space 3 n of the
+    rows are redundant. Names, order and start are those of ``references/iftomm_A02_fourbar_N2.json``.
     """
     slender, upright = (1e-3, 1 / 12, 1 / 12), rotation("z", np.pi / 2)
     rods = [
@@ -99,7 +99,7 @@ def slow_top() -> System:
 
 
 def stewart() -> System:
-    """Stewart platform on six sprung legs, set moving: Universal, Prismatic and Spherical joints, 72 rows, 6 freedoms."""
+    """Stewart platform on six sprung legs, set moving: Universal, Prismatic and Spherical joints, 6 freedoms."""
     platform = Body(
         "platform", 20.0, (1.2, 1.4, 2.3), com=(0.02, -0.03, 0.04), position=(0, 0, 1.0),
         velocity=(0.2, -0.1, 0.15), omega=(0.3, 0.4, -0.5),
