@@ -2,13 +2,35 @@
 
 import numpy as np
 from models import (
-    EXAMPLES, across, consistent_state, direction, middle, random_body, rolling_plane, same_rotation,
-)  # fmt: skip
+    EXAMPLES,
+    across,
+    consistent_state,
+    direction,
+    middle,
+    random_body,
+    rolling_plane,
+    same_rotation,
+)
 
 from mbsd3d import (
-    GROUND, Cylindrical, Force, GearMesh, JointFriction, PositionDriver, Prismatic, Revolute, RollingDisc, Sine,
-    SpringDamper, System, Torque, TorsionSpring, Universal, accelerations, simulate,
-)  # fmt: skip
+    GROUND,
+    Cylindrical,
+    Force,
+    GearMesh,
+    JointFriction,
+    PositionDriver,
+    Prismatic,
+    Revolute,
+    RollingDisc,
+    Sine,
+    SpringDamper,
+    System,
+    Torque,
+    TorsionSpring,
+    Universal,
+    accelerations,
+    simulate,
+)
 from mbsd3d.model import inertia_about_origin
 from validation.engines.exudyn import EXPRESSES, twin
 
@@ -29,15 +51,15 @@ def mesh_of_hinges(rng, carrier, gear_a, gear_b):
 
 
 MADE = EXAMPLES | {
-    RollingDisc: lambda rng, a, b, c, d: sharp_disc(rng, a, b),
+    "sharp disc": lambda rng, a, b, c, d: sharp_disc(rng, a, b),
     GearMesh: lambda rng, a, b, c, d: mesh_of_hinges(rng, a, b, c),
 }
 GROUNDS = (None, "a", "b")
 EVERY = [
     (cls, ground)
-    for cls in EXPRESSES
+    for cls in (*EXPRESSES, "sharp disc")
     for ground in GROUNDS
-    if not (ground and cls is PositionDriver) and not (ground == "b" and cls in (RollingDisc, GearMesh))
+    if not (ground and cls is PositionDriver) and not (ground == "b" and cls in ("sharp disc", RollingDisc, GearMesh))
 ]
 
 

@@ -1,6 +1,5 @@
 """The twin of free bodies and joints between them: absolute coordinates and constraints."""
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
 from .assembly import Assembly
 from .equations import Equations
 from .forces import add_force_element
+from .independence import repeated_rows
 from .joints import add_joint
 from .library import quiet
 from .solvers import SOLVERS, Scheme, check_samples, march
@@ -25,7 +25,8 @@ class BodyTwin:
     """See `validation.engines.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
 
     Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
-    rule, whose multipliers are of second order from the first sample on; else generalized-alpha with full pivoting.
+    rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting if
+    all rows are kept. Where rows repeat each other, no reactions are reported: they are one choice among many.
 
     Parameters
     ----------
@@ -36,25 +37,25 @@ class BodyTwin:
         The start.
     rotation : str
         A key of `ROTATIONS`.
+    rows : str
+        "all" or "independent".
     **scheme
         Of `Scheme`.
     """
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str, **scheme: Any) -> None:
-        self.module, self.system, self.state = module, system, state
+    def __init__(self, module: Any, system: Any, state: Any, rotation: str, rows: str = "all", **scheme: Any) -> None:
+        self.module, self.system, self.state, self.rotation = module, system, state, rotation
         Scheme(**scheme)  # refuses what it does not know before anything is built
-        self.model = Assembly(module, system, state, rotation)
-        for joint in system.joints:
-            add_joint(self.model, joint)
-        for force in system.forces:
-            add_force_element(self.model, force)
-        self.mbs = self.model.mbs
-        self.recorder = self.mbs.AddSensor(
-            module.itemInterface.SensorUserFunction(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False)
-        )
-        self.mbs.Assemble()
+        self.build({})
+        self.counts = {} if is_forest(system) else self.counted()
+        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has none
+        self.open = self.repeated > 0  # whether rows that repeat others are in the equations
+        left_out = repeated_rows(self.model, self.equations(), self.repeated) if self.open else {}
+        if left_out and rows == "independent":
+            self.build(left_out)
+            self.open = False
         self.scheme = Scheme(**self.fitting() | scheme)
         if system.joints and not self.scheme.implicit:
             raise NotExpressible(
@@ -62,23 +63,38 @@ class BodyTwin:
                 "solver, or formulation='kinematic tree' for a tree of hinges and guides"
             )
         self.order = float(SOLVERS[self.scheme.solver][1])
-        self.settings = f"rigid bodies with {rotation}s, {self.scheme}"
+        without = f", {self.repeated} repeated rows left out" if self.repeated and not self.open else ""
+        self.settings = f"rigid bodies with {rotation}s{without}, {self.scheme}"
+
+    def build(self, left_out: dict[int, set[int]]) -> None:
+        """The system of Exudyn, without some rows."""
+        self.model = Assembly(self.module, self.system, self.state, self.rotation, left_out)
+        for joint in self.system.joints:
+            add_joint(self.model, joint)
+        for force in self.system.forces:
+            add_force_element(self.model, force)
+        self.mbs, item = self.model.mbs, self.module.itemInterface.SensorUserFunction
+        self.recorder = self.mbs.AddSensor(item(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False))
+        self.mbs.Assemble()
 
     def fitting(self) -> dict[str, str]:
         """Solver and linear solver that fit the system."""
         if not self.system.joints:
             return {"solver": "rk67"}
-        if self.repeated:
+        if self.open:
             return {"solver": "generalized-alpha", "linear": "full-pivot"}
-        return {"solver": "index2", "linear": "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"}
-
-    @cached_property
-    def repeated(self) -> bool:
-        """Whether rows repeat each other, as Exudyn counts; a forest of joints has no such rows."""
-        return not is_forest(self.system) and self.degrees_of_freedom()["redundantConstraints"] > 0
+        linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
+        return {"solver": "generalized-alpha" if self.repeated else "index2", "linear": linear}
 
     def degrees_of_freedom(self) -> dict[str, int]:
-        """Exudyn's own count: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE' (no real rows)."""
+        """Exudyn's own count of all rows: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE'.
+
+        'nAE' counts 'nPureAE' rows "multiplier = 0" too, which are none of the mechanism.
+        """
+        return dict(self.counts or self.counted())
+
+    def counted(self) -> dict[str, int]:
+        """The count of the rows there are."""
         with quiet(self.module):
             return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
 
@@ -89,7 +105,7 @@ class BodyTwin:
         with quiet(self.module) as said:
             if not solver.InitializeSolver(self.mbs, settings):
                 raise EngineFailed(f"Exudyn does not start: {said.getvalue()}")
-        return Equations(self.model, solver, self.repeated)
+        return Equations(self.model, solver, self.open)
 
     def kinetic(self) -> Kinetic:
         """Mass matrix at the start, and the map from Exudyn's velocities."""
@@ -116,7 +132,7 @@ class BodyTwin:
 
     def determinate(self) -> list[Any]:
         """Joints whose reactions Exudyn gives: none where rows repeat each other, not those that carry tooth forces."""
-        if self.repeated or self.scheme.linear == "full-pivot":
+        if self.repeated:
             return []
         meshes = [joint for joint in self.system.joints if isinstance(joint, GearMesh)]
         without = {id(part) for mesh in meshes for part in (mesh, *mesh.partners())}

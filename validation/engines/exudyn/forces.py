@@ -10,7 +10,7 @@ from mbsd3d.signals import Constant
 
 from ..base import NotExpressible
 from .assembly import Assembly
-from .joints import Expression, hinge_coordinate
+from .couplings import Expression, hinge_coordinate
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:

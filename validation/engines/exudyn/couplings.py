@@ -1,0 +1,114 @@
+"""Couplings and drivers in Exudyn: conditions on hinge coordinates and rates."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbsd3d.couplings import Gear, GearMesh, RackPinion
+from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
+from mbsd3d.primitives import Coordinate
+from mbsd3d.signals import Constant
+
+from ..base import NotExpressible
+from .assembly import Assembly
+
+
+class Expression(NamedTuple):
+    """One line how, and the function that adds the elements."""
+
+    how: str
+    add: Callable[[Assembly, Any, str], None]
+
+
+def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
+    """Marker of a hinge coordinate, which Exudyn measures about one axis."""
+    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
+        raise NotExpressible(f"{what}: the axes on both sides differ as built; Exudyn measures an angle about one axis")
+    return model.coordinate(x)
+
+
+def couple(model: Assembly, joint: Any, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
+    """driven = ratio by."""
+    markers = [hinge_coordinate(model, x, what) for x in (driven, by)]
+    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
+
+
+def add_gear(model: Assembly, joint: Any, what: str) -> None:
+    """angle b = ratio angle a."""
+    couple(model, joint, joint.hinge_b.angle(), joint.ratio, joint.hinge_a.angle(), what)
+
+
+def add_rack(model: Assembly, joint: Any, what: str) -> None:
+    """slide = radius angle."""
+    couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
+
+
+def add_mesh(model: Assembly, joint: Any, what: str) -> None:
+    """Angles of the gears on their carrier in a fixed ratio: the same motion, other loads."""
+    row, n = joint.primitives[0], joint.direction()
+    for hinge in (joint.hinge_a, joint.hinge_b):
+        if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
+            name = model.system.name(hinge)
+            raise NotExpressible(f"{what}: its teeth push along '{name}', which slides; Exudyn couples angles only")
+    a, b = row.coordinates
+    couple(model, joint, b, -row.values[0] / row.values[1], a, what)
+
+
+def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
+    """x = f(t)."""
+    markers = [model.zero, hinge_coordinate(model, x, what)]
+    if isinstance(signal, Constant):
+        return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
+    return model.items.ObjectConnectorCoordinate(
+        markerNumbers=markers,
+        offsetUserFunction=lambda mbs, t, item, offset: float(signal(t)),
+        offsetUserFunction_t=lambda mbs, t, item, offset: float(signal.derivative(t)),
+    )
+
+
+def add_angle_driver(model: Assembly, joint: Any, what: str) -> None:
+    """theta = f(t)."""
+    model.connect(joint, prescribe(model, joint.hinge.angle(), joint.signal, what))
+
+
+def add_slide_driver(model: Assembly, joint: Any, what: str) -> None:
+    """s = f(t)."""
+    model.connect(joint, prescribe(model, joint.slider.slide(), joint.signal, what))
+
+
+def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
+    """Displacements along world axes."""
+    for axis, signal in zip(np.eye(3), joint.signal, strict=True):
+        if signal is not None:
+            x = Coordinate("slide", joint.a, joint.b, axis, axis, joint.at, joint.at)
+            model.connect(joint, prescribe(model, x, signal, what))
+
+
+def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
+    """x_a . (w_b - w_a) = f(t), a condition on velocities."""
+    x, signal = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), joint.speed
+    moving = {}
+    if not isinstance(signal, Constant):
+        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: float(signal(t))}
+    model.connect(
+        joint,
+        model.items.ObjectConnectorCoordinate(
+            markerNumbers=[model.zero, model.coordinate(x, counted=False)],
+            velocityLevel=True,
+            offset=float(signal(0.0)),
+            **moving,
+        ),
+    )
+
+
+COUPLINGS: dict[type, Expression] = {
+    Gear: Expression("CoordinateConstraint of two angles", add_gear),
+    RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
+    GearMesh: Expression("CoordinateConstraint of two angles (motion only: no tooth force on the bearings)", add_mesh),
+    AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
+    SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
+    PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),
+    SpeedDriver: Expression("CoordinateConstraint on velocities", add_speed_driver),
+}
+"""Class -> how it is expressed."""
