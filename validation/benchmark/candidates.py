@@ -112,6 +112,9 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
     for (form, system), solver, rotation in product(problem.determinate().items(), IMPLICIT, ROTATIONS):
         settings = {"solver": solver, "rotation": rotation, "spectral_radius": ALPHA}
         yield stepped("Exudyn", f"{form}, {rotation}s, {solver}".replace("rss", "rs"), problem, system, settings)
+    if problem.repeats:  # slow, and the only way through singular poses
+        settings = {"solver": "generalized-alpha", "linear": "full-pivot", "spectral_radius": ALPHA}
+        yield stepped("Exudyn", "as built, full pivoting, generalized-alpha", problem, problem.system, settings)
 
 
 def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:

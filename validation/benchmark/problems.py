@@ -78,11 +78,15 @@ class Problem:
 
     def determinate(self) -> dict[str, System]:
         """Forms without rows that repeat others: what an implicit solver needs."""
-        repeated = self.forms and self.system.check().redundant > 0
         return {
-            **({} if repeated else {"as built": self.system}),
+            **({} if self.repeats else {"as built": self.system}),
             **{text: form for text, form in self.forms.items() if text != POINT_CUTS},
         }
+
+    @property
+    def repeats(self) -> bool:
+        """Whether rows of the system as built repeat others; then it has forms where none does."""
+        return bool(self.forms)
 
     def truth(self) -> Poses:
         """Closed form, or our run at rtol `TRUTH`; the peers' limits are held against it."""
