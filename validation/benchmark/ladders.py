@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbsd3d import IntegrationError
+
 from ..engines.base import NotComparable
 from .candidates import Candidate, Run
 from .problems import Poses
@@ -73,7 +75,7 @@ def climb(
         began = time.perf_counter()
         try:
             seconds, end = least(run, setting)
-        except (NotComparable, ArithmeticError) as error:
+        except (NotComparable, IntegrationError) as error:
             failed, note = failed + 1, str(error)
             if time.perf_counter() - began > limit / 2:
                 break
