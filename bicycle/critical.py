@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 Array = np.ndarray
+ROUNDING = 1e-14
+"""Of the terms of a sum: a coefficient below is zero, e.g. that of w in e where no speed leads to capsize."""
 
 
 class Quartic(NamedTuple):
@@ -29,12 +31,9 @@ class Quartic(NamedTuple):
     @property
     def h(self) -> Array:
         """(..., 3) b c d - a d^2 - b^2 e by rising powers of w, without its factor w."""
-        a, b = self.a[..., None], self.b[..., None]
-        f, d, e = np.moveaxis(b * self.c - a * self.d, -1, 0), np.moveaxis(self.d, -1, 0), np.moveaxis(self.e, -1, 0)
-        squared = self.b**2
-        return np.stack(
-            [f[0] * d[0] - squared * e[0], f[0] * d[1] + f[1] * d[0] - squared * e[1], f[1] * d[1]], axis=-1
-        )
+        f, (d0, d1), (e0, e1) = self.b[..., None] * self.c - self.a[..., None] * self.d, ends(self.d), ends(self.e)
+        (f0, f1), squared = ends(f), self.b**2
+        return np.stack([f0 * d0 - squared * e0, f0 * d1 + f1 * d0 - squared * e1, f1 * d1], axis=-1)
 
     def at(self, s: Array, v: Array) -> Array:
         """p(s, v)."""
@@ -71,9 +70,18 @@ def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
 
 
 def mixed(A: Array, B: Array) -> Array:
-    """What stands at x y in det(x A + y B); for A = B twice the determinant."""
-    straight = A[..., 0, 0] * B[..., 1, 1] + B[..., 0, 0] * A[..., 1, 1]
-    return straight - A[..., 0, 1] * B[..., 1, 0] - B[..., 0, 1] * A[..., 1, 0]
+    """What stands at x y in det(x A + y B), for A = B twice the determinant; zero if it is what rounding left of it."""
+    terms = [A[..., i, i] * B[..., 1 - i, 1 - i] for i in (0, 1)] + [
+        -A[..., i, 1 - i] * B[..., 1 - i, i] for i in (0, 1)
+    ]
+    total = sum(terms)
+    small = np.abs(total) <= ROUNDING * sum(map(np.abs, terms))
+    return total - np.where(small, total.real, 0.0)  # the imaginary part of a complex step stays
+
+
+def ends(x: Array) -> tuple[Array, Array]:
+    """x[..., 0] and x[..., 1]."""
+    return x[..., 0], x[..., 1]
 
 
 def value(x: Array, w: Array) -> Array:
