@@ -4,8 +4,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, Parameters, general, named, parameters, whipple
+from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, whipple
 from bicycle.equations import canonical
 from bicycle.models import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library
@@ -352,3 +353,13 @@ def test_no_pose_and_no_motion():
     high = replace(BENCHMARK, rF=3.0, c=2.0, name="high")  # its fork does not reach the ground when turned aside
     with pytest.raises(ValueError, match="bicycle 'high': at lean 1.3 rad and steer .* cannot stand on the ground"):
         whipple(high, 0.0, 1.3, 1.5)
+
+
+def test_a_front_wheel_across_the_way_is_named():
+    def rate(steer):
+        return 1.0 / kinematics.rolling(BENCHMARK, kinematics.pose_of(BENCHMARK, 0.0, steer), 1.0, 0.0, 0.0)[0][1, 5]
+
+    across = brentq(rate, 1.55, 1.65, xtol=1e-15)  # there the yaw rate passes infinity
+    with pytest.raises(ValueError, match="no velocities let both wheels roll .* the front wheel stands across"):
+        whipple(BENCHMARK, 1.0, 0.0, across)
+    assert np.abs(whipple(BENCHMARK, 0.0, 0.0, across).state().v).max() < 1e-12  # at rest it may stand so
