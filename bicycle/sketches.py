@@ -60,7 +60,9 @@ def ellipse(p: Parameters, part: str, tint: str, at: object, scale: float) -> st
     semi, turn = semi_axes(p.inertia(part), mass)
     cx, cy = at(getattr(p, f"x{part}"), getattr(p, f"z{part}")).split()
     a, b = np.maximum(scale * semi, 1.5)
-    shape = f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
+    shape = (
+        f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
+    )
     return f'{shape}<circle class="centre {tint}" cx="{cx}" cy="{cy}" r="2.6"/>'
 
 

@@ -52,7 +52,9 @@ class MonteCarlo:
         lines = [f"{len(self.inputs)} samples of {self.parameters.name}   2.5 %    median    97.5 %   [m/s]"]
         for name in self.outputs:
             low, middle, high = self.quantiles(name)
-            lines.append(f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them")
+            lines.append(
+                f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them"
+            )
         return "\n".join(lines)
 
 
@@ -178,5 +180,7 @@ def sobol(
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
     with np.errstate(invalid="ignore", divide="ignore"):
         indices = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (indices.first_order, indices.total_order))
+    first, total = (
+        dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (indices.first_order, indices.total_order)
+    )
     return Sobol(names, first, total)
