@@ -13,6 +13,7 @@ found. Arrays of bicycles are solved at once: matrices have shape (..., 2, 2), s
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 Array = np.ndarray
 FASTEST = 1e5
@@ -39,6 +40,16 @@ class Quartic(NamedTuple):
         """p(s, v)."""
         c, d, e = (value(x, v * v) for x in (self.c, self.d, self.e))
         return (((self.a * s + self.b * v) * s + c) * s + d * v) * s + e
+
+    @property
+    def discriminant(self) -> Polynomial:
+        """Of one bicycle, by w: zero where two roots s meet."""
+        a, b2, w = float(self.a), float(self.b) ** 2, Polynomial([0.0, 1.0])
+        c, d, e = (Polynomial(x) for x in (self.c, self.d, self.e))
+        bd = float(self.b) * w * d  # b v times d v
+        first = c**2 - 3.0 * bd + 12.0 * a * e
+        second = 2.0 * c**3 - 9.0 * bd * c + 27.0 * b2 * w * e + 27.0 * a * w * d**2 - 72.0 * a * c * e
+        return (4.0 * first**3 - second**2) / 27.0
 
 
 class Range(NamedTuple):
@@ -163,3 +174,35 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
     low, high = (np.where(stable.any(-1), x, np.nan) for x in ends)
     return low, high
+
+
+def double_roots(q: Quartic) -> list[tuple[float, float]]:
+    """Speeds [m/s] at which two real roots of one bicycle meet, with that root [1/s], by rising speed.
+
+    The roots of the discriminant start Newton's method for p = dp/ds = 0.
+    """
+    found = []
+    for w in q.discriminant.roots():
+        if not 0.0 < w.real < FASTEST**2 or abs(w.imag) > 1e-6 * abs(w):
+            continue
+        v = np.sqrt(w.real)
+        p = np.array([q.a, q.b * v, value(q.c, w.real), v * value(q.d, w.real), value(q.e, w.real)])
+        turning = np.roots(np.polyder(p))
+        s = turning[np.argmin(np.abs(np.polyval(p, turning)))]
+        if abs(s.imag) < 1e-6 * np.abs(turning).max():  # else two complex pairs meet
+            found.append(meeting(q, float(s.real), float(v)))
+    return sorted(found)
+
+
+def meeting(q: Quartic, s: float, v: float) -> tuple[float, float]:
+    """(v, s) of p = dp/ds = 0 near to (v, s), to rounding."""
+    for _ in range(8):
+        w, dc, dd, de = v * v, *(2.0 * v * x[1] for x in (q.c, q.d, q.e))
+        c, d = value(q.c, w), value(q.d, w)
+        p_s = ((4.0 * q.a * s + 3.0 * q.b * v) * s + 2.0 * c) * s + d * v
+        p_ss = (12.0 * q.a * s + 6.0 * q.b * v) * s + 2.0 * c
+        p_v = ((q.b * s + dc) * s + d + v * dd) * s + de
+        p_sv = (3.0 * q.b * s + 2.0 * dc) * s + d + v * dd
+        ds, dv = np.linalg.solve([[p_s, p_v], [p_ss, p_sv]], [-q.at(s, v), -p_s])
+        s, v = s + ds, v + dv
+    return float(v), float(s)
