@@ -11,8 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from . import critical
-from .equations import matrices
+from . import characteristic, critical
 from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, deviations
 
 OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width")
@@ -75,13 +74,17 @@ class Sobol:
     total: Mapping[str, np.ndarray]
 
 
-def speeds_of(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> dict[str, np.ndarray]:
-    """The outputs [m/s] of variants: ``x`` (k, n) replaces the parameters ``names``."""
-    values = SimpleNamespace(**{**parameters.values(), **dict(zip(names, x, strict=True))})
-    quartic = critical.quartic(*matrices(values))
-    low, high = critical.first_range(quartic)
+def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:
+    """The parameters with ``x`` (k, n) in the place of those called ``names``: n bicycles at once, unchecked."""
+    return SimpleNamespace(**{**vars(parameters), **dict(zip(names, x, strict=True))})
+
+
+def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
+    """The outputs [m/s] of n bicycles."""
+    q = characteristic.of(variant)
+    low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
-    return dict(zip(OUTPUTS, (critical.weave(quartic), critical.capsize(quartic), low, width), strict=True))
+    return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))
 
 
 def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
@@ -130,7 +133,7 @@ def monte_carlo(
     mean = np.array([getattr(parameters, key) for key in names])
     inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(names)))
     check_samples(parameters, names, inputs.T)
-    return MonteCarlo(parameters, known, inputs, speeds_of(parameters, names, inputs.T))
+    return MonteCarlo(parameters, known, inputs, speeds_of(variants(parameters, names, inputs.T)))
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
@@ -169,13 +172,11 @@ def sobol(
     known = checked(parameters, deviations)
     if n < 2 or n & (n - 1):
         raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    names, found = tuple(known), {}
+    names = tuple(known)
 
     def outputs(x: np.ndarray) -> np.ndarray:
-        check_samples(parameters, names, x.reshape(len(names), -1))
-        found.clear()
-        found.update(speeds_of(parameters, names, x))
-        return np.array(list(found.values()))
+        check_samples(parameters, names, x)
+        return np.array(list(speeds_of(variants(parameters, names, x)).values()))
 
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
     with np.errstate(invalid="ignore", divide="ignore"):
