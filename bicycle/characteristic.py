@@ -1,18 +1,12 @@
 """The characteristic polynomial of a bicycle: from its equations in closed form, or from the general model."""
 
-from collections.abc import Callable
-
 import numpy as np
-
-from mbsd3d import System, linearize
 
 from . import critical
 from .equations import canonical
-from .models import outputs, whipple
+from .general import Build, equations
+from .models import whipple
 from .parameters import Parameters
-
-OTHERWISE = 1e-9
-"""Relative residual at which equations are not those of a bicycle: a thousand times what rounding leaves."""
 
 
 def of(parameters: Parameters) -> critical.Quartic:
@@ -38,35 +32,27 @@ def of(parameters: Parameters) -> critical.Quartic:
     return q
 
 
-def of_model(parameters: Parameters, build: Callable[..., System] = whipple) -> critical.Quartic:
-    """The same from the general model: its linear equations at two speeds hold M^-1 C1, M^-1 g K0 and M^-1 K2.
+def of_model(parameters: Parameters, build: Build = whipple, *, check: bool = True) -> critical.Quartic:
+    """The same from the general model, see `bicycle.general.equations`.
 
     Parameters
     ----------
     parameters : Parameters
         Round tyres too.
     build : callable
-        ``build(parameters, speed)`` returns the system, with the parts that `bicycle.models.outputs` reads.
+        ``build(parameters, speed=v)`` returns the bicycle.
+    check : bool
+        Whether a linearisation at a third speed must confirm the two from which the equations follow.
 
     Raises
     ------
     ValueError
-        If the equations do not depend on speed as above.
+        If it does not.
     """
-    slow, fast = np.array([0.5, 2.0]) * (np.sqrt(parameters.g * parameters.w) or 1.0)
-    (N, P), (N_fast, P_fast) = (split(build(parameters, v)) for v in (slow, fast))
-    C1, K2 = P_fast / fast, (N_fast - N) / (fast**2 - slow**2)
-    K0 = N - slow**2 * K2
-    left = np.abs(P - slow * C1).max() / np.abs(P).max(), np.abs(K2[:, 0]).max() * slow**2 / np.abs(N).max()
-    if max(left) > OTHERWISE:
+    linear = equations(build, parameters, check=check)
+    if linear is None:
         raise ValueError(
-            f"bicycle '{parameters.name}': its damping does not grow with speed and its stiffness with the square "
-            f"(residual {max(left):.2g}), so its critical speeds are no roots; look at the eigenvalues speed by speed"
+            f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion, so critical "
+            "speeds are no roots of a polynomial; look at stability.eigenvalues speed by speed"
         )
-    return critical.quartic(np.eye(2), C1, K0, K2 * [0.0, 1.0])
-
-
-def split(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """(2, 2) N and P of ``q'' + P q' + N q = 0`` from the general model."""
-    A = linearize(system, outputs=outputs(system)).A
-    return -A[2:, :2], -A[2:, 2:]
+    return critical.quartic(linear.M, linear.C1, linear.K0, linear.K2)

@@ -17,6 +17,7 @@ import numpy as np
 
 from . import characteristic, critical
 from .options import bicycle_argument, out_option
+from .double_roots import double_roots
 from .parameters import MEANING, SYMBOLS, Parameters, deviations
 from .stable_maps import StableMap, stable_map
 from .uncertainty import MonteCarlo, Sobol, monte_carlo, sobol
@@ -109,7 +110,7 @@ def conditions(q: critical.Quartic) -> list[tuple[str, float, Any]]:
         ("weave", critical.weave(q), lambda q, v: critical.value(q.h, v * v)),
         ("capsize", critical.capsize(q), lambda q, v: critical.value(q.e, v * v)),
     ]
-    meeting = [(v, s) for v, s in critical.double_roots(q) if s > 0.0]
+    meeting = [(v, s) for v, s in double_roots(q) if s > 0.0]
     if meeting:
         v, s = meeting[0]
         found.append(("double root", v, lambda q, v: q.at(s, v)))

@@ -2,19 +2,19 @@
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mbsd3d import System
 from mbsd3d.files import with_suffix, write_atomically
 from mbsd3d.progress import Progress
 from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
+from .general import Build
 from .parameters import MEANING, Parameters
 from .uncertainty import check_samples, variants
 
@@ -61,7 +61,7 @@ class StableMap:
 def stable_map(
     parameters: Parameters,
     axes: Mapping[str, Sequence[float]],
-    build: Callable[..., System] | None = None,
+    build: Build | None = None,
     *,
     progress: bool | None = None,
 ) -> StableMap:
@@ -73,7 +73,7 @@ def stable_map(
     axes : mapping of str to (n,) array_like
         Two symbols with their values, SI units.
     build : callable, optional
-        None = closed form; `bicycle.whipple` or another ``build(parameters, speed)`` = general model.
+        None = closed form; `bicycle.whipple` or another ``build(parameters, speed=v)`` = general model.
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
 
@@ -99,7 +99,7 @@ def stable_map(
 
 
 def by_model(
-    parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Callable[..., System], show: bool | None
+    parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
 ) -> tuple[np.ndarray, int]:
     """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
     found = np.full_like(points, np.nan)
@@ -108,7 +108,7 @@ def by_model(
         try:
             for k in range(n):
                 cell = replace(parameters, **dict(zip(names, points[:, k].tolist(), strict=True)))
-                found[:, k] = critical.first_range(characteristic.of_model(cell, build))
+                found[:, k] = critical.first_range(characteristic.of_model(cell, build, check=k == 0))
                 bar.update(k + 1)
         except KeyboardInterrupt:
             return found, n - k
