@@ -48,7 +48,7 @@ class Range(NamedTuple):
     high: float
 
     def __str__(self) -> str:
-        return f"{self.low:.6f} ... {self.high:.6f} m/s"
+        return f"{self.low:.6f} ... {self.high:.6f} m/s" if np.isfinite(self.high) else f"above {self.low:.6f} m/s"
 
 
 def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:

@@ -1,7 +1,5 @@
 """The self-stable range of a bicycle over two of its parameters, in closed form or from the general model."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.files import with_suffix, write_atomically
 from mbsd3d.progress import Progress
 from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
 from .general import Build
 from .parameters import MEANING, Parameters
+from .sheet import write_table
 from .uncertainty import check_samples, variants
 
 
@@ -47,15 +45,9 @@ class StableMap:
     def to_csv(self, path: str | Path) -> Path:
         """One row per cell; returns the file."""
         units = [Parameters.__dataclass_fields__[key].metadata["unit"] for key in self.names]
-        sheet = io.StringIO()
-        rows = csv.writer(sheet, lineterminator="\n")
-        rows.writerow(
-            [*(f"{key} [{unit}]" for key, unit in zip(self.names, units, strict=True)), "low [m/s]", "high [m/s]"]
-        )
-        for i, x in enumerate(self.values[0]):
-            for j, y in enumerate(self.values[1]):
-                rows.writerow(map(repr, map(float, (x, y, self.low[i, j], self.high[i, j]))))
-        return write_atomically(with_suffix(path, ".csv"), sheet.getvalue().encode())
+        head = [*(f"{key} [{unit}]" for key, unit in zip(self.names, units, strict=True)), "low [m/s]", "high [m/s]"]
+        x, y = (axis.ravel() for axis in np.meshgrid(*self.values, indexing="ij"))
+        return write_table(path, head, zip(x, y, self.low.ravel(), self.high.ravel(), strict=True))
 
 
 def stable_map(
