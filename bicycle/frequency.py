@@ -17,7 +17,6 @@ import numpy as np
 from mbsd3d import System, Torque, accelerations
 
 from .equations import canonical
-from .frequency_figure import draw
 from .general import Build, checked_speeds, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
@@ -150,6 +149,8 @@ def plot_response(found: Response, *, dark: bool = False) -> Any:
     -------
     matplotlib.figure.Figure
     """
+    from .frequency_figure import draw  # matplotlib is loaded when it is needed
+
     return draw(found, dark)
 
 

@@ -3,7 +3,10 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
+from mbsd3d.report.wording import RAISED
 from mbsd3d.style import LINE, dress, house, theme
 
 
@@ -20,8 +23,6 @@ def draw(found: Any, dark: bool) -> Any:
     -------
     matplotlib.figure.Figure
     """
-    from matplotlib.figure import Figure
-
     look = theme(dark)
     with house(look):
         figure = Figure(figsize=(9.0, 9.0), layout="constrained")
@@ -52,6 +53,13 @@ def draw_lines(size: Any, phase: Any, found: Any, H: np.ndarray, look: Any) -> N
         size.loglog(found.frequencies, np.abs(H[k]), label=f"{v:g} m/s{', falls' if falls else ''}", **style)
         degrees = np.degrees(np.unwrap(np.angle(H[k])))
         phase.semilogx(found.frequencies, degrees - 360.0 * np.round(degrees[0] / 360.0), **style)
-    from matplotlib.ticker import MultipleLocator
-
+    decades(size.yaxis)
+    decades(size.xaxis)
     phase.yaxis.set_major_locator(MultipleLocator(90.0))
+
+
+def decades(axis: Any) -> None:
+    """Labels like 10⁻² at every decade: the house style writes texts as they are, without mathematics."""
+    axis.set_major_locator(LogLocator(numticks=20))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}"))
+    axis.set_minor_formatter(NullFormatter())
