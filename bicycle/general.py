@@ -19,6 +19,7 @@ from mbsd3d import Linearization, System, linearize
 from .equations import Canonical
 from .models import outputs
 from .parameters import Parameters
+from .straight import output_matrices
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle with a body "frame" and a hinge "steer" that runs straight."""
@@ -43,14 +44,14 @@ def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check
     speed : float
         At which the second linearisation is made [m/s], not zero: best the largest of interest.
     check : bool
-        Whether a third one, at 0.6 times the speed, must agree.
+        Whether `linearize` at 0.6 times the speed must agree; leave it out in maps of a model that it holds for.
 
     Returns
     -------
     Canonical or None
         M is the unit matrix, g = 1; ``A``, ``eigenvalues`` as of the closed form.
     """
-    rest, running = (linearization(build, parameters, v).A for v in (0.0, speed))
+    rest, running = matrices(build, parameters, speed)
     found = Canonical(
         M=np.eye(2),
         C1=-(running - rest)[2:, 2:] / speed,
@@ -63,6 +64,12 @@ def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check
         if np.abs(between - found.A(0.6 * speed)).max() > EXACT * np.abs(running).max():
             return None
     return found
+
+
+def matrices(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
+    known = output_matrices(build(parameters, speed=float(speed)), parameters, float(speed))
+    return known or tuple(linearization(build, parameters, v).A for v in (0.0, speed))
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: np.ndarray) -> np.ndarray:
