@@ -163,3 +163,16 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
     low, high = (np.where(stable.any(-1), x, np.nan) for x in ends)
     return low, high
+
+
+def difference(first: list[Range], second: list[Range]) -> float:
+    """Largest difference between the ends of two lists of ranges [m/s]; infinite if they are not equally many."""
+    if len(first) != len(second):
+        return float("inf")
+    ends = zip(np.ravel(first), np.ravel(second), strict=True)
+    return max((float(abs(x - y)) for x, y in ends if x != y), default=0.0)  # two infinite ends are equal
+
+
+def typical_speed(found: list[Range]) -> float:
+    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s if there is none."""
+    return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0

@@ -74,7 +74,9 @@ def command(
         click.echo(str(sampled))
         name = target.with_name(f"uncertainty_{parameters.name}")
         figure = plot_uncertainty(sampled, indices, dark=dark)
-        report(*save_figure(figure, name), sampled.to_csv(name), indices.to_csv(name.with_name(f"sobol_{parameters.name}")))
+        report(
+            *save_figure(figure, name), sampled.to_csv(name), indices.to_csv(name.with_name(f"sobol_{parameters.name}"))
+        )
     else:
         click.echo(f"no standard deviations of {parameters.name} are known; give some: --deviation c=0.005")
     if wanted:

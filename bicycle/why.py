@@ -58,12 +58,7 @@ class Ablation:
     @property
     def difference(self) -> float:
         """Largest difference between the ends of both [m/s]; infinite where they do not match, NaN without a model."""
-        if self.model is None:
-            return float("nan")
-        if len(self.model) != len(self.ranges):
-            return float("inf")
-        ends = zip(np.ravel(self.ranges), np.ravel(self.model), strict=True)
-        return max((float(abs(x - y)) for x, y in ends if x != y), default=0.0)
+        return float("nan") if self.model is None else critical.difference(self.ranges, self.model)
 
 
 @dataclass(frozen=True)
@@ -118,7 +113,7 @@ def ablations(parameters: Parameters, build: Build | None = whipple, *, progress
         for name, change in CHANGES.items()
     ]
     rows: list[Ablation] = []
-    speed = compared_at(quartic_of(parameters, build))
+    speed = critical.typical_speed(critical.ranges(quartic_of(parameters, build)))
     with Progress(f"variants of {parameters.name}", 0, len(todo) + 2, progress) as bar:
         try:
             for name, variant in todo:
@@ -141,12 +136,6 @@ def quartic_of(parameters: Parameters, build: Build | None) -> critical.Quartic:
     if build is not None and round_tyres(parameters):
         return characteristic.of_model(parameters, build)
     return characteristic.of(parameters)
-
-
-def compared_at(q: critical.Quartic) -> float:
-    """The middle of the first self-stable range [m/s], or 1 m/s above its beginning; 5 m/s if there is none."""
-    found = critical.ranges(q)
-    return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
 def ablated(name: str, parameters: Parameters, build: Build | None, speed: float) -> Ablation:
