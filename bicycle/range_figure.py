@@ -10,6 +10,7 @@ from mbsd3d.style import dress, house, theme
 from .critical import Range
 
 ROOM = 1.25  # of the speed axis, over the largest finite end
+ROOM_OF_LABEL = 0.09  # of the axis, that a figure takes
 
 
 def plot_ranges(rows: Sequence[tuple[str, Sequence[Range]]], title: str, *, dark: bool = False) -> Any:
@@ -52,13 +53,16 @@ def plot_ranges(rows: Sequence[tuple[str, Sequence[Range]]], title: str, *, dark
 
 
 def draw_bar(axes: Any, k: int, part: Range, top: float, look: Any) -> None:
-    """A range in row k with its ends in figures, which stand outside of it, or inside where the frame ends."""
-    high = min(part.high, top)
+    """A range in row k, its ends in figures beside it; both on the right where there is no room on the left."""
+    high, gap = min(part.high, top), 0.008 * top
     width = max(high - part.low, 0.004 * top)  # a bar that is too narrow to be seen gets a stroke
     axes.barh(k, width, left=part.low, height=0.62, color=look.lines[0], linewidth=0.0)
-    if part.low > 0.0:
-        axes.text(part.low - 0.008 * top, k, f"{part.low:.3f}", ha="right", va="center", fontsize=8.5, color=look.ink)
-    if np.isfinite(part.high):
-        axes.text(high + 0.008 * top, k, f"{part.high:.3f}", ha="left", va="center", fontsize=8.5, color=look.ink)
+    style = {"va": "center", "fontsize": 8.5}
+    low, end = f"{part.low:.3f}", f"{part.high:.3f}" if np.isfinite(part.high) else "no end"
+    room, inside = part.low > ROOM_OF_LABEL * top, not np.isfinite(part.high)
+    if inside:
+        axes.text(top - gap, k, end if room else f"{low} ... {end}", ha="right", color="#ffffff", **style)
     else:
-        axes.text(top * 0.992, k, "no end", ha="right", va="center", fontsize=8.5, color="#ffffff")
+        axes.text(high + gap, k, end if room else f"{low} ... {end}", ha="left", color=look.ink, **style)
+    if room:
+        axes.text(part.low - gap, k, low, ha="right", color=look.ink, **style)
