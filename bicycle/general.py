@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mbsd3d import Linearization, System, linearize
+from mbsd3d.parts import number
 
 from .equations import Canonical
 from .models import outputs
@@ -50,7 +51,14 @@ def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check
     -------
     Canonical or None
         M is the unit matrix, g = 1; ``A``, ``eigenvalues`` as of the closed form.
+
+    Raises
+    ------
+    ValueError
+        If the speed is zero.
     """
+    if number(speed, "linear equations: speed") == 0.0:
+        raise ValueError("linear equations: speed = 0; what depends on speed needs one, e.g. 5 m/s")
     rest, running = matrices(build, parameters, speed)
     found = Canonical(
         M=np.eye(2),

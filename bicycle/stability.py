@@ -19,7 +19,7 @@ from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .stability_figure import draw
-from .tracking import NAMES, follow
+from .tracking import MODES, NAMES, follow
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
 
@@ -141,8 +141,7 @@ class Stability:
         ValueError
             If the name is none of weave, capsize, castering.
         """
-        if name not in NAMES:
-            raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
+        check_mode(name)
         linear = equations(self.build, self.parameters, max(np.abs([*self.speeds, speed, 1.0])))
         value = follow(linear, np.array([np.abs(self.speeds).max(), speed]))[0][1, NAMES.index(name)]
         found = linearization(self.build, self.parameters, speed)
@@ -161,6 +160,12 @@ class Stability:
         lines = [",".join(f'"{x}"' if "," in x else x for x in head)]
         lines += [",".join(map(repr, row)) for row in numbers.tolist()]
         return write_atomically(Path(path).with_suffix(".csv"), ("\n".join(lines) + "\n").encode())
+
+
+def check_mode(name: str) -> None:
+    """A name of a mode, or a ValueError."""
+    if name not in MODES:
+        raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
 def study(parameters: Parameters, speeds: Any = None, build: Build = whipple) -> Stability:
@@ -225,7 +230,9 @@ def command(
 
     if not first < last:
         raise Failure(f"--from {first:g} is not below --to {last:g}")
-    can_view(needed=bool(shown))
+    if shown:
+        check_mode(shown)
+        can_view(needed=True)
     folder = ready_folder(out)
     found = study(parameters, np.linspace(first, last, count))
     target = folder / f"stability_{parameters.name}"
