@@ -7,13 +7,15 @@ Parameters are taken as independent and normal. The equations in closed form sol
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from . import critical
-from .equations import matrices
-from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, deviations
+from . import characteristic, critical
+from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, names
+from .parameters import deviations as published
+from .sheet import write_table
 
 OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width")
 
@@ -48,11 +50,18 @@ class MonteCarlo:
         values = self.outputs[name][np.isfinite(self.outputs[name])]
         return np.quantile(values, at) if values.size else np.full(len(at), np.nan)
 
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per sample, parameters and speeds; returns the file."""
+        head = [*self.deviations, *(f"{name} [m/s]" for name in self.outputs)]
+        return write_table(path, head, np.column_stack([self.inputs, *self.outputs.values()]))
+
     def __str__(self) -> str:
         lines = [f"{len(self.inputs)} samples of {self.parameters.name}   2.5 %    median    97.5 %   [m/s]"]
         for name in self.outputs:
             low, middle, high = self.quantiles(name)
-            lines.append(f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them")
+            lines.append(
+                f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them"
+            )
         return "\n".join(lines)
 
 
@@ -72,19 +81,35 @@ class Sobol:
     first: Mapping[str, np.ndarray]
     total: Mapping[str, np.ndarray]
 
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per parameter; returns the file."""
+        head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
+        columns = [x[name] for name in self.first for x in (self.first, self.total)]
+        return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
 
-def speeds_of(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> dict[str, np.ndarray]:
-    """The outputs [m/s] of variants: ``x`` (k, n) replaces the parameters ``names``."""
-    values = SimpleNamespace(**{**parameters.values(), **dict(zip(names, x, strict=True))})
-    quartic = critical.quartic(*matrices(values))
-    low, high = critical.first_range(quartic)
+
+def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:
+    """The parameters with ``x`` (k, n) in the place of those called ``names``: n bicycles at once, unchecked."""
+    return SimpleNamespace(**{**vars(parameters), **dict(zip(names, x, strict=True))})
+
+
+def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
+    """The outputs [m/s] of n bicycles."""
+    q = characteristic.of(variant)
+    low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
-    return dict(zip(OUTPUTS, (critical.weave(quartic), critical.capsize(quartic), low, width), strict=True))
+    return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))
+
+
+def published_deviations(parameters: Parameters) -> dict[str, float]:
+    """Standard deviations published with the set of this name; empty if there is none."""
+    return published(parameters.name) if parameters.name in names() else {}
 
 
 def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
     """Standard deviations as given or as published with the set, none of them zero."""
-    found = deviations(parameters.name) if given is None else {k: s for k, s in given.items() if s != 0.0}
+    given = published_deviations(parameters) if given is None else given
+    found = {key: float(std) for key, std in given.items() if std != 0.0}
     what = f"bicycle '{parameters.name}'"
     if not found:
         raise ValueError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
@@ -124,11 +149,11 @@ def monte_carlo(
     known = checked(parameters, deviations)
     if n < 2:
         raise ValueError(f"monte_carlo: n = {n} samples; give at least 2")
-    names, random = tuple(known), np.random.default_rng(seed)
-    mean = np.array([getattr(parameters, key) for key in names])
-    inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(names)))
-    check_samples(parameters, names, inputs.T)
-    return MonteCarlo(parameters, known, inputs, speeds_of(parameters, names, inputs.T))
+    keys, random = tuple(known), np.random.default_rng(seed)
+    mean = np.array([getattr(parameters, key) for key in keys])
+    inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
+    check_samples(parameters, keys, inputs.T)
+    return MonteCarlo(parameters, known, inputs, speeds_of(variants(parameters, keys, inputs.T)))
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
@@ -167,16 +192,14 @@ def sobol(
     known = checked(parameters, deviations)
     if n < 2 or n & (n - 1):
         raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    names, found = tuple(known), {}
+    keys = tuple(known)
 
     def outputs(x: np.ndarray) -> np.ndarray:
-        check_samples(parameters, names, x.reshape(len(names), -1))
-        found.clear()
-        found.update(speeds_of(parameters, names, x))
-        return np.array(list(found.values()))
+        check_samples(parameters, keys, x)
+        return np.array(list(speeds_of(variants(parameters, keys, x)).values()))
 
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        indices = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (indices.first_order, indices.total_order))
-    return Sobol(names, first, total)
+    with np.errstate(invalid="ignore", divide="ignore"):  # NaN where a sample has no such speed
+        found = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
+    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (found.first_order, found.total_order))
+    return Sobol(keys, first, total)
