@@ -231,7 +231,7 @@ class Table(Signal):
 class Pulse(Signal):
     """From zero to ``height`` and back; zero before ``start`` and again ``duration`` later.
 
-    Rise and fall take the time ``edge`` each and have no corners: ``height (3 s^2 - 2 s^3)`` of the share s of that time.
+    Rise and fall take the time ``edge`` each and have no corners: ``height (3 s^2 - 2 s^3)`` of its share s.
     The integral of the pulse is ``height (duration - edge)``.
 
     Parameters
@@ -273,10 +273,8 @@ class Pulse(Signal):
         pieces = {a - b: zero, a: rise, a + b: level}  # those next to the ends go on for ever
         if self.duration is not None:
             end = a + self.duration
-            pieces |= {
-                max(end - b, a + b): (-rise[0], -rise[1], 0.0, h),
-                end: zero,
-            }  # a fall right after the rise takes its place
+            fall = max(end - b, a + b)  # right after the rise it takes the place of the level
+            pieces |= {fall: (-rise[0], -rise[1], 0.0, h), end: zero}
         breaks = [*pieces, max(pieces) + b]
         return [Term(SPLINE, np.concatenate([[len(pieces)], breaks, np.ravel(list(pieces.values()))]))]
 
