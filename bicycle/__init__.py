@@ -5,7 +5,8 @@ from typing import Any
 
 _HOME = {"Meijaard2007": "parameters", "Parameters": "parameters", "named": "parameters", "whipple": "models"}
 _MODULES = (
-    "parameters", "models", "equations", "stability", "sensitivity", "why", "ride", "circles", "frequency", "compare",
+    "parameters", "models", "equations", "general", "critical",
+    "stability", "sensitivity", "why", "ride", "circles", "frequency", "compare",
 )  # fmt: skip
 
 __all__ = [*_HOME, *_MODULES]

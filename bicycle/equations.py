@@ -2,8 +2,8 @@
 
     M q'' + v C1 q' + (g K0 + v^2 K2) q = 0,      q = (lean, steer)
 
-Meijaard, Papadopoulos, Ruina and Schwab, Linearized dynamics equations for the balance and steer of a bicycle, 2007,
-appendix A; checked against the matrices it prints. Symbols and axes (x forward, y right, z down) are those of the paper.
+Meijaard, Papadopoulos, Ruina and Schwab, Linearized dynamics equations for the balance and steer of a bicycle,
+2007, appendix A; checked against the matrices it prints. Symbols and axes (x forward, y right, z down) are the paper's.
 """
 
 from dataclasses import dataclass
@@ -74,7 +74,6 @@ def canonical(p: Parameters) -> Canonical:
             "use the general model, or set both to zero"
         )
     # the whole bicycle (T) about the rear contact
-    mT = p.mR + p.mB + p.mH + p.mF
     mx = p.mB * p.xB + p.mH * p.xH + p.mF * p.w
     mz = -p.mR * p.rR + p.mB * p.zB + p.mH * p.zH - p.mF * p.rF
     ITxx = p.IRxx + p.IBxx + p.IHxx + p.IFxx + p.mR * p.rR**2 + p.mB * p.zB**2 + p.mH * p.zH**2 + p.mF * p.rF**2

@@ -99,7 +99,7 @@ def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
 
 
 def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer_rate: float) -> np.ndarray:
-    """(4, 6) velocities of O and angular velocities of rear wheel, frame, fork, front wheel with which both wheels roll.
+    """(4, 6) v and omega of rear wheel, frame, fork, front wheel (O at the hubs) with which both wheels roll.
 
     Yaw rate, pitch rate and front spin follow from the velocity of the front hub, which the frame and the front
     contact both determine.

@@ -1,14 +1,10 @@
 """The self-stable range of a bicycle over two of its parameters, by closed form or from the general model."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
-from mbsd3d.style import LINE, dress, house, theme
-
 from .parameters import MEANING, Parameters
-from .uncertainty import speeds_of
 
 SYMBOL_ORDER = ("lowest stable speed", "highest stable speed")
 
