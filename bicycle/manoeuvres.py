@@ -56,6 +56,8 @@ MANOEUVRES: Mapping[str, Manoeuvre] = MappingProxyType({
     "countersteer": Manoeuvre(
         "Counter-steering: steer torque to the right from 0.5 s on", 5.0, 20.0, torque=Pulse(0.1, start=0.5, edge=0.1)
     ),
-    "circle": Manoeuvre("Steer torque of 0.1 N m to the left until the circle is steady", 5.0, 60.0, torque=Pulse(-0.1, 0.0, 2.0)),
+    "circle": Manoeuvre(
+        "Steer torque of 0.1 N m to the left until the circle is steady", 5.0, 60.0, torque=Pulse(-0.1, 0.0, 2.0)
+    ),
     "slow": Manoeuvre("Below the weave speed: it weaves until a wheel lifts", 2.0, 10.0, {"lean_rate": 0.05}),
 })  # fmt: skip

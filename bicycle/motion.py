@@ -14,6 +14,8 @@ from .kinematics import X, Y, Z
 from .parameters import Parameters
 
 WHEELS = ("rear", "front")
+NO_ROAD = 2.0
+"""Coefficient of friction that no tyre reaches on any road."""
 
 
 class Event(NamedTuple):
@@ -179,7 +181,7 @@ class Ride:
             f"  {f'{self.event.name} at t = {self.event.t:.6g} s' if self.event else 'upright until the end'}",
             f"  largest lean {bar['lean']}, steer {bar['steer']}; last heading {np.degrees(self.heading[-1]):.2f}°",
             f"  least load: rear wheel {least['rear']} N, front wheel {least['front']} N; friction needed"
-            f" {self.friction:.3g}",
+            f" {f'{self.friction:.3g}' if self.friction < NO_ROAD else 'beyond any road'}",
             f"  energy audit {self.energy_drift:.1e} of E(0), momentum {checks['momentum balance'].error:.1e}, angular"
             f" momentum {checks['angular momentum'].error:.1e}; certificate {'passed' if checks.passed else 'FAILED'}",
         ]

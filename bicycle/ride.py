@@ -1,49 +1,27 @@
 """Rides: nonlinear runs of the Whipple bicycle, with what the rider and the wind do to it, until it falls."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
-from scipy.optimize import brentq
 
-from mbsd3d import Force, IntegrationError, Signal, Torque, accelerations, measures, simulate
+from mbsd3d import IntegrationError, Signal, accelerations, simulate
 from mbsd3d.commands import INTERRUPTED, can_view, keep, ready_folder
-from mbsd3d.measures import Measure
 from mbsd3d.parts import number
-from mbsd3d.signals import as_signal
 
-from .kinematics import steer_axis
+from .events import check_start, elevation, unloading
+from .loads import ridden
 from .manoeuvres import MANOEUVRES
-from .models import Bicycle, whipple
 from .motion import WHEELS, Event, Ride
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
 
 FALLEN = np.radians(60.0)
 """Tilt of the frame at which a ride ends unless another one is given [rad]."""
-
-
-def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float) -> list[Torque]:
-    """Torque of the rider's arms about the steer axis [N m]: on the fork, to the right > 0, and back on the frame."""
-    signal = as_signal(torque, "ride: torque")
-    axis = steer_axis(parameters)[1]  # the bodies' own axes are the world's at the upright reference pose
-    return [
-        Torque(system.part(body), tuple(sign * x * signal for x in axis), frame="body", name=f"steer torque on {body}")
-        for body, sign in (("fork", 1.0), ("frame", -1.0))
-    ]
-
-
-def ridden(parameters: Parameters, torque: Any, push: Any, **start: float) -> Bicycle:
-    """The bicycle with the loads of a ride, at its start."""
-    system = whipple(parameters, **start)
-    forces = steer_torque(system, parameters, torque) if torque else []
-    if push:
-        sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
-        forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))
-    return replace(system, forces=forces) if forces else system
+RATE, MOST = 100, 20_000
+"""Samples of a manoeuvre per second, and at most."""
 
 
 def run(
@@ -124,48 +102,6 @@ def run(
     return Ride(parameters, simulate(system, event.t, **settings), event)
 
 
-def elevation(system: Bicycle) -> Measure:
-    """Of the direction that is up in the frame: pi/2 minus the tilt, whichever way it tilts."""
-    return measures.lean(system.part("frame"), lateral=(0.0, 0.0, 1.0))
-
-
-def loads(solution: Any) -> dict[str, np.ndarray]:
-    """(n,) upward force of the ground on each wheel [N]."""
-    return {wheel: solution.reaction(f"{wheel} contact").force[:, 2] for wheel in WHEELS}
-
-
-def check_start(parameters: Parameters, start: Ride, limit: float) -> None:
-    """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
-    what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
-    if tilt >= limit:
-        raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
-    for wheel, load in loads(start.solution).items():
-        if load[0] <= 0.0 < parameters.g:
-            raise ValueError(
-                f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); give a "
-                "slower or more upright start"
-            )
-
-
-def unloading(solution: Any) -> Event | None:
-    """The first moment at which a wheel is not pressed to the ground any more."""
-    if not np.any(solution.system.gravity):
-        return None  # nothing presses
-    found = []
-    for wheel, load in loads(solution).items():
-        lifted = np.flatnonzero(load <= 0.0)
-        if lifted.size:
-            k = int(lifted[0])
-            t = brentq(load_at, *solution.t[k - 1 : k + 1], args=(solution, wheel), xtol=1e-9) if k else solution.t[0]
-            found.append(Event(f"{wheel} wheel unloaded", float(t)))
-    return min(found, key=lambda event: event.t, default=None)
-
-
-def load_at(t: float, solution: Any, wheel: str) -> float:
-    """Upward force on a wheel at any time of a run [N]."""
-    return float(loads(accelerations(solution.system, solution.at(t)))[wheel][0])
-
-
 @click.command()
 @bicycle_argument
 @click.option(
@@ -198,7 +134,8 @@ def command(
         raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
     target = ready_folder(out) / f"{parameters.name}_{manoeuvre}"
     try:
-        found = run(parameters, fallen=np.radians(fallen), **arguments)
+        samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
+        found = run(parameters, fallen=np.radians(fallen), output=samples, **arguments)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

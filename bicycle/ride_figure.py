@@ -7,10 +7,9 @@ from matplotlib.figure import Figure
 
 from mbsd3d.style import LINE, Theme, dress, house, theme
 
-from .motion import Ride
+from .motion import NO_ROAD, Ride
 
 SLENDER = 6.0  # length over width from which on the way is not drawn to scale
-ROUGH = 1.2  # coefficient of friction that no road exceeds
 LABELS = {
     "angles": "angle, right > 0 [°]",
     "rates": "yaw rate, right > 0 [°/s]",
@@ -49,7 +48,7 @@ def plot(ride: Ride, title: str | None = None, *, dark: bool = False) -> Figure:
         lines(axes["loads"], ride.t, {wheel: contact.normal for wheel, contact in ride.contacts.items()}, look)
         friction = {wheel: contact.friction for wheel, contact in ride.contacts.items()}
         lines(axes["friction"], ride.t, friction, look)
-        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, ROUGH) or 1.0)
+        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, NO_ROAD) or 1.0)
         for name, label in LABELS.items():
             axes[name].set_ylabel(label)
             axes[name].set_xlabel("time [s]")
@@ -79,7 +78,5 @@ def way(axes: Any, ride: Ride, look: Theme) -> None:
     if size[0] < SLENDER * size[1]:
         axes.set_aspect("equal", adjustable="datalim")
     if ride.event:
-        text = f"{ride.event.name} at {ride.event.t:.3g} s"
-        rear = points["rear"][-1]
-        axes.annotate(text, (rear[0], -rear[1]), xytext=(8, 8), textcoords="offset points", color=look.ink)
+        axes.set_title(f"{ride.event.name} at {ride.event.t:.3g} s", loc="right", color=look.ink)
     axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
