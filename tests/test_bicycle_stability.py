@@ -72,7 +72,7 @@ def test_known_deviations_give_what_linearize_gives(p):
         whole = general.linearization(whipple, p, speed).A
         assert A == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
     between = general.linearization(whipple, p, 2.9).A  # neither of the two: the equations are polynomials in v
-    assert general.equations(whipple, p, 7.0).A(2.9) == pytest.approx(between, abs=1e-12 * np.abs(between).max())
+    assert general.linear_equations(whipple, p, 7.0).A(2.9) == pytest.approx(between, abs=1e-12 * np.abs(between).max())
 
 
 def test_deviations_of_another_bicycle_are_noticed():
@@ -88,7 +88,7 @@ def damped(p, speed=0.0):
 
 
 def test_a_model_of_another_form_is_linearised_at_every_speed():
-    assert general.equations(damped, BENCHMARK, 6.0) is None
+    assert general.linear_equations(damped, BENCHMARK, 6.0) is None
     speeds, linear = np.array([0.5, 2.0, 4.0, 6.0]), canonical(BENCHMARK)
     A = linear.A(speeds)
     A[:, 2:, 3] -= np.linalg.solve(linear.M, [0.0, 2.5])
