@@ -16,7 +16,8 @@ class Studies(click.Group):
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """The ``command`` of a study; one that has none is not listed."""
-        return getattr(import_module(f"bicycle.{name}"), "command", None) if name in STUDIES else None
+        known = name in self.list_commands(ctx)
+        return getattr(import_module(f"bicycle.{name}"), "command", None) if known else None
 
 
 @click.group(cls=Studies)

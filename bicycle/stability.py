@@ -66,8 +66,9 @@ class Stability:
             If the name is none of weave, capsize, castering.
         """
         check_mode(name)
-        linear = linear_equations(self.build, self.parameters, max(np.abs([*self.speeds, speed, 1.0])))
-        value = follow(linear, np.array([np.abs(self.speeds).max(), speed]))[0][1, NAMES.index(name)]
+        fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
+        linear = linear_equations(self.build, self.parameters, fastest)
+        value = follow(linear, np.array([fastest, speed]))[0][1, NAMES.index(name)]
         found = linearization(self.build, self.parameters, speed)
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
 
