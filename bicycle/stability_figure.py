@@ -40,7 +40,7 @@ def draw(found: Any, dark: bool) -> Any:
         growth.set_ylabel("growth, Re(s) [1/s]")
         frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
         frequency.set_xlabel("speed [m/s]")
-        frequency.set_xlim(found.speeds.min(), found.speeds.max())
+        frequency.margins(x=0.0)
         growth.set_title(f"{found.parameters.name}: small motions about a straight run")
         legend = growth.legend(loc="lower left", frameon=False, fontsize=9, labelcolor=look.ink)
         legend.set_zorder(5)
@@ -69,6 +69,7 @@ def shade(axes: Any, found: Any, look: Theme) -> None:
 def lines(axes: Any, found: Any, look: Theme, part: Any) -> None:
     """Lines of the general model by mode, dots of the closed form."""
     split = np.abs(found.values.imag[:, 0]) <= 1e-9 * np.abs(found.values).max()
+    split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
         speeds, values = found.speeds[side], found.values[side]
         for number, k in enumerate(SHOWN):

@@ -212,9 +212,19 @@ def test_figure(dark):
     assert set(labels) == {"self-stable", "weave", "capsize", "castering", "closed form (2007)"}
     texts = [text.get_text() for text in growth.texts]
     assert texts == ["weave 4.292 m/s", "capsize 6.024 m/s"]
-    assert "closed form (2007)" not in str(
-        stability.study(ROUND, [0.0, 1.0, 2.0, 3.0]).figure().axes[0].get_legend().get_texts()
-    )
+
+
+@pytest.mark.parametrize("speeds", [[-4.0, -3.0], [5.0], [3.0, 0.5, 0.1, 0.3]])
+def test_figure_of_any_speeds(speeds):
+    found = stability.study(BENCHMARK, speeds)
+    weave = found.figure().axes[0].lines
+    drawn = [line for line in weave if np.array_equal(line.get_ydata(), found.values[:, 0].real)]
+    assert len(drawn) == 1 and np.array_equal(drawn[0].get_xdata(), speeds) and drawn[0].get_label() == "weave"
+
+
+def test_figure_without_a_closed_form():
+    axes = stability.study(ROUND, [0.0, 1.0, 2.0, 3.0]).figure().axes[0]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["weave", "capsize", "castering"]
 
 
 def test_table(tmp_path):
