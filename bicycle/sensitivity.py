@@ -10,8 +10,8 @@ from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .slopes import Derivatives, derivatives
-from .stable_maps import StableMap, plot_map, stable_map
-from .uncertainty import MonteCarlo, Sobol, monte_carlo, published_deviations, sobol
+from .stable_maps import StableMap, checked_axes, plot_map, stable_map
+from .uncertainty import MonteCarlo, Sobol, checked_deviations, monte_carlo, published_deviations, sobol
 
 __all__ = [
     "Derivatives", "MonteCarlo", "Sobol", "StableMap", "derivatives", "monte_carlo", "plot_derivatives", "plot_map",
@@ -65,6 +65,8 @@ def command(
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
     wanted, spread = dict(map(grid_of, axes)), deviations_of(parameters, given)
+    if wanted:
+        checked_axes(parameters, wanted)
     target = ready_folder(out) / f"sensitivity_{parameters.name}"
     found = derivatives(parameters)
     click.echo(str(found))
@@ -122,7 +124,8 @@ def deviations_of(parameters: Parameters, given: tuple[str, ...]) -> dict[str, f
     """As on the command line, else those of the file or of the published set."""
     if given:
         pairs = [text.partition("=") for text in given]
-        return {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
+        found = {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
+        return checked_deviations(parameters, found)
     asked = click.get_current_context().params["bicycle"]
     if Path(asked).suffix in (".txt", ".yml", ".yaml"):
         from .parameter_files import read_values

@@ -94,17 +94,19 @@ def by_model(
     parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
 ) -> tuple[np.ndarray, int]:
     """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
-    found = np.full_like(points, np.nan)
-    k, n = 0, points.shape[1]
+    found, n = [], points.shape[1]
     with Progress(f"{n} bicycles", 0, n, show) as bar:
         try:
-            for k in range(n):
-                cell = replace(parameters, **dict(zip(names, points[:, k].tolist(), strict=True)))
-                found[:, k] = critical.first_range(characteristic.of_model(cell, build, check=k == 0))
-                bar.update(k + 1)
+            for point in points.T.tolist():
+                cell = replace(parameters, **dict(zip(names, point, strict=True)))
+                found.append(characteristic.of_model(cell, build, check=not found))
+                bar.update(len(found))
         except KeyboardInterrupt:
-            return found, n - k
-    return found, 0
+            pass
+    edges = np.full_like(points, np.nan)
+    if found:
+        edges[:, : len(found)] = critical.first_range(critical.Quartic(*map(np.array, zip(*found, strict=True))))
+    return edges, n - len(found)
 
 
 def checked_axes(parameters: Parameters, axes: Mapping[str, Sequence[float]]) -> dict[str, np.ndarray]:

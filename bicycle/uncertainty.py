@@ -106,7 +106,7 @@ def published_deviations(parameters: Parameters) -> dict[str, float]:
     return published(parameters.name) if parameters.name in names() else {}
 
 
-def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
+def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
     """Standard deviations as given or as published with the set, none of them zero."""
     given = published_deviations(parameters) if given is None else given
     found = {key: float(std) for key, std in given.items() if std != 0.0}
@@ -146,7 +146,7 @@ def monte_carlo(
     ValueError
         For unknown symbols, no deviations, or deviations so large that a sample is no bicycle.
     """
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2:
         raise ValueError(f"monte_carlo: n = {n} samples; give at least 2")
     keys, random = tuple(known), np.random.default_rng(seed)
@@ -189,17 +189,22 @@ def sobol(
     """
     from scipy.stats import norm, sobol_indices
 
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2 or n & (n - 1):
         raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    keys = tuple(known)
+    keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 
     def outputs(x: np.ndarray) -> np.ndarray:
         check_samples(parameters, keys, x)
-        return np.array(list(speeds_of(variants(parameters, keys, x)).values()))
+        speeds = np.array(list(speeds_of(variants(parameters, keys, x)).values()))
+        exists[:] &= np.isfinite(speeds).all(axis=1)
+        return speeds
 
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
-    with np.errstate(invalid="ignore", divide="ignore"):  # NaN where a sample has no such speed
+    with np.errstate(invalid="ignore", divide="ignore"):
         found = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (found.first_order, found.total_order))
+    # scipy makes zeros of outputs that are NaN somewhere, and drops axes of length 1
+    shape = len(OUTPUTS), len(keys)
+    shares = (np.where(exists[:, None], x.reshape(shape), np.nan) for x in (found.first_order, found.total_order))
+    first, total = (dict(zip(OUTPUTS, x, strict=True)) for x in shares)
     return Sobol(keys, first, total)
