@@ -42,8 +42,9 @@ def hubs(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
 
 
 def steer_axis(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
-    """(point, direction) of the upright bicycle: where the axis meets the ground; downward, so right is positive."""
-    return np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
+    """(point, direction) of the upright bicycle: the head, above the wheels; downward, so right is positive."""
+    ground, axis = np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
+    return ground - 2.0 * max(p.rR, p.rF) * axis, axis
 
 
 def turn(axis: np.ndarray, angle: float) -> np.ndarray:

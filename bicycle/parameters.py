@@ -52,10 +52,11 @@ class Parameters:
     Examples
     --------
     >>> from dataclasses import fields, replace
+    >>> from bicycle import Meijaard2007
     >>> light = replace(Meijaard2007(), mB=60.0, name="light rider")
     >>> light.mB, light.w
     (60.0, 1.02)
-    >>> {f.name: f.metadata["unit"] for f in fields(light)}["IBxx"]
+    >>> {f.name: f.metadata.get("unit") for f in fields(light)}["IBxx"]
     'kg m^2'
     """
 
@@ -205,8 +206,8 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
 
     Examples
     --------
-    >>> named("Browserins").mB
-    9.86
+    >>> named("Browserins").w
+    1.121
     """
     if name == "Meijaard2007":
         return Meijaard2007()

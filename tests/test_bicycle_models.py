@@ -1,6 +1,8 @@
 """Parameters and models of bicycles: published figures, a second formulation, symmetries, and what is refused."""
 
+import doctest
 from dataclasses import fields, replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -19,6 +21,12 @@ ROUND = replace(
     BENCHMARK, rR=0.31, rF=0.42, tR=0.05, tF=0.03, c=0.055, lam=0.35, xH=0.87, zH=-0.75, IHxz=0.011, name="round tyres"
 )
 """Wheels of unequal size and crown, nothing zero or equal."""
+
+
+def test_examples_of_the_modules():
+    for module in ("parameters", "models", "equations", "general", "stability"):
+        found = doctest.testmod(import_module(f"bicycle.{module}"))
+        assert found.attempted and not found.failed
 
 
 # --- parameters -------------------------------------------------------------------------------------------------------
@@ -251,6 +259,12 @@ def test_all_published_sets_agree_with_the_closed_form(name):
     for speed in (0.0, 3.0, 8.0):
         A = expected.A(speed)
         assert found.A(speed) == pytest.approx(A, abs=1e-11 * np.abs(A).max())  # rounding times the condition of M
+
+
+@pytest.mark.parametrize("name", parameters.names())
+def test_all_published_sets_ride(name):
+    run = simulate(whipple(named(name, unphysical=True), 4.0, lean=0.1, steer=-0.05, lean_rate=0.2), 0.5)
+    assert run.certificate.passed and run.t[-1] == 0.5
 
 
 def test_two_mass_skate():
