@@ -40,7 +40,7 @@ def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -
     help="Standard deviation in SI units, e.g. c=0.005; several times. Default: those of the set or file.",
 )  # fmt: skip
 @click.option(
-    "--samples", type=click.IntRange(2, 10_000_000), default=10_000, show_default=True, help="Of the distribution."
+    "--samples", type=click.IntRange(2, 100_000), default=10_000, show_default=True, help="Of the distribution."
 )
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the random numbers.")
 @click.option(

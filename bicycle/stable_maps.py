@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,9 @@ from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
 from .general import Build
-from .parameters import MEANING, Parameters
+from .parameters import MEANING, TYRES, Parameters
 from .sheet import write_table
-from .uncertainty import check_samples, variants
+from .uncertainty import variants
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +78,17 @@ def stable_map(
     Raises
     ------
     ValueError
-        For anything but two parameters with finite values, or values that no bicycle has.
+        For anything but two parameters with finite values, values that no bicycle has, or crown radii without a model.
     """
     (first, x), (second, y) = checked_axes(parameters, axes).items()
+    for corner in product({x.min(), x.max()}, {y.min(), y.max()}):  # what a bicycle may be is convex: corners suffice
+        replace(parameters, **dict(zip((first, second), corner, strict=True)))
     points = np.array([np.repeat(x, y.size), np.tile(y, x.size)])
-    check_samples(parameters, (first, second), points)
+    if build is None and {first, second} & set(TYRES):
+        raise ValueError(
+            f"stable_map of '{parameters.name}': the closed form knows no crown radius ({', '.join(TYRES)}); give "
+            "build=bicycle.whipple (--model)"
+        )
     if build is None:
         found, missing = critical.first_range(characteristic.of(variants(parameters, (first, second), points))), 0
     else:

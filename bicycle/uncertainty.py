@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from . import characteristic, critical
-from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, names
+from .parameters import NOT_NEGATIVE, POSITIVE, SYMBOLS, Parameters, names
 from .parameters import deviations as published
 from .sheet import write_table
 
@@ -34,12 +34,16 @@ class MonteCarlo:
         Sampled parameters, in the order of ``deviations``.
     outputs : mapping of str to (n,) ndarray
         Speeds [m/s], NaN where a sample has none; the width of the stable range is 0 then, or infinite.
+    impossible : float
+        Share of the samples in which frame or fork has an inertia that no body has. They are kept: without them the
+        deviations would not be those that were given.
     """
 
     parameters: Parameters
     deviations: Mapping[str, float]
     inputs: np.ndarray
     outputs: Mapping[str, np.ndarray]
+    impossible: float = 0.0
 
     def share(self, name: str) -> float:
         """Part of the samples that has this speed."""
@@ -62,6 +66,8 @@ class MonteCarlo:
             lines.append(
                 f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them"
             )
+        if self.impossible:
+            lines.append(f"  {100 * self.impossible:.1f} % have an inertia of frame or fork that no body has")
         return "\n".join(lines)
 
 
@@ -114,8 +120,8 @@ def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None
     if not found:
         raise ValueError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
     for key, std in found.items():
-        if key not in MEANING:
-            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(MEANING)}")
+        if key not in SYMBOLS:
+            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
         if not (np.isfinite(std) and std > 0.0):
             raise ValueError(f"{what}: deviation of {key} = {std!r}; give a positive number")
     return found
@@ -153,7 +159,18 @@ def monte_carlo(
     mean = np.array([getattr(parameters, key) for key in keys])
     inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
     check_samples(parameters, keys, inputs.T)
-    return MonteCarlo(parameters, known, inputs, speeds_of(variants(parameters, keys, inputs.T)))
+    sampled = variants(parameters, keys, inputs.T)
+    return MonteCarlo(parameters, known, inputs, speeds_of(sampled), float(np.mean(impossible(sampled))))
+
+
+def impossible(variant: SimpleNamespace) -> np.ndarray:
+    """Whether frame or fork has a negative second moment of its mass, which breaks the triangle rule."""
+    found = np.zeros((), bool)
+    for part in "BH":
+        xx, yy, zz, xz = (np.asarray(getattr(variant, f"I{part}{axis}")) for axis in ("xx", "yy", "zz", "xz"))
+        across, along, up = (xx + zz - yy) / 2.0, (yy + zz - xx) / 2.0, (xx + yy - zz) / 2.0
+        found = found | (across < 0.0) | (along < 0.0) | (up < 0.0) | (along * up < xz**2)
+    return found
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:

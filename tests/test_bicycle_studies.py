@@ -1,6 +1,8 @@
 """Studies of bicycles: critical speeds, sensitivity, ablations, frequency response, comparison."""
 
+import doctest
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -26,6 +28,12 @@ ROUND = replace(BENCHMARK, rR=0.31, tR=0.05, tF=0.03, c=0.055, IHxz=0.011, name=
 def growth(linear, speed):
     """Fastest growth [1/s] by an eigenvalue solver."""
     return linear.eigenvalues([speed]).real.max()
+
+
+@pytest.mark.parametrize("module", ["slopes", "why", "frequency"])
+def test_examples_print_what_they_say(module):
+    found = doctest.testmod(import_module(f"bicycle.{module}"))
+    assert found.attempted and not found.failed
 
 
 # --- critical speeds --------------------------------------------------------------------------------------------------
@@ -175,6 +183,14 @@ def test_samples_repeat_with_their_seed_and_go_to_a_file(tmp_path):
     assert float(rows[1].split(",")[26]) == first.outputs["weave speed"][0]
 
 
+def test_samples_with_an_inertia_that_no_body_has_are_counted():
+    base = replace(BENCHMARK, IBxx=3.0, IBzz=9.5, IBxz=0.0, name="long")  # 1.5 kg m^2 from the limit IByy < IBxx + IBzz
+    found = sensitivity.monte_carlo(base, {"IByy": 1.5}, n=4000, seed=2)
+    outside = found.inputs[:, 0]
+    assert abs(found.impossible - np.mean((outside > 12.5) | (outside < 6.5))) == 0.0
+    assert abs(found.impossible - 0.16) < 0.02 and "% have an inertia of frame or fork" in str(found)
+
+
 def test_speeds_that_some_samples_do_not_have_are_counted():
     narrow = replace(BENCHMARK, c=-0.007, name="narrow")
     found = sensitivity.monte_carlo(narrow, {"c": 0.002}, n=4000, seed=1)
@@ -248,7 +264,10 @@ def test_a_map_keeps_what_was_computed_before_ctrl_c():
         ({"c": [0.1]}, "1 parameters; give two"),
         ({"c": [0.1], "lambda": [0.1]}, "no parameter 'lambda'"),
         ({"c": [0.1], "lam": [np.nan]}, "values of lam"),
-        ({"c": [0.1], "w": [1.0, -1.0]}, "w = -1"),
+        ({"c": [0.1], "w": [1.0, -1.0]}, "wheelbase w: -1.0 is not positive"),
+        ({"c": [0.1], "IBxx": [9.0, 30.0]}, "frame and rider .B.: inertia .* exceeds the sum"),
+        ({"tR": [0.0, 0.4], "c": [0.1]}, "tR = 0.4 exceeds rR"),
+        ({"tR": [0.0, 0.1], "c": [0.1]}, "closed form knows no crown radius"),
     ],
 )
 def test_impossible_maps_are_refused(axes, message):
@@ -285,6 +304,20 @@ def test_growths_of_ablations_are_those_of_an_eigenvalue_solver():
     x, z = (p.mH * p.xH + p.mF * p.w) / mass, (p.mH * p.zH - p.mF * p.rF) / mass
     away = (x - p.w - p.c) * np.cos(p.lam) - z * np.sin(p.lam)  # distance from the steer axis
     assert abs(away) < 1e-15
+
+
+def test_ablations_keep_what_was_computed_before_ctrl_c():
+    calls = []
+
+    def interrupted(parameters, speed):
+        calls.append(speed)
+        if len(calls) > 12:
+            raise KeyboardInterrupt
+        return whipple(parameters, speed)
+
+    found = why.ablations(BENCHMARK, interrupted)
+    assert 0 < len(found.rows) < 5 and found.missing == len(CHANGES) + 2 - len(found.rows)
+    assert all(row.confirmed for row in found.rows) and len(why.plot_ablations(found).axes) == 1
 
 
 @pytest.mark.slow
