@@ -65,8 +65,9 @@ def command(
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
     wanted, spread = dict(map(grid_of, axes)), deviations_of(parameters, given)
+    build = whipple if general else None
     if wanted:
-        checked_axes(parameters, wanted)
+        checked_axes(parameters, wanted, build)
     target = ready_folder(out) / f"sensitivity_{parameters.name}"
     found = derivatives(parameters)
     click.echo(str(found))
@@ -82,15 +83,15 @@ def command(
     else:
         click.echo(f"no standard deviations of {parameters.name} are known; give some: --deviation c=0.005")
     if wanted:
-        write_map(parameters, wanted, general, dark, target.with_name(f"map_{parameters.name}"))
+        write_map(parameters, wanted, build, dark, target.with_name(f"map_{parameters.name}"))
 
 
-def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], general: bool, dark: bool, target: Path) -> None:
+def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], build: Any, dark: bool, target: Path) -> None:
     """Map with figure and table; what Ctrl-C left is written too."""
     from mbsd3d.commands import INTERRUPTED
     from mbsd3d.plots import save_figure
 
-    found = stable_map(parameters, wanted, whipple if general else None)
+    found = stable_map(parameters, wanted, build)
     report(*save_figure(plot_map(found, dark=dark), target), found.to_csv(target))
     if found.missing:
         click.echo(f"mbsd3d: interrupted, {found.missing} cells of {found.low.size} are missing", err=True)

@@ -80,15 +80,8 @@ def stable_map(
     ValueError
         For anything but two parameters with finite values, values that no bicycle has, or crown radii without a model.
     """
-    (first, x), (second, y) = checked_axes(parameters, axes).items()
-    for corner in product({x.min(), x.max()}, {y.min(), y.max()}):  # what a bicycle may be is convex: corners suffice
-        replace(parameters, **dict(zip((first, second), corner, strict=True)))
+    (first, x), (second, y) = checked_axes(parameters, axes, build).items()
     points = np.array([np.repeat(x, y.size), np.tile(y, x.size)])
-    if build is None and {first, second} & set(TYRES):
-        raise ValueError(
-            f"stable_map of '{parameters.name}': the closed form knows no crown radius ({', '.join(TYRES)}); give "
-            "build=bicycle.whipple (--model)"
-        )
     if build is None:
         found, missing = critical.first_range(characteristic.of(variants(parameters, (first, second), points))), 0
     else:
@@ -116,8 +109,10 @@ def by_model(
     return edges, n - len(found)
 
 
-def checked_axes(parameters: Parameters, axes: Mapping[str, Sequence[float]]) -> dict[str, np.ndarray]:
-    """Two parameters with their values."""
+def checked_axes(
+    parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None
+) -> dict[str, np.ndarray]:
+    """Two parameters with their values, of which every pair makes a bicycle."""
     what = f"stable_map of '{parameters.name}'"
     if len(axes) != 2:
         raise ValueError(f"{what}: {len(axes)} parameters; give two, e.g. {{'c': [0.05, 0.1], 'lam': [0.2, 0.4]}}")
@@ -128,6 +123,11 @@ def checked_axes(parameters: Parameters, axes: Mapping[str, Sequence[float]]) ->
         found[key] = np.asarray(values, float)
         if found[key].ndim != 1 or not found[key].size or not np.isfinite(found[key]).all():
             raise ValueError(f"{what}: values of {key}; give a list of finite numbers")
+    if build is None and set(found) & set(TYRES):
+        known = f"the closed form knows no crown radius ({', '.join(TYRES)})"
+        raise ValueError(f"{what}: {known}; give build=bicycle.whipple (--model)")
+    for corner in product(*({x.min(), x.max()} for x in found.values())):
+        replace(parameters, **dict(zip(found, corner, strict=True)))  # what bicycles may be is convex: corners suffice
     return found
 
 

@@ -482,6 +482,7 @@ def test_deviations_of_a_file_are_used(tmp_path):
         (["sensitivity", "--deviation", "cc=1"], "deviation of 'cc'"),
         (["sensitivity", "--map", "c=0:0.1:3"], "--map is given 1 times"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "lam=0:1"], "write SYMBOL=FROM:TO:COUNT"),
+        (["sensitivity", "--map", "c=0:0.1:3", "--map", "tR=0:0.1:3"], "give build=bicycle.whipple (--model)"),
         (["sensitivity", "HC_Optimal10"], "has neither weave nor capsize speed"),
         (["frequency", "--from", "3", "--to", "1"], "0 < from < to"),
         (["why", "Brower"], "did you mean Browser"),
