@@ -123,11 +123,11 @@ def checked_axes(
         found[key] = np.asarray(values, float)
         if found[key].ndim != 1 or not found[key].size or not np.isfinite(found[key]).all():
             raise ValueError(f"{what}: values of {key}; give a list of finite numbers")
+    for corner in product(*({x.min(), x.max()} for x in found.values())):
+        replace(parameters, **dict(zip(found, corner, strict=True)))  # what bicycles may be is convex: corners suffice
     if build is None and set(found) & set(TYRES):
         known = f"the closed form knows no crown radius ({', '.join(TYRES)})"
         raise ValueError(f"{what}: {known}; give build=bicycle.whipple (--model)")
-    for corner in product(*({x.min(), x.max()} for x in found.values())):
-        replace(parameters, **dict(zip(found, corner, strict=True)))  # what bicycles may be is convex: corners suffice
     return found
 
 
