@@ -4,7 +4,7 @@ import numpy as np
 
 from . import critical
 from .equations import canonical
-from .general import Build, equations
+from .general import Build, linear_equations
 from .models import whipple
 from .parameters import Parameters
 
@@ -33,7 +33,7 @@ def of(parameters: Parameters) -> critical.Quartic:
 
 
 def of_model(parameters: Parameters, build: Build = whipple, *, check: bool = True) -> critical.Quartic:
-    """The same from the general model, see `bicycle.general.equations`.
+    """The same from the general model, see `bicycle.general.linear_equations`.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def of_model(parameters: Parameters, build: Build = whipple, *, check: bool = Tr
     ValueError
         If it does not.
     """
-    linear = equations(build, parameters, check=check)
+    linear = linear_equations(build, parameters, check=check)
     if linear is None:
         raise ValueError(
             f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion, so critical "

@@ -34,7 +34,9 @@ def linearization(build: Build, parameters: Parameters, speed: float) -> Lineari
     return linearize(system, outputs=outputs(system))
 
 
-def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True) -> Canonical | None:
+def linear_equations(
+    build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True
+) -> Canonical | None:
     """The linear equations of a model as those of the paper, divided by M; None if they are not of that form.
 
     Parameters
@@ -105,7 +107,7 @@ def eigenvalues(build: Build, parameters: Parameters, speeds: np.ndarray) -> np.
     speeds = checked_speeds(speeds)
     fastest = float(speeds[np.argmax(np.abs(speeds))]) or 1.0
     if speeds.size > 3:
-        found = equations(build, parameters, fastest)
+        found = linear_equations(build, parameters, fastest)
         if found is not None:
             return found.eigenvalues(speeds)
     return np.array([np.sort_complex(linearization(build, parameters, v).eigenvalues) for v in speeds])

@@ -187,6 +187,10 @@ def entry_of(name: str) -> dict[str, Any]:
 def named(name: str, *, unphysical: bool = False) -> Parameters:
     """A published set: measured bicycles with and without rider, and optimised ones.
 
+    Sets stand as published, also where copies contradict each other: APPDATA_Benchmark_ROUNDED is the benchmark with
+    rounded values, and I_Rxx and I_Fxx of Browser and of HC_Browser, the same bicycle with a rider, are exchanged, so
+    are those of Pista and HC_Pista.
+
     Parameters
     ----------
     name : str

@@ -255,7 +255,7 @@ def test_linear_equations_with_round_tyres_and_unequal_wheels():
 @pytest.mark.parametrize("name", parameters.names())
 def test_all_published_sets_agree_with_the_closed_form(name):
     p = named(name, unphysical=True)
-    expected, found = canonical(p), general.equations(whipple, p, 8.0, check=False)
+    expected, found = canonical(p), general.linear_equations(whipple, p, 8.0, check=False)
     for speed in (0.0, 3.0, 8.0):
         A = expected.A(speed)
         assert found.A(speed) == pytest.approx(A, abs=1e-11 * np.abs(A).max())  # rounding times the condition of M
