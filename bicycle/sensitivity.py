@@ -69,10 +69,13 @@ def command(
     if wanted:
         checked_axes(parameters, wanted, build)
     target = ready_folder(out) / f"sensitivity_{parameters.name}"
-    found = derivatives(parameters)
+    tyres = bool(parameters.tR or parameters.tF)
+    found = derivatives(parameters, whipple if tyres else None)
     click.echo(str(found))
     report(*save_figure(plot_derivatives(found, dark=dark), target), found.to_csv(target))
-    if spread:
+    if tyres:
+        click.echo("no distribution: samples are solved in closed form, which knows no round tyres")
+    elif spread:
         sampled, indices = monte_carlo(parameters, spread, n=samples, seed=seed), sobol(parameters, spread, seed=seed)
         click.echo(str(sampled))
         name = target.with_name(f"uncertainty_{parameters.name}")

@@ -142,6 +142,25 @@ def test_derivatives_obey_the_rules_of_dimensions():
         assert abs(change["g"] - v / 2) < 1e-12 * size
 
 
+def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
+    closed, model = sensitivity.derivatives(BENCHMARK), sensitivity.derivatives(BENCHMARK, whipple)
+    for name, slopes in closed.by.items():
+        assert abs(closed.speeds[name] - model.speeds[name]) < 1e-10
+        for key, slope in slopes.items():
+            change = max(abs(getattr(BENCHMARK, key)), 0.1)  # differences of 1e-3 of this
+            assert abs(model.by[name][key] - slope) * change < 1e-7 * closed.speeds[name]
+
+
+def test_derivatives_with_round_tyres_obey_the_rule_of_lengths():
+    found = sensitivity.derivatives(ROUND, whipple)
+    length = dict.fromkeys(("w", "c", "rR", "xB", "zB", "xH", "zH", "rF", "tR", "tF"), 1.0)
+    length |= {key: 2.0 for key in SYMBOLS if key[0] == "I"}
+    for name, v in found.speeds.items():
+        change = [k * getattr(ROUND, key) * found.by[name][key] for key, k in length.items()]
+        assert abs(sum(change) - v / 2) < 1e-8 * sum(map(abs, change))
+        assert abs(ROUND.tR * found.by[name]["tR"]) > 1e-3  # crowns do matter
+
+
 def test_derivatives_print_and_write_all_parameters(tmp_path):
     found = sensitivity.derivatives(BENCHMARK)
     rows = found.to_csv(tmp_path / "slopes").read_text().splitlines()
