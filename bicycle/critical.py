@@ -148,12 +148,7 @@ def decays(q: Quartic, v: Array) -> Array:
 def ranges(q: Quartic) -> list[Range]:
     """All self-stable ranges of one bicycle, by rising speed."""
     edges, stable = intervals(q)
-    found: list[Range] = []
-    for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True):
-        if found and found[-1].high == low:  # two that touch are one
-            low = found.pop().low
-        found.append(Range(float(low), float(high)))
-    return found
+    return [Range(float(low), float(high)) for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True)]
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:

@@ -10,8 +10,8 @@ from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .slopes import Derivatives, derivatives
-from .stable_maps import StableMap, plot_map, stable_map
-from .uncertainty import MonteCarlo, Sobol, monte_carlo, published_deviations, sobol
+from .stable_maps import StableMap, checked_axes, plot_map, stable_map
+from .uncertainty import MonteCarlo, Sobol, checked_deviations, monte_carlo, published_deviations, sobol
 
 __all__ = [
     "Derivatives", "MonteCarlo", "Sobol", "StableMap", "derivatives", "monte_carlo", "plot_derivatives", "plot_map",
@@ -40,7 +40,7 @@ def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -
     help="Standard deviation in SI units, e.g. c=0.005; several times. Default: those of the set or file.",
 )  # fmt: skip
 @click.option(
-    "--samples", type=click.IntRange(2, 10_000_000), default=10_000, show_default=True, help="Of the distribution."
+    "--samples", type=click.IntRange(2, 100_000), default=10_000, show_default=True, help="Of the distribution."
 )
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the random numbers.")
 @click.option(
@@ -65,11 +65,17 @@ def command(
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
     wanted, spread = dict(map(grid_of, axes)), deviations_of(parameters, given)
+    build = whipple if general else None
+    if wanted:
+        checked_axes(parameters, wanted, build)
     target = ready_folder(out) / f"sensitivity_{parameters.name}"
-    found = derivatives(parameters)
+    tyres = bool(parameters.tR or parameters.tF)
+    found = derivatives(parameters, whipple if tyres else None)
     click.echo(str(found))
     report(*save_figure(plot_derivatives(found, dark=dark), target), found.to_csv(target))
-    if spread:
+    if tyres:
+        click.echo("no distribution: samples are solved in closed form, which knows no round tyres")
+    elif spread:
         sampled, indices = monte_carlo(parameters, spread, n=samples, seed=seed), sobol(parameters, spread, seed=seed)
         click.echo(str(sampled))
         name = target.with_name(f"uncertainty_{parameters.name}")
@@ -80,15 +86,15 @@ def command(
     else:
         click.echo(f"no standard deviations of {parameters.name} are known; give some: --deviation c=0.005")
     if wanted:
-        write_map(parameters, wanted, general, dark, target.with_name(f"map_{parameters.name}"))
+        write_map(parameters, wanted, build, dark, target.with_name(f"map_{parameters.name}"))
 
 
-def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], general: bool, dark: bool, target: Path) -> None:
+def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], build: Any, dark: bool, target: Path) -> None:
     """Map with figure and table; what Ctrl-C left is written too."""
     from mbsd3d.commands import INTERRUPTED
     from mbsd3d.plots import save_figure
 
-    found = stable_map(parameters, wanted, whipple if general else None)
+    found = stable_map(parameters, wanted, build)
     report(*save_figure(plot_map(found, dark=dark), target), found.to_csv(target))
     if found.missing:
         click.echo(f"mbsd3d: interrupted, {found.missing} cells of {found.low.size} are missing", err=True)
@@ -122,7 +128,8 @@ def deviations_of(parameters: Parameters, given: tuple[str, ...]) -> dict[str, f
     """As on the command line, else those of the file or of the published set."""
     if given:
         pairs = [text.partition("=") for text in given]
-        return {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
+        found = {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
+        return checked_deviations(parameters, found)
     asked = click.get_current_context().params["bicycle"]
     if Path(asked).suffix in (".txt", ".yml", ".yaml"):
         from .parameter_files import read_values

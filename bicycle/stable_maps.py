@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,9 @@ from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
 from .general import Build
-from .parameters import MEANING, Parameters
+from .parameters import MEANING, TYRES, Parameters
 from .sheet import write_table
-from .uncertainty import check_samples, variants
+from .uncertainty import variants
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +78,10 @@ def stable_map(
     Raises
     ------
     ValueError
-        For anything but two parameters with finite values, or values that no bicycle has.
+        For anything but two parameters with finite values, values that no bicycle has, or crown radii without a model.
     """
-    (first, x), (second, y) = checked_axes(parameters, axes).items()
+    (first, x), (second, y) = checked_axes(parameters, axes, build).items()
     points = np.array([np.repeat(x, y.size), np.tile(y, x.size)])
-    check_samples(parameters, (first, second), points)
     if build is None:
         found, missing = critical.first_range(characteristic.of(variants(parameters, (first, second), points))), 0
     else:
@@ -94,21 +94,25 @@ def by_model(
     parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
 ) -> tuple[np.ndarray, int]:
     """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
-    found = np.full_like(points, np.nan)
-    k, n = 0, points.shape[1]
+    found, n = [], points.shape[1]
     with Progress(f"{n} bicycles", 0, n, show) as bar:
         try:
-            for k in range(n):
-                cell = replace(parameters, **dict(zip(names, points[:, k].tolist(), strict=True)))
-                found[:, k] = critical.first_range(characteristic.of_model(cell, build, check=k == 0))
-                bar.update(k + 1)
+            for point in points.T.tolist():
+                cell = replace(parameters, **dict(zip(names, point, strict=True)))
+                found.append(characteristic.of_model(cell, build, check=not found))
+                bar.update(len(found))
         except KeyboardInterrupt:
-            return found, n - k
-    return found, 0
+            pass
+    edges = np.full_like(points, np.nan)
+    if found:
+        edges[:, : len(found)] = critical.first_range(critical.Quartic(*map(np.array, zip(*found, strict=True))))
+    return edges, n - len(found)
 
 
-def checked_axes(parameters: Parameters, axes: Mapping[str, Sequence[float]]) -> dict[str, np.ndarray]:
-    """Two parameters with their values."""
+def checked_axes(
+    parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None
+) -> dict[str, np.ndarray]:
+    """Two parameters with their values, of which every pair makes a bicycle."""
     what = f"stable_map of '{parameters.name}'"
     if len(axes) != 2:
         raise ValueError(f"{what}: {len(axes)} parameters; give two, e.g. {{'c': [0.05, 0.1], 'lam': [0.2, 0.4]}}")
@@ -119,6 +123,11 @@ def checked_axes(parameters: Parameters, axes: Mapping[str, Sequence[float]]) ->
         found[key] = np.asarray(values, float)
         if found[key].ndim != 1 or not found[key].size or not np.isfinite(found[key]).all():
             raise ValueError(f"{what}: values of {key}; give a list of finite numbers")
+    for corner in product(*({x.min(), x.max()} for x in found.values())):
+        replace(parameters, **dict(zip(found, corner, strict=True)))  # what bicycles may be is convex: corners suffice
+    if build is None and set(found) & set(TYRES):
+        known = f"the closed form knows no crown radius ({', '.join(TYRES)})"
+        raise ValueError(f"{what}: {known}; give build=bicycle.whipple (--model)")
     return found
 
 

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from . import characteristic, critical
-from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, names
+from .parameters import NOT_NEGATIVE, POSITIVE, SYMBOLS, Parameters, names
 from .parameters import deviations as published
 from .sheet import write_table
 
@@ -34,12 +34,16 @@ class MonteCarlo:
         Sampled parameters, in the order of ``deviations``.
     outputs : mapping of str to (n,) ndarray
         Speeds [m/s], NaN where a sample has none; the width of the stable range is 0 then, or infinite.
+    impossible : float
+        Share of the samples in which frame or fork has an inertia that no body has. They are kept: without them the
+        deviations would not be those that were given.
     """
 
     parameters: Parameters
     deviations: Mapping[str, float]
     inputs: np.ndarray
     outputs: Mapping[str, np.ndarray]
+    impossible: float = 0.0
 
     def share(self, name: str) -> float:
         """Part of the samples that has this speed."""
@@ -62,6 +66,8 @@ class MonteCarlo:
             lines.append(
                 f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them"
             )
+        if self.impossible:
+            lines.append(f"  {100 * self.impossible:.1f} % have an inertia of frame or fork that no body has")
         return "\n".join(lines)
 
 
@@ -106,7 +112,7 @@ def published_deviations(parameters: Parameters) -> dict[str, float]:
     return published(parameters.name) if parameters.name in names() else {}
 
 
-def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
+def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
     """Standard deviations as given or as published with the set, none of them zero."""
     given = published_deviations(parameters) if given is None else given
     found = {key: float(std) for key, std in given.items() if std != 0.0}
@@ -114,8 +120,8 @@ def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[s
     if not found:
         raise ValueError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
     for key, std in found.items():
-        if key not in MEANING:
-            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(MEANING)}")
+        if key not in SYMBOLS:
+            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
         if not (np.isfinite(std) and std > 0.0):
             raise ValueError(f"{what}: deviation of {key} = {std!r}; give a positive number")
     return found
@@ -146,14 +152,25 @@ def monte_carlo(
     ValueError
         For unknown symbols, no deviations, or deviations so large that a sample is no bicycle.
     """
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2:
         raise ValueError(f"monte_carlo: n = {n} samples; give at least 2")
     keys, random = tuple(known), np.random.default_rng(seed)
     mean = np.array([getattr(parameters, key) for key in keys])
     inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
     check_samples(parameters, keys, inputs.T)
-    return MonteCarlo(parameters, known, inputs, speeds_of(variants(parameters, keys, inputs.T)))
+    sampled = variants(parameters, keys, inputs.T)
+    return MonteCarlo(parameters, known, inputs, speeds_of(sampled), float(np.mean(impossible(sampled))))
+
+
+def impossible(variant: SimpleNamespace) -> np.ndarray:
+    """Whether frame or fork has a negative second moment of its mass, which breaks the triangle rule."""
+    found = np.zeros((), bool)
+    for part in "BH":
+        xx, yy, zz, xz = (np.asarray(getattr(variant, f"I{part}{axis}")) for axis in ("xx", "yy", "zz", "xz"))
+        across, along, up = (xx + zz - yy) / 2.0, (yy + zz - xx) / 2.0, (xx + yy - zz) / 2.0
+        found = found | (across < 0.0) | (along < 0.0) | (up < 0.0) | (along * up < xz**2)
+    return found
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
@@ -189,17 +206,22 @@ def sobol(
     """
     from scipy.stats import norm, sobol_indices
 
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2 or n & (n - 1):
         raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    keys = tuple(known)
+    keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 
     def outputs(x: np.ndarray) -> np.ndarray:
         check_samples(parameters, keys, x)
-        return np.array(list(speeds_of(variants(parameters, keys, x)).values()))
+        speeds = np.array(list(speeds_of(variants(parameters, keys, x)).values()))
+        exists[:] &= np.isfinite(speeds).all(axis=1)
+        return speeds
 
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
-    with np.errstate(invalid="ignore", divide="ignore"):  # NaN where a sample has no such speed
+    with np.errstate(invalid="ignore", divide="ignore"):
         found = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (found.first_order, found.total_order))
+    # scipy makes zeros of outputs that are NaN somewhere, and drops axes of length 1
+    shape = len(OUTPUTS), len(keys)
+    shares = (np.where(exists[:, None], x.reshape(shape), np.nan) for x in (found.first_order, found.total_order))
+    first, total = (dict(zip(OUTPUTS, x, strict=True)) for x in shares)
     return Sobol(keys, first, total)
