@@ -62,6 +62,8 @@ def linear_equations(
     if number(speed, "linear equations: speed") == 0.0:
         raise ValueError("linear equations: speed = 0; what depends on speed needs one, e.g. 5 m/s")
     rest, running = matrices(build, parameters, speed)
+    if np.abs(rest[2:, 2:]).max() > EXACT * np.abs(running).max():  # damping at rest
+        return None
     found = Canonical(
         M=np.eye(2),
         C1=-(running - rest)[2:, 2:] / speed,

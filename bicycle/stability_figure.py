@@ -57,12 +57,13 @@ def window(found: Any) -> tuple[float, float]:
 
 
 def shade(axes: Any, found: Any, look: Theme) -> None:
-    """Tint the self-stable ranges; backwards they are those of the negated spectrum, where nothing is stable twice."""
-    end = found.speeds.max()
-    for k, part in enumerate(found.critical.stable):
-        if part.low < end:
-            label = None if k else "self-stable"
-            axes.axvspan(part.low, min(part.high, end), color=look.good, linewidth=0.0, zorder=0, label=label)
+    """Tint the self-stable ranges of forward speeds."""
+    start, end, label = found.speeds.min(), found.speeds.max(), "self-stable"
+    for part in found.critical.stable:
+        if part.low < end and part.high > start:
+            low, high = max(part.low, start), min(part.high, end)
+            axes.axvspan(low, high, color=look.good, linewidth=0.0, zorder=0, label=label)
+            label = None
 
 
 def lines(axes: Any, found: Any, look: Theme, part: Any) -> None:

@@ -19,6 +19,7 @@ from .kinematics import placed, rolling
 from .models import outputs
 from .parameters import Parameters
 
+COORDINATES, VELOCITIES, ROWS = 28, 24, 21
 ALLOWED = 1e-9
 """Largest residual of the rows along a deviation, in units of the largest entry; rounding leaves 1e-14."""
 
@@ -67,15 +68,15 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
     start, seen = system.state(), outputs(system)
     compiled = compile_system(system, tuple(seen))
     field = Field(compiled, start, len(seen))
-    if compiled.model.z_work or compiled.model.row.size != 21:
+    if compiled.model.z_work or compiled.model.row.size != ROWS:
         return None
-    schur = schur_of(compiled.model, np.arange(21), complex)
+    schur = schur_of(compiled.model, np.arange(ROWS), complex)
     X = deviations(p, compiled.model.body["com"], speed)
     found = []
     for share in (0.0, 1.0):  # of the speed: all velocities of a straight run, and those that lean and steer add to it
         y, along = field.y.copy(), X.copy()
-        y[28:] *= share
-        along[24:, :2] *= share
+        y[COORDINATES:] *= share
+        along[VELOCITIES:, :2] *= share
         found.append(matrix_at(field, schur, y, along))
     return None if any(A is None for A in found) else (found[0], found[1])
 

@@ -89,6 +89,7 @@ def damped(p, speed=0.0):
 
 def test_a_model_of_another_form_is_linearised_at_every_speed():
     assert general.linear_equations(damped, BENCHMARK, 6.0) is None
+    assert general.linear_equations(damped, BENCHMARK, 6.0, check=False) is None
     speeds, linear = np.array([0.5, 2.0, 4.0, 6.0]), canonical(BENCHMARK)
     A = linear.A(speeds)
     A[:, 2:, 3] -= np.linalg.solve(linear.M, [0.0, 2.5])
