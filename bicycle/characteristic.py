@@ -8,6 +8,9 @@ from .general import Build, linear_equations
 from .models import whipple
 from .parameters import Parameters
 
+NO_INERTIA = 1e-13
+"""Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
+
 
 def of(parameters: Parameters) -> critical.Quartic:
     """The characteristic polynomial of a bicycle with knife-edge wheels, in closed form.
@@ -20,14 +23,15 @@ def of(parameters: Parameters) -> critical.Quartic:
     Raises
     ------
     ValueError
-        For round tyres, or where no mass resists a motion: then there are fewer than two freedoms.
+        For round tyres, or where no mass resists lean or steer: then there are fewer than two freedoms.
     """
     found = canonical(parameters)
     q = critical.quartic(found.M, found.C1, np.asarray(found.g)[..., None, None] * found.K0, found.K2)
-    if not np.all(np.real(q.a) > 0.0):
+    masses = parameters.mR + parameters.mB + parameters.mH + parameters.mF
+    if not np.all(np.real(q.a) > NO_INERTIA * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
         raise ValueError(
-            f"bicycle '{getattr(parameters, 'name', '')}': the mass matrix of lean and steer is not positive; "
-            "give masses or inertias such that lean and steer both have inertia"
+            f"bicycle '{getattr(parameters, 'name', '')}': lean or steer has no inertia, so that it is no freedom of "
+            "motion; give masses off the ground and off the steer axis"
         )
     return q
 

@@ -7,7 +7,8 @@ A leaned bicycle rolls straight on, so that the first column of K2 vanishes and 
 and Hurwitz, for a > 0 and v > 0, all motions decay if and only if b, c, d, e and ``h = b c d - a d^2 - b^2 e`` are
 positive. That can only change at the root of e (capsize, s = 0) or of h (weave, s = +-i omega): where c or d reaches
 zero first, h = -a d^2 - b^2 e is negative already. Both are at most quadratic in w, so no range is too narrow to be
-found. Arrays of bicycles are solved at once: matrices have shape (..., 2, 2), speeds (...).
+found. Speeds are forward; backwards the spectrum is the negative one, so that nothing is stable both ways. Arrays of
+bicycles are solved at once: matrices have shape (..., 2, 2), speeds (...).
 """
 
 from typing import NamedTuple

@@ -30,7 +30,7 @@ def draw_derivatives(found: Any, dark: bool) -> Any:
     sizes = {key: max(abs(change[key]) for change in changes.values()) for key in next(iter(changes.values()))}
     keys = sorted(sizes, key=lambda key: -sizes[key])[:SHOWN]
     with house(look):
-        figure = Figure(figsize=(9.0, 1.2 + 0.28 * len(keys)), layout="constrained")
+        figure = Figure(figsize=(9.0, 1.5 + 0.28 * len(keys)), layout="constrained")
         panels = figure.subplots(1, len(changes), sharey=True, sharex=True, squeeze=False)[0]
         for k, (axes, (name, change)) in enumerate(zip(panels, changes.items(), strict=True)):
             dress(axes, look)
@@ -40,6 +40,8 @@ def draw_derivatives(found: Any, dark: bool) -> Any:
             axes.grid(False, axis="y")
             axes.set_xlabel("change by +1 % [m/s]")
             axes.tick_params(axis="y", length=0)
+        title = f"{found.parameters.name}: what one percent of a parameter does to the critical speeds"
+        figure.suptitle(title, x=0.01, ha="left", color=look.ink, fontsize=11)
         panels[0].set_yticks(range(len(keys)), [SYMBOL[key] for key in keys])
         panels[0].set_ylim(len(keys) - 0.4, -0.6)
     return figure
@@ -63,7 +65,7 @@ def draw_uncertainty(found: Any, indices: Any, dark: bool) -> Any:
     total = {name: np.nan_to_num(indices.total[name]) for name in names}
     order = np.argsort(-np.maximum(*total.values()))[:SHOWN]
     with house(look):
-        figure = Figure(figsize=(9.0, 1.4 + 0.28 * len(order)), layout="constrained")
+        figure = Figure(figsize=(9.0, max(3.4, 1.7 + 0.28 * len(order))), layout="constrained")
         left, right = figure.subplots(1, 2)
         for k, name in enumerate(names):
             draw_samples(left, found.outputs[name], name, look.colour(k))
@@ -74,8 +76,10 @@ def draw_uncertainty(found: Any, indices: Any, dark: bool) -> Any:
             dress(axes, look)
         left.set_xlabel("speed [m/s]")
         left.set_ylabel("probability density [s/m]")
-        left.set_title(f"{found.parameters.name}: {len(found.inputs)} samples", loc="left")
-        left.legend(frameon=False, labelcolor=look.ink, loc="upper right", bbox_to_anchor=(1.0, 1.16), ncols=2)
+        title = f"{found.parameters.name}: {len(found.inputs)} samples, and which parameters spread them"
+        figure.suptitle(title, x=0.01, ha="left", color=look.ink, fontsize=11)
+        handles, labels = right.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", frameon=False, labelcolor=look.ink, ncols=2)
         right.grid(False, axis="y")
         right.set_yticks(range(order.size), [SYMBOL[indices.names[k]] for k in order])
         right.set_ylim(order.size - 0.4, -0.6)

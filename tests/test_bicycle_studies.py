@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, compare, critical, frequency, general, named, sensitivity, whipple, why
+from bicycle import Meijaard2007, ablation, compare, critical, frequency, general, named, sensitivity, whipple, why
 from bicycle import characteristic as polynomial
 from bicycle.compare_page import write_page
 from bicycle.double_roots import double_roots
@@ -337,6 +337,21 @@ def test_ablations_keep_what_was_computed_before_ctrl_c():
     found = why.ablations(BENCHMARK, interrupted)
     assert 0 < len(found.rows) < 5 and found.missing == len(CHANGES) + 2 - len(found.rows)
     assert all(row.confirmed for row in found.rows) and len(why.plot_ablations(found).axes) == 1
+
+
+def test_a_variant_that_cannot_be_had_says_why_and_the_others_stay():
+    found = why.ablations(two_mass_skate(), None)
+    problems = {row.name: row.problem for row in found.rows if row.problem}
+    assert list(problems) == ["front mass on the steer axis"] and "steer has no inertia" in str(found)
+    assert all(np.isfinite(row.growth) for row in found.rows if not row.problem)
+    light = replace(BENCHMARK, mH=0.0, IHxx=0.0, IHyy=0.0, IHzz=0.0, IHxz=0.0)
+    assert "the fork has no mass (mH = 0)" in str(why.ablations(light, None))
+
+
+def test_a_slow_capsize_is_confirmed_too():
+    bluenose = replace(named("HC_Bluenose"), IRyy=0.0)  # growth changes by 3e-4 1/s per m/s
+    found = ablation.ablated("rear wheel without spin momentum", bluenose, whipple, 9.0)
+    assert found.confirmed and found.difference < 1e-9
 
 
 @pytest.mark.slow
