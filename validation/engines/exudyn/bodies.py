@@ -7,6 +7,7 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.couplings import Coupling, GearMesh
 from mbsd3d.rotations import matrix, multiply
+from mbsd3d.threads import one_thread
 
 from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
 from .assembly import Assembly
@@ -95,7 +96,7 @@ class BodyTwin:
 
     def counted(self) -> dict[str, int]:
         """The count of the rows there are."""
-        with quiet(self.module):
+        with quiet(self.module), one_thread():
             return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
 
     def equations(self) -> Equations:
@@ -118,7 +119,8 @@ class BodyTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError if samples do not lie on steps."""
-        start, every = self.state.t, self.scheme.records(self.state.t, t_end, steps, samples)
+        start = self.state.t
+        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
         seconds = march(self.module, self.mbs, self.scheme, settings)

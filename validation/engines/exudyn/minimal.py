@@ -189,7 +189,8 @@ class TreeTwin:
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError if samples do not lie on steps."""
-        start, every = self.state.t, self.scheme.records(self.state.t, t_end, steps, samples)
+        start = self.state.t
+        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)

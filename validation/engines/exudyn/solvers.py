@@ -22,8 +22,8 @@ SOLVERS = {
 IMPLICIT = ("generalized-alpha", "index2")
 """Solvers that take constraints."""
 
-PULSES = 128
-"""Records of a run at most, where fewer samples are asked for."""
+PULSES, LONG = 128, 1024
+"""Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
 
 LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
 """Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
@@ -82,8 +82,8 @@ class Scheme:
         newton = "modified" if self.modified_newton else "full"
         return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
 
-    def records(self, start: float, t_end: float, steps: int, samples: int) -> int:
-        """Records kept per sample: about `PULSES` in all, so that Ctrl-C is heard between them.
+    def records(self, start: float, t_end: float, steps: int, samples: int, bodies: int) -> int:
+        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class Scheme:
             if samples > 1:
                 raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
             return 1
-        most = max(1, PULSES // samples)
+        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
