@@ -42,8 +42,8 @@ class Scheme:
     linear : str
         A key of `LINEAR`.
     tolerance : float
-        Of Newton's iterations, relative; absolute 1e-2 of it, both as Exudyn has them: tighter ones are met no more
-        where steps are short. Of the steps that dopri5 chooses, relative and absolute.
+        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
+        relative and absolute.
     modified_newton : bool
         Keep the Jacobian over iterations and steps while it converges.
     adaptive : bool
