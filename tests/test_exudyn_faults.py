@@ -10,7 +10,21 @@ import pytest
 from models import example_system, random_body, revolute_chain
 from test_loads import EXAMPLES as FORCES
 
-from mbsd3d import GROUND, Bushing, Fixed, GearMesh, Joint, Revolute, Spherical, System, TorsionSpring, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Bushing,
+    Fixed,
+    GearMesh,
+    Joint,
+    Revolute,
+    Spherical,
+    System,
+    Table,
+    Torque,
+    TorsionSpring,
+    simulate,
+)
 from mbsd3d.elements import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
@@ -99,6 +113,21 @@ def test_bad_settings():
             twin(system).run(1.0, steps, samples)
     with pytest.raises(ValueError, match="does not lie after the start"):
         twin(system).run(0.0, 8, 1)
+
+
+def test_tables():
+    """A driver and a force by tables that begin and end with the run; a longer run is refused as mbsd3d does."""
+    rng = np.random.default_rng(7)
+    times = np.linspace(0.0, 0.4, 9)
+    body = random_body(rng, "b")
+    hinge = Revolute(GROUND, body, at=body.position + 0.3, axis=(1, 2, 2))
+    driver = AngleDriver(hinge, Table(times, np.sin(3 * times)))
+    system = System([body], [hinge, driver], [Torque(body, (0.3, Table(times, np.cos(5 * times)), 0.1))])
+    made, truth = twin(system), simulate(system, 0.4, rtol=1e-11, output=5)
+    assert np.abs(made.accelerations()[0, 3:] - truth.alpha(body)[0]).max() < 1e-9
+    assert (distances(made.run(0.4, 512, 4), truth) < 1e-4).all()
+    with pytest.raises(ValueError, match="the table covers 0 s to 0.4 s and is asked for 0 s to 0.5 s"):
+        made.run(0.5, 8, 1)
 
 
 def test_own_steps_of_dopri5():

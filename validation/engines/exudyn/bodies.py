@@ -7,6 +7,7 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.couplings import Coupling, GearMesh
 from mbsd3d.rotations import matrix, multiply
+from mbsd3d.simulation import check_signals
 from mbsd3d.threads import one_thread
 
 from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
@@ -124,8 +125,9 @@ class BodyTwin:
         return self.equations().accelerations()
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`; also ValueError if samples do not lie on steps."""
+        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
         start = self.state.t
+        check_signals(self.system.lowered, start, t_end)
         every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
