@@ -13,12 +13,15 @@ from test_loads import EXAMPLES as FORCES
 from mbsd3d import (
     GROUND,
     AngleDriver,
+    Body,
     Bushing,
+    Distance,
     Fixed,
     GearMesh,
     Joint,
     Revolute,
     Spherical,
+    State,
     System,
     Table,
     Torque,
@@ -149,6 +152,15 @@ def test_failures_say_when_and_why():
     assert "\n" not in str(raised.value) and ".py" not in str(raised.value)
     with pytest.raises(EngineFailed, match="not finite from t"):
         twin(cases.load("free_dzhanibekov").system, solver="rk44").run(1e6, 16, 16)
+
+
+def test_motion_without_mass():
+    """A point mass that nothing keeps from turning: singular equations are said, not solved."""
+    point = Body("point", 1.0, (0, 0, 0), position=(0.3, 0.1, -1.0), velocity=(0, 0, 0), omega=(0, 0, 0))
+    rod = Distance(GROUND, point, at_a=(0, 0, 0), at_b=(0.3, 0.1, -1.0))
+    state = State(0.0, np.array([0.3, 0.1, -1.0, 1, 0, 0, 0]), np.zeros(6))
+    with pytest.raises(EngineFailed, match="no solution at the start: Singular"):
+        twin(System([point], [rod]), state=state).accelerations()
 
 
 def test_versions():

@@ -143,7 +143,7 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
             fine = fine and solver.SolveSteps(mbs, settings)
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
-        except (RuntimeError, ValueError) as error:
+        except (RuntimeError, ValueError, module.ExudynError) as error:
             if "KeyboardInterrupt" in str(error):  # Ctrl-C met one of the functions of Python that Exudyn calls
                 raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
