@@ -199,7 +199,7 @@ def test_parts_as_built(settings):
 
 
 def test_planetary_gears():
-    """A planet between a helical sun and a ring that is the ground, on a carrier that turns: motion and tooth forces."""
+    """A planet between a helical sun and a ring that is the ground, on a turning carrier: motion and tooth forces."""
     rng = np.random.default_rng(3)
     axis, at = direction(rng), np.array([0.1, 0.2, 0.3])
     out = across(rng, axis)
