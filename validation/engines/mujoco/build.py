@@ -13,11 +13,12 @@ from mbsd3d.rotations import quaternion_from_matrix
 
 from ..base import NotExpressible
 from . import rods
-from .freedoms import Freedoms, freedoms
+from .freedoms import Freedoms, freedoms_of
 from .layout import Layout, Piece
 
 FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
-TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver, whose Newton step is exact: at 1e-8 it takes the last forces for good
+TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
+LEAST, ROUNDING = 1e-14, 1e-14  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
 LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 
 
@@ -32,10 +33,12 @@ class Sketch:
         Number of a piece -> (r, R) where all joint coordinates are zero, world.
     joints : dict
         Number of a piece -> its `Freedoms`.
+    closures : dict
+        Joint closed by equalities -> their names.
+    raised : list
+        Bodies whose moments of inertia were below `LEAST`.
     sites : int
         How many there are.
-    points : dict
-        Joint closed by equalities -> names of its sites on a and on b, in pairs.
     """
 
     mujoco: Any
@@ -45,19 +48,17 @@ class Sketch:
     poses: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     joints: dict[int, Freedoms] = field(default_factory=dict)
     closures: dict[int, list[str]] = field(default_factory=dict)
+    raised: list[str] = field(default_factory=list)
     sites: int = 0
 
     def body(self, body: Any) -> Any:
         """The MuJoCo body that stands for a body of the system."""
         return self.spec.worldbody if body is GROUND else self.spec.body(self.layout.main[id(body)].name)
 
-    def site(self, body: Any, point: np.ndarray, axes: np.ndarray | None = None) -> str:
-        """A site at a point of a body (world, reference pose), in the axes of the body unless others are given."""
+    def site(self, body: Any, point: np.ndarray) -> str:
+        """A site at a point of a body (world, reference pose), in the axes of the body."""
         self.sites += 1
-        site = self.body(body).add_site(name=f"site {self.sites}", pos=body.local_point(point))
-        if axes is not None:
-            site.quat = quaternion_from_matrix(axes)
-        return site.name
+        return self.body(body).add_site(name=f"site {self.sites}", pos=body.local_point(point)).name
 
     def equality(self, kind: str, name: str, objects: tuple[str, str], of: str, data: tuple = ()) -> str:
         """An equality between two objects of a kind."""
@@ -102,7 +103,7 @@ def add_piece(made: Sketch, piece: Piece) -> None:
     if piece.joint is None:
         r, R = body.position, body.axes
     else:
-        free = made.joints[piece.number] = freedoms(piece.joint, made.system.name(piece.joint))
+        free = made.joints[piece.number] = freedoms_of(piece.joint, made.system.name(piece.joint))
         r, R = (
             rods.rest_pose(piece, origin, R_parent @ local_axes(rods.ends(piece)[0], np.eye(3)))
             if isinstance(piece.joint, Distance)
@@ -110,7 +111,7 @@ def add_piece(made: Sketch, piece: Piece) -> None:
         )
     made.poses[piece.number] = r, R
     child = above.add_body(name=piece.name, pos=R_parent.T @ (r - origin), quat=quaternion_from_matrix(R_parent.T @ R))
-    weigh(child, body, made.layout.shares(body), made.system)
+    weigh(made, child, body)
     if piece.joint is None:
         child.add_freejoint(name=f"{piece.number} free").align = made.mujoco.mjtAlignFree.mjALIGNFREE_FALSE
     elif isinstance(piece.joint, Distance):
@@ -136,20 +137,21 @@ def local_axes(body: Any, axes: np.ndarray) -> np.ndarray:
     return axes if body is GROUND else body.axes.T @ axes
 
 
-def weigh(child: Any, body: Body, shares: int, system: System) -> None:
-    """Mass and inertia about the centre of mass; principal axes are found here, MuJoCo would to 1e-12 only."""
+def weigh(made: Sketch, child: Any, body: Body) -> None:
+    """A share of mass and inertia about the centre of mass; principal axes are found here, MuJoCo would to 1e-12."""
     moments, C = np.diag(body.inertia), np.eye(3)
     if np.any(body.inertia != np.diag(moments)):
         moments, C = np.linalg.eigh(body.inertia)
         C *= np.sign(np.linalg.det(C))
         moments[2] = min(moments[2], moments[0] + moments[1])  # of a flat body, equal up to rounding
-    if body.mass <= 0.0 or moments.min() <= 0.0:
-        raise NotExpressible(
-            f"body '{body.name}': mass {body.mass:g} kg, least moment of inertia {moments.min():g} kg m^2; MuJoCo "
-            "needs both positive"
-        )
+    if body.mass <= 0.0:
+        raise NotExpressible(f"body '{body.name}': mass {body.mass:g} kg; MuJoCo needs a positive one")
+    least = max(LEAST, ROUNDING * body.mass * made.system.lowered.model.length**2)
+    if moments.min() < least:
+        made.raised.append(body.name)
+    shares = made.layout.shares(body)
     child.explicitinertial = True
-    child.mass, child.inertia = body.mass / shares, moments / shares
+    child.mass, child.inertia = body.mass / shares, np.maximum(moments, least) / shares
     child.ipos, child.iquat = body.com, quaternion_from_matrix(C)
 
 

@@ -5,17 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, GearMesh, Prismatic, Screw
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic, Screw
 from mbsd3d.kernels import kinds
 from mbsd3d.primitives import Coordinate
 
 from ..base import NotExpressible
 from .build import Sketch, slide_name, turn_name
-from .freedoms import Z
+from .freedoms import ALONG, Z
 from .layout import Piece
 from .motors import Motors
-
-ALONG = 1e-9  # [1] what the axes of hinges that count as one may differ by: rounding
 
 
 @dataclass(eq=False)
@@ -45,8 +43,12 @@ def couple(made: Sketch, motors: Motors) -> list[Coupling]:
     for piece in made.layout.pieces:
         if isinstance(piece.joint, ConstantVelocity):
             terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
-            name = made.system.name(piece.joint)
-            found.append(hold_tendon(made, motors, piece.joint, name, terms, None))
+            found.append(hold_tendon(made, motors, piece.joint, made.system.name(piece.joint), terms, None))
+        elif isinstance(piece.joint, PositionDriver):
+            for k, signal in enumerate(piece.joint.signal):
+                if signal is not None:
+                    name, terms = f"{made.system.name(piece.joint)} {'xyz'[k]}", {slide_name(piece, k): 1.0}
+                    found.append(hold_tendon(made, motors, piece.joint, name, terms, signal))
     return found
 
 
@@ -137,4 +139,4 @@ def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | Non
 
 def loads_of(joint: Any) -> bool:
     """Whether a coupling of this joint is part of its own reaction."""
-    return isinstance(joint, Screw | ConstantVelocity)
+    return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

@@ -22,6 +22,7 @@ from mbsd3d import (
     Planar,
     PointOnLine,
     PointOnPlane,
+    PositionDriver,
     Prismatic,
     Revolute,
     Screw,
@@ -34,6 +35,7 @@ from ..base import NotExpressible
 
 X, Y, Z = range(3)
 BALL = None  # turns of a ball: a quaternion
+ALONG = 1e-9  # [1] what the axes of hinges that count as one may differ by: rounding
 ALIGNED = 0.05  # [rad] below this bend the first and third turn of a constant-velocity joint are one
 
 
@@ -103,12 +105,13 @@ TABLE: dict[type, tuple] = {  # slides, hinges about axes of B, their angles
     Planar: ((X, Y), (Z,), about_z),
     PointOnLine: ((Z,), BALL, no_angle),
     PointOnPlane: ((X, Y), BALL, no_angle),
+    PositionDriver: ((X, Y, Z), BALL, no_angle),  # a point of b and its three places, some of which are driven
     Parallel: ((X, Y, Z), (Z,), about_z),
     Perpendicular: ((X, Y, Z), (X, Y), about_xy),
 }
 
 
-def freedoms(joint: Joint, name: str) -> Freedoms:
+def freedoms_of(joint: Joint, name: str) -> Freedoms:
     """Frames and freedoms of a joint of `TABLE`, of a ConstantVelocity or Distance; errors name it."""
     if type(joint) is ConstantVelocity:
         return shafts(joint, name)

@@ -6,7 +6,7 @@ inertia, that is welded to the rest: the two together move as the body does.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from mbsd3d import (
@@ -18,15 +18,20 @@ from mbsd3d import (
     Joint,
     Parallel,
     Perpendicular,
+    PointOnLine,
+    PointOnPlane,
+    PositionDriver,
     Revolute,
+    SpeedDriver,
     Spherical,
     System,
 )
 
-from .freedoms import TABLE
+from .freedoms import ALONG, TABLE
 
 DIRECT = (Revolute, Spherical)  # close a loop by equalities of their own
-LOOSE = (Parallel, Perpendicular, Distance)  # keep no two points together: last to span the tree
+LATE = (PointOnLine, PointOnPlane)  # where body a is the child, a ball before slides: MuJoCo 4.0.1 has its J_dot wrong
+LOOSE = (Parallel, Perpendicular, Distance, PositionDriver)  # keep no two points together: last to span the tree
 
 
 @dataclass(eq=False)
@@ -38,7 +43,6 @@ class Piece:
     parent: "Piece | None"  # None is the ground
     joint: Joint | None
     is_b: bool = True  # whether it is body b of the joint
-    children: list["Piece"] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -68,6 +72,7 @@ def lay_out(system: System, rods: bool) -> Layout:
     known = {*TABLE, ConstantVelocity, *((Distance,) if rods else ())}
     joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}
+    referred |= {id(joint) for joint in joints for driver in system.joints if turns_it(joint, driver)}
     tree = spanning(sorted(joints, key=lambda joint: rank(joint, id(joint) in referred)))
     layout = Layout([], {}, [], [])
     grow(layout, GROUND, tree)
@@ -88,10 +93,16 @@ def lay_out(system: System, rods: bool) -> Layout:
     return layout
 
 
+def turns_it(joint: Joint, driver: Joint) -> bool:
+    """Whether a speed driver turns a hinge, which it does not name."""
+    own = joint.angle() if isinstance(driver, SpeedDriver) else None
+    return own is not None and {own.a, own.b} == {driver.a, driver.b} and abs(abs(own.axis @ driver.axis) - 1.0) < ALONG
+
+
 def rank(joint: Joint, referred: bool) -> int:
     """Order in which joints are asked into the tree; one whose angle or slide is used must have it as a coordinate."""
-    if isinstance(joint, LOOSE):
-        return 4
+    if isinstance(joint, LATE + LOOSE):
+        return 4 if isinstance(joint, LATE) else 5
     if type(joint) not in (Revolute, Spherical) or referred:
         return 0 if isinstance(joint, Fixed) else 1
     return 2 if isinstance(joint, Revolute) else 3
@@ -137,6 +148,4 @@ def add(layout: Layout, body: Body, parent: Piece | None, joint: Joint | None, i
     """A new piece."""
     piece = Piece(len(layout.pieces), body, parent, joint, is_b)
     layout.pieces.append(piece)
-    if parent is not None:
-        parent.children.append(piece)
     return piece

@@ -10,7 +10,7 @@ OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order
 SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
 
 
-def load() -> Any:
+def require() -> Any:
     """The module ``mujoco``.
 
     Raises

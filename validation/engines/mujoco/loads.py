@@ -33,7 +33,7 @@ class Loads:
     signals: list = field(default_factory=list)
 
 
-def load(made: Sketch) -> Loads:
+def load_all(made: Sketch) -> Loads:
     """All forces of the system, or an error that names the one MuJoCo has no element for."""
     loads = Loads()
     for force in made.system.forces:
