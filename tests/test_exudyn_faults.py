@@ -1,11 +1,32 @@
 """The twin in Exudyn: what it refuses and how, engine failures, versions; quiet, repeatable, nothing written."""
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
-from models import EXAMPLES, example_system, random_body, revolute_chain
+from models import random_body, revolute_chain
 from test_loads import EXAMPLES as FORCES
 
-from mbsd3d import GROUND, GearMesh, Joint, Revolute, RollingDisc, Spherical, System, TorsionSpring, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Bushing,
+    Distance,
+    Fixed,
+    Joint,
+    Revolute,
+    Spherical,
+    State,
+    System,
+    Table,
+    Torque,
+    TorsionSpring,
+    simulate,
+)
 from mbsd3d.elements import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
@@ -14,9 +35,8 @@ pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 
 from exudyn_models import distances, tree  # noqa: E402
 
-from validation.engines.exudyn import EXPRESSES, EXPRESSES_FORCES, twin  # noqa: E402
+from validation.engines.exudyn import EXPRESSES, EXPRESSES_FORCES, advised, twin  # noqa: E402
 from validation.engines.exudyn.forces import REFUSED as REFUSED_FORCES  # noqa: E402
-from validation.engines.exudyn.joints import REFUSED  # noqa: E402
 from validation.engines.exudyn.library import check_version  # noqa: E402
 
 
@@ -30,16 +50,20 @@ def public(base):
 
 def test_every_part_is_expressed_or_refused():
     """A new joint or force must be put into one of the tables."""
-    assert {x.__name__ for x in EXPRESSES} | set(REFUSED) == public(Joint)
+    assert {x.__name__ for x in EXPRESSES} == public(Joint)
     assert {x.__name__ for x in EXPRESSES_FORCES} | set(REFUSED_FORCES) == public(ForceElement)
     assert all(EXPRESSES.values()) and all(EXPRESSES_FORCES.values())
 
 
-@pytest.mark.parametrize("name", sorted(REFUSED))
-def test_refused_joints(name):
-    system = example_system(next(cls for cls in EXAMPLES if cls.__name__ == name), 5)
-    with pytest.raises(NotExpressible, match=f"joint '{name} 1' .{name}.: {REFUSED[name]}"):
-        twin(system)
+class Weld(Fixed):
+    """A joint of a user's own."""
+
+
+def test_refused_joint():
+    """A class that no table knows is refused by name."""
+    body = random_body(np.random.default_rng(1))
+    with pytest.raises(NotExpressible, match="joint 'seam' .Weld.: Exudyn has no element for it"):
+        twin(System([body], [Weld(GROUND, body, at=(0.1, 0.2, 0.3), name="seam")]))
 
 
 @pytest.mark.parametrize("name", sorted(set(REFUSED_FORCES) - {"CustomForce"}))  # which takes 9 s to compile
@@ -55,11 +79,12 @@ def test_refused_variants():
     """Parts that it has, in a way that it has not; what a tree has not; solvers that take no constraints."""
     rng = np.random.default_rng(6)
     a, b = random_body(rng, "a"), random_body(rng, "b")
-    hinge = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2), axis_b=(1, 2, 2.001))
+    hinge = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2))
+    crooked = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2), axis_b=(1, 2, 2.001))
+    sprung = System([a], [crooked], [TorsionSpring(crooked, stiffness=1.0)])
     for parts, settings, text in (
-        (example_system(RollingDisc, 5), {}, "crown 0.1 m"),
-        (example_system(GearMesh, 5), {}, "'Cylindrical 1', which slides"),
-        (System([a], [hinge], [TorsionSpring(hinge, stiffness=1.0)]), {}, "axes on both sides differ"),
+        (sprung, {"state": sprung.assemble()}, "force 'TorsionSpring 1' .*axes on both sides differ"),
+        (System([a, b], forces=[Bushing(a, b, at=(0, 0, 0), stiffness=1.0)]), {}, "force 'Bushing 1' .*hangs on 'a'"),
         (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
         (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),
         (System([a], [Spherical(GROUND, a, at=(0, 0, 0))]), {"formulation": "kinematic tree"}, "has only Revolute"),
@@ -77,6 +102,7 @@ def test_bad_settings():
         ({"linear": "lu"}, "linear 'lu' is unknown"),
         ({"rotation": "angles"}, "rotation 'angles' is unknown"),
         ({"formulation": "minimal"}, "formulation 'minimal' is unknown"),
+        ({"rows": "some"}, "rows 'some' is unknown"),
         ({"spectral_radius": 1.5}, "spectral_radius 1.5 is not a share"),
         ({"tolerance": 0.0}, "tolerance 0.0 is not positive"),
         ({"solver": "rk44", "adaptive": True}, "adaptive=True goes with 'dopri5'"),
@@ -88,6 +114,21 @@ def test_bad_settings():
             twin(system).run(1.0, steps, samples)
     with pytest.raises(ValueError, match="does not lie after the start"):
         twin(system).run(0.0, 8, 1)
+
+
+def test_tables():
+    """A driver and a force by tables that begin and end with the run; a longer run is refused as mbsd3d does."""
+    rng = np.random.default_rng(7)
+    times = np.linspace(0.0, 0.4, 9)
+    body = random_body(rng, "b")
+    hinge = Revolute(GROUND, body, at=body.position + 0.3, axis=(1, 2, 2))
+    driver = AngleDriver(hinge, Table(times, np.sin(3 * times)))
+    system = System([body], [hinge, driver], [Torque(body, (0.3, Table(times, np.cos(5 * times)), 0.1))])
+    made, truth = twin(system), simulate(system, 0.4, rtol=1e-11, output=5)
+    assert np.abs(made.accelerations()[0, 3:] - truth.alpha(body)[0]).max() < 1e-9
+    assert (distances(made.run(0.4, 512, 4), truth) < 1e-4).all()
+    with pytest.raises(ValueError, match="the table covers 0 s to 0.4 s and is asked for 0 s to 0.5 s"):
+        made.run(0.5, 8, 1)
 
 
 def test_own_steps_of_dopri5():
@@ -111,6 +152,15 @@ def test_failures_say_when_and_why():
         twin(cases.load("free_dzhanibekov").system, solver="rk44").run(1e6, 16, 16)
 
 
+def test_motion_without_mass():
+    """A point mass that nothing keeps from turning: singular equations are said, not solved."""
+    point = Body("point", 1.0, (0, 0, 0), position=(0.3, 0.1, -1.0), velocity=(0, 0, 0), omega=(0, 0, 0))
+    rod = Distance(GROUND, point, at_a=(0, 0, 0), at_b=(0.3, 0.1, -1.0))
+    state = State(0.0, np.array([0.3, 0.1, -1.0, 1, 0, 0, 0]), np.zeros(6))
+    with pytest.raises(EngineFailed, match="no solution at the start: Singular"):
+        twin(System([point], [rod]), state=state).accelerations()
+
+
 def test_versions():
     check_version("1.13.6"), check_version("1.14.0.dev1"), check_version("2.0")
     with pytest.raises(EngineMissing, match="Exudyn 1.12.99 is older than 1.13.6; pip install"):
@@ -128,3 +178,28 @@ def test_quiet_and_repeatable(capfd, tmp_path, monkeypatch):
         twin(cases.load("door_two_hinges").system, solver="index2", linear="dense").run(0.5, 4, 1)
     assert (first.position == second.position).all() and (first.omega == second.omega).all()
     assert tuple(capfd.readouterr()) == ("", "") and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["free_dzhanibekov", "iftomm_A01_pendulum", "coriolis_slider", "sarrus_linkage"])
+def test_advised_settings(name):
+    """All of them run, the first as the twin does by itself; trees in hinge coordinates too."""
+    system = cases.load(name).system
+    settings = advised(system)
+    assert settings[0] == {} and len({str(twin(system, **given).settings) for given in settings}) == len(settings)
+    ends = [twin(system, **given).run(0.05, 64, 1).position[-1] for given in settings]
+    assert max(np.abs(end - ends[0]).max() for end in ends) < 1e-4
+    assert any("formulation" in given for given in settings) == (name == "iftomm_A01_pendulum")
+
+
+def test_interrupt():
+    """Ctrl-C ends a long run as what it is, between two records; the twin can run again."""
+    made = twin(cases.load("iftomm_A04_bricard").system)
+    began = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        made.run(10.0, 128 * 1024, 1)
+    interrupted = time.perf_counter() - began
+    began = time.perf_counter()
+    made.run(10.0 / 128, 1024, 1)
+    # the whole run takes 128 times as long as this one
+    assert interrupted < 0.2 + 20 * (time.perf_counter() - began)

@@ -2,13 +2,14 @@
 
 from typing import Any
 
-from ..base import Twin
+from ..base import EngineFailed, NotExpressible, Twin
 from .assembly import ROTATIONS
 from .bodies import BodyTwin
 from .forces import FORCES
 from .joints import JOINTS
 from .library import exudyn
 from .minimal import TreeTwin
+from .solvers import last_words
 
 EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
 """Joint class -> one line how."""
@@ -17,6 +18,7 @@ EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}
 """Force class -> one line how."""
 
 FORMULATIONS = ("rigid bodies", "kinematic tree")
+ROWS = ("independent", "all")
 
 
 def twin(
@@ -25,6 +27,7 @@ def twin(
     state: Any = None,
     formulation: str = "rigid bodies",
     rotation: str = "rotation vector",
+    rows: str = "all",
     **scheme: Any,
 ) -> Twin:
     """A twin of a system in Exudyn.
@@ -40,6 +43,9 @@ def twin(
         solver; no reactions.
     rotation : str
         Of rigid bodies: "rotation vector" (Lie group) or "euler parameters".
+    rows : str
+        Of rigid bodies where constraints repeat each other: "all" keeps them, for full pivoting, "independent" leaves
+        out as many as Exudyn counts.
     **scheme
         Fields of `Scheme`: solver "generalized-alpha", "index2", "rk44", "dopri5" or "rk67", spectral_radius, linear
         "dense", "sparse" or "full-pivot", tolerance, modified_newton, adaptive. What is not given is chosen to fit:
@@ -56,6 +62,8 @@ def twin(
         If Exudyn is not installed, or too old.
     NotExpressible
         For a part that Exudyn, or the formulation, has no element for.
+    EngineFailed
+        If Exudyn itself refuses the model.
     ValueError
         For an unknown setting.
 
@@ -67,11 +75,54 @@ def twin(
     >>> round(float(motion.position[-1, 0, 2]), 9)  # 2 - g t^2 / 2
     0.77375
     """
-    for name, value, known in (("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS))):
+    for name, value, known in (
+        ("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS)), ("rows", rows, ROWS),
+    ):  # fmt: skip
         if value not in known:
             raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
     module = exudyn()
     start = system.state() if state is None else state
-    if formulation == "kinematic tree":
-        return TreeTwin(module, system, start, **scheme)
-    return BodyTwin(module, system, start, rotation, **scheme)
+    try:
+        if formulation == "kinematic tree":
+            return TreeTwin(module, system, start, **scheme)
+        return BodyTwin(module, system, start, rotation, rows, **scheme)
+    except module.ExudynError as error:
+        raise EngineFailed(f"Exudyn does not take the model: {last_words(str(error))}") from None
+
+
+def advised(system: Any) -> list[dict[str, Any]]:
+    """Settings that one who knows Exudyn would try for a system, in order; the first are those of ``twin(system)``.
+
+    Where rows repeat each other, full pivoting takes them as they are and passes singular positions, but stops where
+    masses are tiny (the squeezer mechanism of Andrews); rows left out run there, and stop at singular positions.
+
+    Parameters
+    ----------
+    system : System
+
+    Returns
+    -------
+    list of dict
+        Keyword arguments of `twin`.
+
+    Raises
+    ------
+    EngineMissing, NotExpressible
+        As `twin`.
+    """
+    made = twin(system)
+    if not system.joints:
+        return [{}, {"solver": "dopri5"}, {"solver": "rk44"}]
+    found: list[dict[str, Any]] = [{}]
+    if made.repeated:
+        found += [
+            {"rows": "independent", "solver": "index2"},
+            {"rows": "independent", "solver": "generalized-alpha", "tolerance": 1e-6},
+        ]
+    else:
+        found += [{"solver": "generalized-alpha"}, {"modified_newton": False}]
+    try:
+        twin(system, formulation="kinematic tree")
+    except NotExpressible:
+        return found
+    return [*found, *({"formulation": "kinematic tree", "solver": name} for name in ("rk67", "dopri5", "rk44"))]

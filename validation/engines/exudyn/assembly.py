@@ -31,22 +31,27 @@ class Assembly:
         The start.
     rotation : str
         A key of `ROTATIONS`.
+    left_out : mapping
+        id(joint) -> rows of its first object that Exudyn is not to see; see `independence`.
     """
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str) -> None:
+    def __init__(
+        self, module: Any, system: Any, state: Any, rotation: str, left_out: dict[int, set[int]] | None = None
+    ) -> None:
+        self.left_out = left_out or {}
         self.system, self.state, self.rotation = system, state, rotation
         self.module, self.items = module, module.itemInterface
         self.container = module.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.body = {id(GROUND): self.mbs.AddObject(self.items.ObjectGround())}
+        self.nodes: dict[int, int] = {}
         self.reference = np.array([body.orientation for body in system.bodies])
         self.start = multiply(state.q.reshape(-1, 7)[:, 3:], conjugate(self.reference))
         for k, body in enumerate(system.bodies):
             self.body[id(body)] = self.add_body(k, body)
         self.objects: dict[int, list[int]] = {}
-        self.zero = self.mbs.AddMarker(
-            self.items.MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(self.items.NodePointGround()), coordinate=0)
-        )
+        self.zero_node = self.mbs.AddNode(self.items.NodePointGround())
+        self.zero = self.mbs.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=self.zero_node, coordinate=0))
 
     def add_body(self, k: int, body: Any) -> int:
         """A rigid body with its weight."""
@@ -66,9 +71,10 @@ class Assembly:
                 initialCoordinates=[*shift, *(e - (1, 0, 0, 0))],
                 initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
             )
+        self.nodes[id(body)] = self.mbs.AddNode(node)
         number = self.mbs.AddObject(
             self.items.ObjectRigidBody(
-                mass=body.mass, centerOfMass=com, nodeNumber=self.mbs.AddNode(node),
+                mass=body.mass, centerOfMass=com, nodeNumber=self.nodes[id(body)],
                 inertia=[I_O[0, 0], I_O[1, 1], I_O[2, 2], I_O[1, 2], I_O[0, 2], I_O[0, 1]],
             )
         )  # fmt: skip
@@ -77,6 +83,11 @@ class Assembly:
             self.mbs.AddLoad(self.items.LoadMassProportional(markerNumber=mass, loadVector=self.system.gravity))
         return number
 
+    def kept(self, joint: Any, locked: tuple[int, ...]) -> list[int]:
+        """Flags of the directions that a joint locks, without those left out."""
+        gone = self.left_out.get(id(joint), set())
+        return [int(flag and k not in gone) for k, flag in enumerate(locked)]
+
     def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
         """A frame on a body: point and axes (columns), world at the reference pose."""
         place = np.eye(4)
@@ -84,6 +95,14 @@ class Assembly:
         if axes is not None:
             place[:3, :3] = axes
         return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.body[id(body)], localHT=place))
+
+    def velocity_sensor(self, body: Any, point: Array) -> int:
+        """A sensor of the world velocity of a body's point."""
+        item = self.items.SensorBody(
+            bodyNumber=self.body[id(body)], localPosition=point - body.position, writeToFile=False,
+            outputVariableType=self.module.OutputVariableType.Velocity,
+        )  # fmt: skip
+        return self.mbs.AddSensor(item)
 
     def coordinate(self, x: Coordinate, counted: bool = True) -> int:
         """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
@@ -114,8 +133,10 @@ class Assembly:
         return float(np.remainder(2 * np.arctan2(relative[1:] @ x.axis, relative[0]) + np.pi, 2 * np.pi) - np.pi)
 
     def connect(self, part: Any, item: Any) -> None:
-        """Add a connector of a joint or force."""
-        self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
+        """Add a connector of a joint or force; one with a single row goes with that row."""
+        single = isinstance(item, self.items.ObjectConnectorCoordinate | self.items.ObjectConnectorDistance)
+        if not (single and id(part) not in self.objects and 0 in self.left_out.get(id(part), ())):
+            self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""

@@ -1,18 +1,20 @@
 """The twin of free bodies and joints between them: absolute coordinates and constraints."""
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.couplings import Coupling, GearMesh
+from mbsd3d.couplings import Coupling
 from mbsd3d.rotations import matrix, multiply
+from mbsd3d.simulation import check_signals
+from mbsd3d.threads import one_thread
 
 from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
 from .assembly import Assembly
 from .equations import Equations
 from .forces import add_force_element
+from .independence import repeated_rows
 from .joints import add_joint
 from .library import quiet
 from .solvers import SOLVERS, Scheme, check_samples, march
@@ -25,7 +27,8 @@ class BodyTwin:
     """See `validation.engines.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
 
     Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
-    rule, whose multipliers are of second order from the first sample on; else generalized-alpha with full pivoting.
+    rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting if
+    all rows are kept. Where rows repeat each other, no reactions are reported: they are one choice among many.
 
     Parameters
     ----------
@@ -36,25 +39,25 @@ class BodyTwin:
         The start.
     rotation : str
         A key of `ROTATIONS`.
+    rows : str
+        "all" or "independent".
     **scheme
         Of `Scheme`.
     """
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str, **scheme: Any) -> None:
-        self.module, self.system, self.state = module, system, state
+    def __init__(self, module: Any, system: Any, state: Any, rotation: str, rows: str = "all", **scheme: Any) -> None:
+        self.module, self.system, self.state, self.rotation = module, system, state, rotation
         Scheme(**scheme)  # refuses what it does not know before anything is built
-        self.model = Assembly(module, system, state, rotation)
-        for joint in system.joints:
-            add_joint(self.model, joint)
-        for force in system.forces:
-            add_force_element(self.model, force)
-        self.mbs = self.model.mbs
-        self.recorder = self.mbs.AddSensor(
-            module.itemInterface.SensorUserFunction(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False)
-        )
-        self.mbs.Assemble()
+        self.build({})
+        self.counts = {} if is_forest(system) else self.counted()
+        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has none
+        self.open = self.repeated > 0  # whether rows that repeat others are in the equations
+        left_out = repeated_rows(self.model, self.equations(), self.repeated) if self.open else {}
+        if left_out and rows == "independent":
+            self.build(left_out)
+            self.open = False
         self.scheme = Scheme(**self.fitting() | scheme)
         if system.joints and not self.scheme.implicit:
             raise NotExpressible(
@@ -62,24 +65,45 @@ class BodyTwin:
                 "solver, or formulation='kinematic tree' for a tree of hinges and guides"
             )
         self.order = float(SOLVERS[self.scheme.solver][1])
-        self.settings = f"rigid bodies with {rotation}s, {self.scheme}"
+        without = f", {self.repeated} repeated rows left out" if self.repeated and not self.open else ""
+        self.settings = f"rigid bodies with {rotation}s{without}, {self.scheme}"
 
-    def fitting(self) -> dict[str, str]:
-        """Solver and linear solver that fit the system."""
+    def build(self, left_out: dict[int, set[int]]) -> None:
+        """The system of Exudyn, without some rows."""
+        self.model = Assembly(self.module, self.system, self.state, self.rotation, left_out)
+        for joint in self.system.joints:
+            add_joint(self.model, joint)
+        for force in self.system.forces:
+            add_force_element(self.model, force)
+        self.mbs, item = self.model.mbs, self.module.itemInterface.SensorUserFunction
+        self.recorder = self.mbs.AddSensor(item(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False))
+        self.mbs.Assemble()
+
+    def fitting(self) -> dict[str, Any]:
+        """Solver, linear solver and tolerance that fit the system.
+
+        Multipliers need Newton's iterations closer than motions do; with repeated rows left in, the residual of short
+        steps does not fall that far.
+        """
         if not self.system.joints:
             return {"solver": "rk67"}
-        if self.repeated:
+        if self.open:
             return {"solver": "generalized-alpha", "linear": "full-pivot"}
-        return {"solver": "index2", "linear": "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"}
-
-    @cached_property
-    def repeated(self) -> bool:
-        """Whether rows repeat each other, as Exudyn counts; a forest of joints has no such rows."""
-        return not is_forest(self.system) and self.degrees_of_freedom()["redundantConstraints"] > 0
+        linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
+        if self.repeated:
+            return {"solver": "generalized-alpha", "linear": linear}
+        return {"solver": "index2", "linear": linear, "tolerance": 1e-10}
 
     def degrees_of_freedom(self) -> dict[str, int]:
-        """Exudyn's own count: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE' (no real rows)."""
-        with quiet(self.module):
+        """Exudyn's own count of all rows: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE'.
+
+        'nAE' counts 'nPureAE' rows "multiplier = 0" too, which are none of the mechanism.
+        """
+        return dict(self.counts or self.counted())
+
+    def counted(self) -> dict[str, int]:
+        """The count of the rows there are."""
+        with quiet(self.module), one_thread():
             return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
 
     def equations(self) -> Equations:
@@ -89,7 +113,7 @@ class BodyTwin:
         with quiet(self.module) as said:
             if not solver.InitializeSolver(self.mbs, settings):
                 raise EngineFailed(f"Exudyn does not start: {said.getvalue()}")
-        return Equations(self.model, solver, self.repeated)
+        return Equations(self.model, solver, self.open)
 
     def kinetic(self) -> Kinetic:
         """Mass matrix at the start, and the map from Exudyn's velocities."""
@@ -101,30 +125,25 @@ class BodyTwin:
         return self.equations().accelerations()
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`; also ValueError if samples do not lie on steps."""
-        settings = self.scheme.settings(self.module, self.state.t, t_end, steps, samples)
+        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        start = self.state.t
+        check_signals(self.system.lowered, start, t_end)
+        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
+        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
         seconds = march(self.module, self.mbs, self.scheme, settings)
         table = np.array(self.mbs.GetSensorStoredData(self.recorder))
-        t = check_samples(table[:, 0], self.state.t, t_end, samples, table[:, 1:])
+        t = check_samples(table[:, 0], start, t_end, samples * every, table[:, 1:])[::every]
         n = self.mbs.systemData.ODE2Size()
-        q, u, lam = np.split(table[:, 1:], [n, 2 * n], axis=1)
+        q, u, lam = np.split(table[::every, 1:], [n, 2 * n], axis=1)
         lam[0] = first
         position, turn = self.model.poses(q)
         v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)
         return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)
 
-    def determinate(self) -> list[Any]:
-        """Joints whose reactions Exudyn gives: none where rows repeat each other, not those that carry tooth forces."""
-        if self.repeated or self.scheme.linear == "full-pivot":
-            return []
-        meshes = [joint for joint in self.system.joints if isinstance(joint, GearMesh)]
-        without = {id(part) for mesh in meshes for part in (mesh, *mesh.partners())}
-        return [joint for joint in self.system.joints if id(joint) not in without]
-
     def reactions(self, t: Array, q: Array, u: Array, lam: Array) -> dict[str, Load]:
-        """Wrench -J' lam on body b of every joint, moved to the joint's point."""
-        joints = self.determinate()
+        """Wrench -J' lam on body b of every joint, moved to the joint's point; none where rows repeat each other."""
+        joints = () if self.repeated else self.system.joints
         if not joints:
             return {}
         equations, k = self.equations(), len(self.system.bodies)

@@ -6,27 +6,20 @@ first axis of a stays across the second of b.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from mbsd3d import joints as j
-from mbsd3d.contacts import RollingDisc
-from mbsd3d.couplings import Gear, GearMesh, RackPinion
-from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
+from mbsd3d.contacts import KnifeEdge, RollingDisc
+from mbsd3d.couplings import GearMesh
 from mbsd3d.joints import cross, matched_perpendiculars, perpendiculars
 from mbsd3d.primitives import Coordinate
-from mbsd3d.signals import Constant
 
 from ..base import Array, NotExpressible
 from .assembly import Assembly
-
-
-class Expression(NamedTuple):
-    """One line how, and the function that adds the elements."""
-
-    how: str
-    add: Callable[[Assembly, Any, str], None]
+from .contacts import add_knife_edge, add_mesh, add_rolling
+from .couplings import COUPLINGS, Expression, couple
 
 
 def frames_along(axis: Array, axis_b: Array, place: int) -> tuple[Array, Array]:
@@ -43,17 +36,47 @@ def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
     return np.column_stack([axis_a, cross(z, axis_a), z]), np.column_stack([cross(axis_b, z), axis_b, z])
 
 
+DOTS = {1: {5: (0, 1)}, 2: {3: (2, 0), 4: (2, 1)}, 3: {3: (2, 1), 4: (2, 0), 5: (0, 1)}}
+"""Locked turns -> row of GenericJoint -> (axis of frame a, axis of frame b) that stay across each other."""
+
+
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
-    """A joint that locks directions of its frames."""
+    """A joint that locks directions of its frames.
+
+    Three locked shifts stand along the world in GenericJoint, fewer along its frame: where a row of three is left out,
+    SphericalJoint keeps the others as they are. Where some of its turns are left, each is a GenericJoint.
+    """
 
     def add(model: Assembly, joint: Any, what: str) -> None:
         axes_a, axes_b = frames(joint)
-        at = getattr(joint, "at", joint.a.position)
-        at_b = getattr(joint, "at_b", joint.b.position)
-        markers = [model.marker(joint.a, at, axes_a), model.marker(joint.b, at_b, axes_b)]
-        model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=list(locked)))
+        at, at_b = getattr(joint, "at", joint.a.position), getattr(joint, "at_b", joint.b.position)
+        flags, shifts, turns = model.kept(joint, locked), sum(locked[:3]), sum(locked[3:])
+        single = [k for k in (3, 4, 5) if flags[k]] if 0 < sum(flags[3:]) < turns else []
+        if single:
+            flags[3:] = 0, 0, 0
+        if sum(flags[:3]) < shifts == 3:
+            add_point(model, joint, at, at_b, flags[:3])
+            flags[:3] = 0, 0, 0
+        if any(flags):
+            connect(model, joint, flags, (at, axes_a), (at_b, axes_b))
+        for k in single:
+            first, second = DOTS[turns][k]
+            across_a, across_b = frames_across(axes_a[:, first], axes_b[:, second])
+            connect(model, joint, [0, 0, 0, 0, 0, 1], (at, across_a), (at_b, across_b))
 
     return add
+
+
+def add_point(model: Assembly, joint: Any, at: Array, at_b: Array, flags: list[int]) -> None:
+    """Points coincide along the world axes with a flag."""
+    markers = [model.marker(joint.a, at), model.marker(joint.b, at_b)]
+    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers, constrainedAxes=flags))
+
+
+def connect(model: Assembly, joint: Any, flags: list[int], side_a: tuple, side_b: tuple) -> None:
+    """One GenericJoint between (point, axes) on a and b."""
+    markers = [model.marker(joint.a, *side_a), model.marker(joint.b, *side_b)]
+    model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=flags))
 
 
 def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
@@ -74,8 +97,16 @@ def crossed(joint: Any) -> tuple[Array, Array]:
 
 def add_spherical(model: Assembly, joint: Any, what: str) -> None:
     """Points coincide."""
-    markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
-    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
+    add_point(model, joint, joint.at, joint.at_b, model.kept(joint, (1, 1, 1)))
+
+
+def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
+    """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
+    add_spherical(model, joint, what)
+    turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
+    turn_b = Coordinate("angle", joint.b, joint.a, joint.axis_b, joint.axis_b)
+    markers = [model.coordinate(x, counted=False) for x in (turn_a, turn_b)]
+    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
 
 
 def add_distance(model: Assembly, joint: Any, what: str) -> None:
@@ -84,103 +115,10 @@ def add_distance(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
-def add_rolling(model: Assembly, joint: Any, what: str) -> None:
-    """All three rows are held as velocities there."""
-    if joint.crown:
-        raise NotExpressible(f"{what}: crown {joint.crown:g} m; the rolling disc of Exudyn has a sharp rim")
-    # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
-    markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
-    disc = model.items.ObjectJointRollingDisc(
-        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
-    )
-    model.connect(joint, disc)
-
-
-def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
-    """Marker of a hinge coordinate, which Exudyn measures about one axis."""
-    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
-        raise NotExpressible(f"{what}: the axes on both sides differ as built; Exudyn measures an angle about one axis")
-    return model.coordinate(x)
-
-
-def couple(model: Assembly, joint: Any, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
-    """driven = ratio by."""
-    markers = [hinge_coordinate(model, x, what) for x in (driven, by)]
-    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
-
-
 def add_screw(model: Assembly, joint: Any, what: str) -> None:
     """A cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
-
-
-def add_gear(model: Assembly, joint: Any, what: str) -> None:
-    """angle b = ratio angle a."""
-    couple(model, joint, joint.hinge_b.angle(), joint.ratio, joint.hinge_a.angle(), what)
-
-
-def add_rack(model: Assembly, joint: Any, what: str) -> None:
-    """slide = radius angle."""
-    couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
-
-
-def add_mesh(model: Assembly, joint: Any, what: str) -> None:
-    """Angles of the gears on their carrier in a fixed ratio: the same motion, other loads."""
-    row, n = joint.primitives[0], joint.direction()
-    for hinge in (joint.hinge_a, joint.hinge_b):
-        if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
-            name = model.system.name(hinge)
-            raise NotExpressible(f"{what}: its teeth push along '{name}', which slides; Exudyn couples angles only")
-    a, b = row.coordinates
-    couple(model, joint, b, -row.values[0] / row.values[1], a, what)
-
-
-def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
-    """x = f(t)."""
-    markers = [model.zero, hinge_coordinate(model, x, what)]
-    if isinstance(signal, Constant):
-        return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
-    return model.items.ObjectConnectorCoordinate(
-        markerNumbers=markers,
-        offsetUserFunction=lambda mbs, t, item, offset: float(signal(t)),
-        offsetUserFunction_t=lambda mbs, t, item, offset: float(signal.derivative(t)),
-    )
-
-
-def add_angle_driver(model: Assembly, joint: Any, what: str) -> None:
-    """theta = f(t)."""
-    model.connect(joint, prescribe(model, joint.hinge.angle(), joint.signal, what))
-
-
-def add_slide_driver(model: Assembly, joint: Any, what: str) -> None:
-    """s = f(t)."""
-    model.connect(joint, prescribe(model, joint.slider.slide(), joint.signal, what))
-
-
-def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
-    """Displacements along world axes."""
-    for axis, signal in zip(np.eye(3), joint.signal, strict=True):
-        if signal is not None:
-            x = Coordinate("slide", joint.a, joint.b, axis, axis, joint.at, joint.at)
-            model.connect(joint, prescribe(model, x, signal, what))
-
-
-def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
-    """x_a . (w_b - w_a) = f(t), a condition on velocities."""
-    x, signal = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), joint.speed
-    moving = {}
-    if not isinstance(signal, Constant):
-        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: float(signal(t))}
-    model.connect(
-        joint,
-        model.items.ObjectConnectorCoordinate(
-            markerNumbers=[model.zero, model.coordinate(x, counted=False)],
-            velocityLevel=True,
-            offset=float(signal(0.0)),
-            **moving,
-        ),
-    )
 
 
 JOINTS: dict[type, Expression] = {
@@ -196,23 +134,19 @@ JOINTS: dict[type, Expression] = {
     j.Distance: Expression("DistanceConstraint", add_distance),
     j.Parallel: Expression("GenericJoint, turns about x and y locked", generic((0, 0, 0, 1, 1, 0), along(2))),
     j.Perpendicular: Expression("GenericJoint, x of a across y of b", generic((0, 0, 0, 0, 0, 1), crossed)),
+    j.ConstantVelocity: Expression(
+        "SphericalJoint and CoordinateConstraint of two rates about the shafts, on velocities", add_constant_velocity
+    ),
     j.Screw: Expression("GenericJoint (cylindrical) and CoordinateConstraint of slide and angle", add_screw),
-    Gear: Expression("CoordinateConstraint of two angles", add_gear),
-    RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
-    GearMesh: Expression("CoordinateConstraint of two angles (motion only: no tooth force on the bearings)", add_mesh),
-    RollingDisc: Expression("RollingDiscJoint, all rows on velocities; sharp rim only", add_rolling),
-    AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
-    SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
-    PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),
-    SpeedDriver: Expression("CoordinateConstraint on velocities", add_speed_driver),
+    **COUPLINGS,
+    RollingDisc: Expression(
+        "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
+        add_rolling,
+    ),
+    GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
+    KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
 }
 """Joint class -> how it is expressed."""
-
-REFUSED: dict[str, str] = {
-    "ConstantVelocity": "Exudyn has no joint that keeps two shafts turning alike about their bisector",
-    "KnifeEdge": "Exudyn has no condition on the velocity of a body's point along a direction fixed in the body",
-}
-"""Joint class -> why not."""
 
 
 def add_joint(model: Assembly, joint: Any) -> None:
@@ -220,5 +154,5 @@ def add_joint(model: Assembly, joint: Any) -> None:
     kind = type(joint)
     what = f"joint '{model.system.name(joint)}' ({kind.__name__})"
     if kind not in JOINTS:
-        raise NotExpressible(f"{what}: {REFUSED.get(kind.__name__, 'Exudyn has no element for it')}")
+        raise NotExpressible(f"{what}: Exudyn has no element for it")
     JOINTS[kind].add(model, joint, what)
