@@ -17,7 +17,7 @@ def trials(quick: bool = False) -> list[Trial]:
     list of Trial
         Names are unique.
     """
-    return [*references.trials(), *demonstrations.trials(quick), *engines.trials(quick), *randoms.trials(quick)]
+    return [*references.trials(quick), *demonstrations.trials(quick), *engines.trials(quick), *randoms.trials(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:

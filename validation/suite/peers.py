@@ -36,8 +36,7 @@ def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], Cro
     """
     if trial.alone:
         return [not_compared(judge, trial.alone) for judge in PEERS], None
-    span = made.t_end if trial.span is None else min(trial.span, made.t_end)
-    check = cross_check(made.system, span, state=made.state, budget=budget, progress=False)
+    check = cross_check(made.system, made.t_end or None, state=made.state, budget=budget, progress=False)
     if check.interrupted:
         raise KeyboardInterrupt
     return [translated(finding) for finding in check.findings], check
