@@ -10,7 +10,7 @@ import pytest
 from models import example_system, random_body, revolute_chain
 from test_loads import EXAMPLES as FORCES
 
-from mbsd3d import GROUND, Fixed, GearMesh, Joint, Revolute, Spherical, System, TorsionSpring, simulate
+from mbsd3d import GROUND, Bushing, Fixed, GearMesh, Joint, Revolute, Spherical, System, TorsionSpring, simulate
 from mbsd3d.elements import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
@@ -68,6 +68,7 @@ def test_refused_variants():
     sprung = System([a], [crooked], [TorsionSpring(crooked, stiffness=1.0)])
     for parts, settings, text in (
         (sprung, {"state": sprung.assemble()}, "force 'TorsionSpring 1' .*axes on both sides differ"),
+        (System([a, b], forces=[Bushing(a, b, at=(0, 0, 0), stiffness=1.0)]), {}, "force 'Bushing 1' .*hangs on 'a'"),
         (example_system(GearMesh, 5), {}, "'Cylindrical 1', which slides"),
         (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
         (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),

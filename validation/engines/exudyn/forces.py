@@ -4,11 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d import GROUND
 from mbsd3d.elements import hinge_coordinate as coordinate_of
-from mbsd3d.forces import Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.forces import AeroDrag, Bushing, Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.rotations import exponential, matrix, multiply
 from mbsd3d.signals import Constant
 
-from ..base import NotExpressible
+from ..base import Array, NotExpressible
 from .assembly import Assembly
 from .couplings import Expression, hinge_coordinate
 
@@ -69,18 +71,54 @@ def add_friction(model: Assembly, friction: Any, what: str) -> None:
     model.connect(friction, item)
 
 
+def add_drag(model: Assembly, drag: Any, what: str) -> None:
+    """-k |u| u at a point, u its velocity relative to the wind, asked of Exudyn's own sensor."""
+    factor = 0.5 * drag.density * drag.drag_area
+    sensor = model.velocity_sensor(drag.body, drag.at)
+
+    def pull(mbs: Any, t: float, vector: Any) -> list[float]:
+        u = np.array(mbs.GetSensorValues(sensor)) - [float(signal(t)) for signal in drag.wind]
+        return list(-factor * np.linalg.norm(u) * u)
+
+    marker = model.marker(drag.body, drag.at)
+    model.mbs.AddLoad(model.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=pull))
+
+
+def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
+    """Six components in axes of the ground; the elastic moment of large rotations by a function."""
+    if bushing.a is not GROUND:
+        raise NotExpressible(f"{what}: hangs on '{bushing.a.name}'; the one of Exudyn pulls each side at its own point")
+    axes = matrix(bushing.axes)
+    markers = [model.marker(body, bushing.at, axes) for body in (bushing.a, bushing.b)]
+    stiffness = np.concatenate([bushing.stiffness, bushing.turning_stiffness])
+    damping = np.concatenate([bushing.damping, bushing.turning_damping])
+
+    def load(mbs: Any, t: float, item: int, d: Any, angles: Any, d_dot: Any, w: Any, *rest: Any) -> Array:
+        x, y, z = (exponential(angle * axis) for angle, axis in zip(angles, np.eye(3), strict=True))
+        p0, *p = multiply(multiply(x, y), z)  # of the Tait-Bryan angles that Exudyn hands over
+        twist = stiffness[3:] * p
+        moment = 2.0 * (p0 * twist + np.cross(p, twist))
+        return np.concatenate([stiffness[:3] * d, moment]) + damping * np.concatenate([d_dot, w])
+
+    by_function = {"springForceTorqueUserFunction": load} if bushing.turning_stiffness.any() else {}
+    item = model.items.ObjectConnectorRigidBodySpringDamper(
+        markerNumbers=markers, stiffness=np.diag(stiffness), damping=np.diag(damping), **by_function
+    )
+    model.connect(bushing, item)
+
+
 FORCES: dict[type, Expression] = {
     Force: Expression("LoadForceVector", add_force),
     Torque: Expression("LoadTorqueVector", add_torque),
     SpringDamper: Expression("SpringDamper", add_spring),
     TorsionSpring: Expression("CoordinateSpringDamper on the angle or slide", add_torsion),
     JointFriction: Expression("CoordinateSpringDamper with a force function", add_friction),
+    AeroDrag: Expression("LoadForceVector by a function of the velocity", add_drag),
+    Bushing: Expression("RigidBodySpringDamper with a force function, from the ground only", add_bushing),
 }
 """Force class -> how it is expressed."""
 
 REFUSED: dict[str, str] = {
-    "Bushing": "Exudyn measures large relative rotations of a bushing by Tait-Bryan angles, another law of force",
-    "AeroDrag": "Exudyn has no force of a wind on a body",
     "StateFeedback": "Exudyn has no force with states and measures of its own",
     "CustomForce": "its function is compiled for mbsd3d",
 }
