@@ -1,0 +1,5 @@
+"""``python -m validation.benchmark``."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,156 @@
+"""Every formulation and setting that is tried: ours, and of each peer those that a knowledgeable user would choose.
+
+Left out, because each was tried and lost by more than a factor of ten at every error of the table: MuJoCo's Euler,
+implicit and implicitfast on loops and tops (order 1); Exudyn's full Newton, its rigid bodies with constraints for trees
+of hinges; left out as another model: rigid bodies in the plane. MuJoCo and Exudyn use one thread by default.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbsd3d import DOP853, simulate
+from mbsd3d.rotations import matrix
+
+from .problems import Poses, Problem, poses
+
+TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
+STEPS = tuple(2 ** np.arange(4, 23))
+PEERS = ("MuJoCo", "Exudyn")
+SOFTNESS = ((1.0, 1.0), (2.0, 1.0), (2.0, 0.5), (16.0, 0.5))  # solref of MuJoCo's loops: (softness h, dampratio)
+TREES = ("rk44", "dopri5", "rk67")
+IMPLICIT = ("index2", "generalized-alpha")
+ROTATIONS = ("rotation vector", "euler parameters")
+ALPHA = 0.9  # spectral radius, Exudyn's own default
+
+
+class Run(NamedTuple):
+    """Seconds of the time loop, and where it ended."""
+
+    seconds: float
+    end: Poses
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One way to solve a problem.
+
+    Attributes
+    ----------
+    engine, label : str
+        Who, and formulation, integrator and settings.
+    ladder : tuple of float
+        Numbers of steps, or tolerances, from coarse to fine.
+    start : function
+        Builds the model and returns a function (setting) -> `Run`; raises NotComparable.
+    """
+
+    engine: str
+    label: str
+    ladder: tuple[float, ...]
+    start: Callable[[], Callable[[float], Run]]
+
+
+def ours(problem: Problem) -> Candidate:
+    """DOP853 with adaptive steps, the default."""
+
+    def start() -> Callable[[float], Run]:
+        state = problem.system.state()
+
+        def run(rtol: float) -> Run:
+            method = DOP853(stiff="run")
+            solution = simulate(
+                problem.system, problem.t_end, state=state, method=method, rtol=rtol, output=2, progress=False
+            )
+            record = solution.record
+            # rows chosen again on the way happen outside the compiled loop; the first choice belongs to the set-up
+            seconds = record.loop_seconds if record.svd_calls <= 1 else record.seconds
+            return Run(seconds, poses(solution))
+
+        return run
+
+    return Candidate("mbsd3d", "absolute coordinates, DOP853", TOLERANCES, start)
+
+
+def of_peer(problem: Problem, peer: str) -> list[Candidate]:
+    """All candidates of a peer."""
+    return list({"MuJoCo": of_mujoco, "Exudyn": of_exudyn}[peer](problem))
+
+
+def forms(problem: Problem) -> dict[str, Any]:
+    """Text -> system: as built first."""
+    return {"as built": problem.system, **problem.forms}
+
+
+def of_mujoco(problem: Problem) -> Iterator[Candidate]:
+    """RK4 in joint coordinates; loops as built or with weaker cuts, each with several solref."""
+    closed = problem.family in ("loop", "bicycle")
+    for form, system in forms(problem).items():
+        for softness, damping in SOFTNESS if closed else SOFTNESS[:1]:
+            text = f", solref ({softness:g} h, {damping:g})" if closed else ""
+            settings = {"softness": softness, "dampratio": damping} if closed else {}
+            yield stepped("MuJoCo", f"{form}, RK4{text}", problem, system, settings)
+
+
+def of_exudyn(problem: Problem) -> Iterator[Candidate]:
+    """Trees by explicit solvers in hinge coordinates, free bodies likewise, everything else by implicit solvers."""
+    if problem.family == "free body":
+        for solver in TREES:
+            yield stepped("Exudyn", f"rotation vector, {solver}", problem, problem.system, {"solver": solver})
+        yield adaptive(problem, problem.system, {})
+        return
+    if problem.tree is not None:
+        tree = {"formulation": "kinematic tree"}
+        for solver in TREES:
+            yield stepped("Exudyn", f"kinematic tree, {solver}", problem, problem.tree, tree | {"solver": solver})
+        if problem.family != "top":  # from a first step that is too long DOPRI5 does not come back
+            yield adaptive(problem, problem.tree, tree)
+        return
+    for (form, system), solver, rotation in product(problem.determinate().items(), IMPLICIT, ROTATIONS):
+        settings = {"solver": solver, "rotation": rotation, "spectral_radius": ALPHA}
+        yield stepped("Exudyn", f"{form}, {rotation}s, {solver}".replace("rss", "rs"), problem, system, settings)
+    if problem.repeats:  # slow, and the only way through singular poses
+        settings = {"solver": "generalized-alpha", "linear": "full-pivot", "spectral_radius": ALPHA}
+        yield stepped("Exudyn", "as built, full pivoting, generalized-alpha", problem, problem.system, settings)
+
+
+def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:
+    """The twin of a system in a peer."""
+    if engine == "MuJoCo":
+        from ..engines import mujoco as peer
+    else:
+        from ..engines import exudyn as peer
+    return peer.twin(system, **settings)
+
+
+def stepped(engine: str, label: str, problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+    """Equal steps."""
+
+    def start() -> Callable[[float], Run]:
+        model = twin(engine, system, settings)
+        return lambda steps: read(problem, system, model.run(problem.t_end, int(steps), 1))
+
+    return Candidate(engine, label, STEPS, start)
+
+
+def adaptive(problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+    """Exudyn's DOPRI5 with its own steps."""
+
+    def start() -> Callable[[float], Run]:
+        def run(tolerance: float) -> Run:
+            chosen = settings | {"solver": "dopri5", "adaptive": True, "tolerance": tolerance}
+            return read(problem, system, twin("Exudyn", system, chosen).run(problem.t_end, 16, 1))
+
+        return run
+
+    label = ("kinematic tree" if settings else "rotation vector") + ", dopri5 with its own steps"
+    return Candidate("Exudyn", label, TOLERANCES, start)
+
+
+def read(problem: Problem, system: Any, motion: Any) -> Run:
+    """End of a motion, for the bodies of the problem: a form may have massless bodies before them."""
+    extra = len(system.bodies) - len(problem.system.bodies)
+    return Run(motion.seconds, Poses(motion.position[-1, extra:], matrix(motion.orientation[-1, extra:])))

@@ -1,0 +1,141 @@
+"""``python -m validation.benchmark``: work against precision, redundancy against peers, and our own speed."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+PARTS = ("precision", "redundancy", "speed")
+STORE, TEXT, FIGURE = "precision.json", "precision.txt", "work_precision"
+
+
+class Failure(click.ClickException):
+    """Bad input: one line, exit code 2."""
+
+    exit_code = 2
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--part", "parts", multiple=True, type=click.Choice(PARTS), help="What to measure, repeatable; default: all."
+)
+@click.option(
+    "--mechanism", "names", multiple=True, metavar="NAME", help="Only this one, repeatable; --list shows them."
+)
+@click.option("--list", "listed", is_flag=True, help="Names of the mechanisms, and nothing else.")
+@click.option(
+    "--out", type=click.Path(file_okay=False, path_type=Path), default=Path("out/benchmark"), show_default=True,
+    help="Folder for precision.json, precision.txt and the figure; an interrupted run goes on from there.",
+)  # fmt: skip
+@click.option("--fresh", is_flag=True, help="Begin anew instead of going on with an interrupted run.")
+@click.option(
+    "--stored", is_flag=True, help="Measure nothing: table and figure of what an earlier run stored in --out."
+)
+@click.option("--pictures", type=click.Path(file_okay=False, path_type=Path), help="Write the figure there too.")
+def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
+    """Measure speed: error against wall time beside MuJoCo and Exudyn, redundant rows, and mbsd3d alone.
+
+    All engines run in turns, in one process and on one thread, each with the best of the settings that are tried.
+    Trust ratios, not times, and only those of an idle machine. Everything takes less than ten minutes.
+    """
+    try:
+        run(parts or (("precision",) if names or stored else PARTS), names, listed, out, fresh, stored, pictures)
+    except ValueError as error:
+        raise Failure(str(error)) from None
+
+
+def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
+    """See `main`."""
+    from .problems import PROBLEMS
+
+    unknown = [name for name in names if name not in PROBLEMS]
+    if unknown:
+        raise ValueError(f"mechanism {unknown[0]!r} is unknown; give one of {', '.join(PROBLEMS)}")
+    if listed:
+        click.echo("\n".join(PROBLEMS))
+        return
+    if stored:
+        show_stored(out, pictures)
+        return
+    sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
+    if "precision" in parts:
+        precision(names or tuple(PROBLEMS), out, fresh, pictures)
+    if "redundancy" in parts:
+        from ..peers import report
+
+        click.echo("\n" + "\n".join(report()))
+    if "speed" in parts:
+        from . import speed
+
+        speed.main()
+
+
+def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> None:
+    """Measure problems one by one, storing after each; Ctrl-C keeps what there is."""
+    from ..machine import machine
+    from . import store
+    from .precision import measure
+    from .problems import PROBLEMS
+
+    path, where = out / STORE, machine("mbsd3d", *store.PACKAGES[1:])
+    prepare(out, pictures)
+    rows = [] if fresh else store.load(path, unfinished=True)
+    if rows:
+        click.echo(f"going on with {path}: {len(rows)} measured (--fresh begins anew)", err=True)
+    try:
+        for k, name in enumerate(names):
+            if name in {row.name for row in rows}:
+                continue
+            click.echo(f"{k + 1}/{len(names)} {name} ...", err=True)
+            rows.append(measure(PROBLEMS[name](), note))
+            store.save(path, rows, where, complete=False)
+    except KeyboardInterrupt:
+        click.echo(f"\ninterrupted; {len(rows)} problems are in {path}, the same command goes on", err=True)
+        show(rows, out, pictures)
+        sys.exit(130)
+    store.save(path, rows, where, complete=True)
+    click.echo(where)
+    show(rows, out, pictures)
+
+
+def prepare(out: Path, pictures: Path | None) -> None:
+    """Folders that can be written, before anything is measured."""
+    for folder in filter(None, (out, pictures)):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / ".writable").touch()
+            (folder / ".writable").unlink()
+        except OSError as error:
+            raise ValueError(f"{folder}: cannot be written ({error.strerror}); give another folder") from None
+
+
+def note(text: str) -> None:
+    """What runs just now."""
+    if sys.stderr.isatty():
+        click.echo(f"\r\x1b[2K    {text}", nl=False, err=True)
+
+
+def show_stored(out: Path, pictures: Path | None) -> None:
+    """Table and figure of stored rows."""
+    from . import store
+
+    prepare(out, pictures)
+    show(store.load(out / STORE), out, pictures)
+
+
+def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
+    """Print and write."""
+    from mbsd3d.plots import save_figure
+
+    from .figure import SHOWN, work_precision
+    from .tables import report
+
+    if not rows:
+        return
+    lines = report(rows)
+    click.echo("\n".join(lines))
+    (out / TEXT).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if any(row.name in SHOWN for row in rows):
+        for folder in filter(None, (out, pictures)):
+            save_figure(work_precision(rows), folder / FIGURE)
