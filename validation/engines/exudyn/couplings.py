@@ -5,13 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.couplings import Gear, GearMesh, RackPinion
+from mbsd3d.couplings import Gear, RackPinion
 from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
 from mbsd3d.primitives import Coordinate
 from mbsd3d.signals import Constant
 
 from ..base import NotExpressible
 from .assembly import Assembly
+from .timing import follow
 
 
 class Expression(NamedTuple):
@@ -44,26 +45,16 @@ def add_rack(model: Assembly, joint: Any, what: str) -> None:
     couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
 
 
-def add_mesh(model: Assembly, joint: Any, what: str) -> None:
-    """Angles of the gears on their carrier in a fixed ratio: the same motion, other loads."""
-    row, n = joint.primitives[0], joint.direction()
-    for hinge in (joint.hinge_a, joint.hinge_b):
-        if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
-            name = model.system.name(hinge)
-            raise NotExpressible(f"{what}: its teeth push along '{name}', which slides; Exudyn couples angles only")
-    a, b = row.coordinates
-    couple(model, joint, b, -row.values[0] / row.values[1], a, what)
-
-
 def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
     """x = f(t)."""
     markers = [model.zero, hinge_coordinate(model, x, what)]
     if isinstance(signal, Constant):
         return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
+    place, rate = follow(signal), follow(signal, 1)
     return model.items.ObjectConnectorCoordinate(
         markerNumbers=markers,
-        offsetUserFunction=lambda mbs, t, item, offset: float(signal(t)),
-        offsetUserFunction_t=lambda mbs, t, item, offset: float(signal.derivative(t)),
+        offsetUserFunction=lambda mbs, t, item, offset: place(t),
+        offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
     )
 
 
@@ -87,25 +78,18 @@ def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
 
 def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
     """x_a . (w_b - w_a) = f(t), a condition on velocities."""
-    x, signal = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), joint.speed
+    x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
     moving = {}
-    if not isinstance(signal, Constant):
-        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: float(signal(t))}
-    model.connect(
-        joint,
-        model.items.ObjectConnectorCoordinate(
-            markerNumbers=[model.zero, model.coordinate(x, counted=False)],
-            velocityLevel=True,
-            offset=float(signal(0.0)),
-            **moving,
-        ),
-    )
+    if not isinstance(joint.speed, Constant):
+        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: speed(t)}
+    markers, first = [model.zero, model.coordinate(x, counted=False)], speed(model.state.t)
+    item = model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True, offset=first, **moving)
+    model.connect(joint, item)
 
 
 COUPLINGS: dict[type, Expression] = {
     Gear: Expression("CoordinateConstraint of two angles", add_gear),
     RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
-    GearMesh: Expression("CoordinateConstraint of two angles (motion only: no tooth force on the bearings)", add_mesh),
     AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
     SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
     PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),

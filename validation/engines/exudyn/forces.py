@@ -13,22 +13,22 @@ from mbsd3d.signals import Constant
 from ..base import Array, NotExpressible
 from .assembly import Assembly
 from .couplings import Expression, hinge_coordinate
+from .timing import follow
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
     """A force or torque; a Python function of time only where a component changes."""
-    moving = {}
-    if not all(isinstance(signal, Constant) for signal in components):
-        moving = {"loadVectorUserFunction": lambda mbs, t, vector: [float(signal(t)) for signal in components]}
+    axes = load.body.axes if load.frame == "body" else np.eye(3)  # those in Exudyn stand along the world at first
+    functions = [follow(signal) for signal in components]
+
+    def now(mbs: Any, t: float, vector: Any = None) -> Array:
+        return axes @ [f(t) for f in functions]
+
+    steady = all(isinstance(signal, Constant) for signal in components)
     item = getattr(model.items, element)(
         markerNumber=model.marker(load.body, point), bodyFixed=load.frame == "body",
-        loadVector=[float(signal(model.state.t)) for signal in components], **moving,
+        loadVector=now(None, model.state.t), **{} if steady else {"loadVectorUserFunction": now},
     )  # fmt: skip
-    if load.frame == "body":  # given in the body's own axes; those of the marker stand along the world at the reference
-        R = load.body.axes
-        item.loadVector = R @ item.loadVector
-        if moving:
-            item.loadVectorUserFunction = lambda mbs, t, vector: list(R @ [float(s(t)) for s in components])
     model.mbs.AddLoad(item)
 
 
@@ -73,11 +73,11 @@ def add_friction(model: Assembly, friction: Any, what: str) -> None:
 
 def add_drag(model: Assembly, drag: Any, what: str) -> None:
     """-k |u| u at a point, u its velocity relative to the wind, asked of Exudyn's own sensor."""
-    factor = 0.5 * drag.density * drag.drag_area
+    factor, wind = 0.5 * drag.density * drag.drag_area, [follow(signal) for signal in drag.wind]
     sensor = model.velocity_sensor(drag.body, drag.at)
 
     def pull(mbs: Any, t: float, vector: Any) -> list[float]:
-        u = np.array(mbs.GetSensorValues(sensor)) - [float(signal(t)) for signal in drag.wind]
+        u = np.array(mbs.GetSensorValues(sensor)) - [f(t) for f in wind]
         return list(-factor * np.linalg.norm(u) * u)
 
     marker = model.marker(drag.body, drag.at)

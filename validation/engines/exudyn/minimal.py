@@ -7,6 +7,7 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.primitives import Coordinate
 from mbsd3d.rotations import multiply, quaternion_from_matrix
+from mbsd3d.simulation import check_signals
 
 from ..base import Array, EngineFailed, Kinetic, Motion, NotExpressible
 from .forces import add_force_element
@@ -188,8 +189,10 @@ class TreeTwin:
         return self.values(*self.later.values()).reshape(-1, 6)
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`; also ValueError if samples do not lie on steps."""
-        start, every = self.state.t, self.scheme.records(self.state.t, t_end, steps, samples)
+        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        start = self.state.t
+        check_signals(self.system.lowered, start, t_end)
+        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)

@@ -22,8 +22,8 @@ SOLVERS = {
 IMPLICIT = ("generalized-alpha", "index2")
 """Solvers that take constraints."""
 
-PULSES = 128
-"""Records of a run at most, where fewer samples are asked for."""
+PULSES, LONG = 128, 1024
+"""Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
 
 LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
 """Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
@@ -42,8 +42,8 @@ class Scheme:
     linear : str
         A key of `LINEAR`.
     tolerance : float
-        Of Newton's iterations, relative; absolute 1e-2 of it, both as Exudyn has them: tighter ones are met no more
-        where steps are short. Of the steps that dopri5 chooses, relative and absolute.
+        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
+        relative and absolute.
     modified_newton : bool
         Keep the Jacobian over iterations and steps while it converges.
     adaptive : bool
@@ -82,8 +82,8 @@ class Scheme:
         newton = "modified" if self.modified_newton else "full"
         return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
 
-    def records(self, start: float, t_end: float, steps: int, samples: int) -> int:
-        """Records kept per sample: about `PULSES` in all, so that Ctrl-C is heard between them.
+    def records(self, start: float, t_end: float, steps: int, samples: int, bodies: int) -> int:
+        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class Scheme:
             if samples > 1:
                 raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
             return 1
-        most = max(1, PULSES // samples)
+        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
 
     def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
@@ -143,7 +143,7 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
             fine = fine and solver.SolveSteps(mbs, settings)
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
-        except (RuntimeError, ValueError) as error:
+        except (RuntimeError, ValueError, module.ExudynError) as error:
             if "KeyboardInterrupt" in str(error):  # Ctrl-C met one of the functions of Python that Exudyn calls
                 raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
