@@ -30,7 +30,8 @@ from .. import cases, mechanisms
 from ..theory.pendulum import pendulum_motion
 from ..theory.torque_free import free_body
 
-POINT_CUTS = "point cuts"  # of planar loops: a row of each still repeats others
+PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
+POINT_CUTS = "point cuts"  # a row of each still repeats others
 TRUTH = 1e-12  # rtol of our own run where there is no closed form
 
 
@@ -128,7 +129,7 @@ def sliding(hinge: Any) -> Cylindrical:
 
 def planar_forms(system: System, names: tuple[str, ...]) -> dict[str, System]:
     """Forms of a mechanism whose loops are planar, one hinge of each loop named."""
-    return {"planar cuts": cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
+    return {PLANAR_CUTS: cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
 
 
 def from_case(name: str, case: str, family: str, t_end: float | None = None, forms: Callable | None = None) -> Problem:
