@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import DOP853, simulate
+from mbsd3d import DOP853
 from mbsd3d.rotations import matrix
 
 from ..engines.base import NotComparable
-from .problems import PLANAR_CUTS, Poses, Problem, poses
+from .problems import PLANAR_CUTS, Poses, Problem, poses, whole
 
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))
@@ -45,8 +45,8 @@ class Unfinished(NotComparable):
 
 
 @contextmanager
-def interrupted_after(seconds: float) -> Iterator[list[float]]:
-    """Ctrl-C after a time, for what would go on in ever smaller steps; the list is not empty then."""
+def ended_after(seconds: float) -> Iterator[None]:
+    """Ctrl-C after a time, for what would go on in ever smaller steps; it comes out as `Unfinished`."""
     late: list[float] = []
 
     def interrupt(*_: Any) -> None:
@@ -56,7 +56,11 @@ def interrupted_after(seconds: float) -> Iterator[list[float]]:
     before = signal.signal(signal.SIGALRM, interrupt)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
-        yield late
+        yield
+    except KeyboardInterrupt:
+        if not late:
+            raise
+        raise Unfinished(f"not at its end after {seconds:g} s") from None
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -90,13 +94,9 @@ def ours(problem: Problem) -> Candidate:
 
         def run(rtol: float) -> Run:
             method = DOP853(stiff="run")
-            with interrupted_after(LONGEST) as late:
-                solution = simulate(
-                    problem.system, problem.t_end, state=state, method=method, rtol=rtol, output=2, progress=False
-                )
+            with ended_after(LONGEST):
+                solution = whole(problem.system, problem.t_end, state=state, method=method, rtol=rtol)
             record = solution.record
-            if record.stopped_by:  # it keeps what there is after Ctrl-C; here that is of no use
-                raise Unfinished(record.stopped_by) if late else KeyboardInterrupt
             # rows chosen again on the way happen outside the compiled loop; the first choice belongs to the set-up
             seconds = record.loop_seconds if record.svd_calls <= 1 else record.seconds
             return Run(seconds, poses(solution))

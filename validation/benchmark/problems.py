@@ -93,7 +93,15 @@ class Problem:
         """Closed form, or our run at rtol `TRUTH`; the peers' limits are held against it."""
         if self.exact:
             return self.exact()
-        return poses(simulate(self.system, self.t_end, rtol=TRUTH, output=2, progress=False))
+        return poses(whole(self.system, self.t_end, rtol=TRUTH))
+
+
+def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
+    """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
+    solution = simulate(system, t_end, output=output, progress=False, **options)
+    if solution.record.stopped_by:
+        raise KeyboardInterrupt(solution.record.stopped_by)
+    return solution
 
 
 def poses(solution: Any) -> Poses:
@@ -152,7 +160,7 @@ def coasting(name: str, case: str, supports: tuple[str, ...]) -> Problem:
 def top(name: str, system: System, t_end: float) -> Problem:
     """A top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away most."""
     body, pivot = system.bodies[0], system.joints[0].at
-    path = simulate(system, t_end, output=200, progress=False).com(body) - pivot
+    path = whole(system, t_end, output=200).com(body) - pivot
     path /= np.linalg.norm(path, axis=1, keepdims=True)
     directions = np.random.default_rng(1).normal(size=(500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
