@@ -234,3 +234,18 @@ def test_a_rod_along_its_first_hinge_is_said():
             break
     with pytest.raises(EngineFailed, match="t = 1.5.* rod 'rod' .* rods='tendons'"):
         twin(system, state=state).run(1.5708, 64, 8)
+
+
+def test_a_loop_of_bodies_that_are_rigid_to_each_other_has_no_rows():
+    """A ball and a hinge beside a weld hold what cannot move; MuJoCo has rows of rounding there, or none."""
+    rng, (first, second, *_) = bodies_of(7)
+    joints = [
+        Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng)),
+        Fixed(first, second, at=middle(rng, first, second)),
+        Spherical(first, second, at=middle(rng, first, second)),
+        Revolute(first, second, at=middle(rng, first, second), axis=direction(rng)),
+    ]
+    pair = Pair(System([first, second], joints, gravity=GRAVITY))
+    assert pair.twin.model.neq == 3
+    assert instant(pair)[1] < 1e-10
+    assert pair.errors(128)[:2].max() < 1e-6

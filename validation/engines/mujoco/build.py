@@ -17,7 +17,7 @@ from .freedoms import Freedoms, freedoms_of
 from .layout import Layout, Piece
 
 FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
-TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver, whose Newton step is exact: at 1e-8 it takes the last forces for good
+TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
 LEAST, ROUNDING = 1e-14, 1e-14  # [kg m^2], [m L^2]: moments of inertia MuJoCo still takes, and that matter to no digit
 LOCKED = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
 

@@ -7,7 +7,9 @@ import scipy.linalg
 
 from ..base import Kinetic
 
-SWEEPS, STILL = 200, 1e-13  # at most; [1] last change of the accelerations, a little over rounding
+REPEATED = 1e-10  # [1] singular values below this belong to rows that repeat others
+RIGID = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together
+MOST_ROWS = 6  # of an equality, a weld
 
 
 def mass_matrix(twin: Any) -> Kinetic:
@@ -46,27 +48,43 @@ def start_accelerations(twin: Any) -> np.ndarray:
 
 
 def harden(twin: Any) -> None:
-    """The accelerations that the rows allow without softness, J v_dot = -J_dot v, by MuJoCo's own solver.
+    """The accelerations that MuJoCo's rows allow without their softness, by the principle of Gauss.
 
-    It solves J v_dot + R f = a_ref; with a_ref = R f - J_dot v of the last f this is a proximal iteration that ends at
-    R f on both sides. J_dot v is the fourth-order difference of J v along the motion.
+    (a - a0)' M (a - a0) is least under J a = -J_dot v, with MuJoCo's own M, J and free accelerations a0; its solver
+    would know a to half the digits only, and J a up to R f. J_dot v is the fourth-order difference of J v along the
+    motion.
     """
-    mujoco, m, d = twin.made.mujoco, twin.model, twin.data
-    step, speeds = 1e-3 / max(1.0, np.abs(twin.qvel).max()), []
-    for k in (-2, -1, 1, 2):
-        d.qpos[:] = twin.qpos
-        mujoco.mj_integratePos(m, d.qpos, twin.qvel, k * step)
-        mujoco.mj_fwdPosition(m, d)
-        speed = np.zeros(d.nefc)
-        mujoco.mj_mulJacVec(m, d, speed, twin.qvel)
-        speeds.append(speed)
-    bias = (8 * (speeds[2] - speeds[1]) - (speeds[3] - speeds[0])) / (12 * step)
+    m, d = twin.model, twin.data
+    step = 1e-3 / max(1.0, np.abs(twin.qvel).max())
+    near, far = (row_speeds(twin, h) - row_speeds(twin, -h) for h in (step, 2 * step))
+    bias = (8 * near - far) / (12 * step)
     twin.begin()
-    force, before = np.zeros(d.nefc), np.full(m.nv, np.inf)
-    for _ in range(SWEEPS):
-        d.efc_aref[:] = d.efc_R * force - bias
-        mujoco.mj_fwdConstraint(m, d)
-        force = d.efc_force.copy()
-        if np.abs(d.qacc - before).max() <= STILL * np.abs(d.qacc).max():
-            break
-        before = d.qacc.copy()
+    M, J = np.zeros((m.nv, m.nv)), np.zeros((d.nefc, m.nv))
+    twin.made.mujoco.mj_fullM(m, d, M)
+    for row, one in zip(J, np.eye(d.nefc), strict=True):
+        twin.made.mujoco.mj_mulJacTVec(m, d, row, one)
+    size = np.linalg.norm(J, axis=1)
+    felt = size > RIGID * max(1.0, size.max())
+    L = np.linalg.cholesky(M)
+    G = scipy.linalg.solve_triangular(L, J[felt].T, lower=True).T
+    size, wanted = np.linalg.norm(G, axis=1), -bias[places(d)][felt] - J[felt] @ d.qacc_smooth
+    y = np.linalg.lstsq(G / size[:, None], wanted / size, rcond=REPEATED)[0]
+    d.qacc[:] = d.qacc_smooth + scipy.linalg.solve_triangular(L, y, lower=True, trans="T")
+
+
+def places(data: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Equality of every row, and which of its rows; MuJoCo leaves out those whose rows are all zero."""
+    first = np.searchsorted(data.efc_id, data.efc_id)
+    return data.efc_id.copy(), np.arange(data.nefc) - first
+
+
+def row_speeds(twin: Any, time: float) -> np.ndarray:
+    """(equalities, 6): J v where the velocities of the start lead in a time, with these velocities."""
+    mujoco, m, d = twin.made.mujoco, twin.model, twin.data
+    d.qpos[:] = twin.qpos
+    mujoco.mj_integratePos(m, d.qpos, twin.qvel, time)
+    mujoco.mj_fwdPosition(m, d)
+    speed, table = np.zeros(d.nefc), np.zeros((m.neq, MOST_ROWS))
+    mujoco.mj_mulJacVec(m, d, speed, twin.qvel)
+    table[places(d)] = speed
+    return table

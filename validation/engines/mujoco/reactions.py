@@ -43,7 +43,7 @@ class Reactions:
         found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
         found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
         for rod, _, equality in self.tendons:
-            found[name(rod)] = self.pull(data, rod, self.rows(data, equality)[0]), np.zeros(3)
+            found[name(rod)] = self.pull(data, rod, self.tension(data, equality)), np.zeros(3)
         return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
 
     def rows(self, data: Any, equality: str) -> np.ndarray:
@@ -51,6 +51,10 @@ class Reactions:
         number = self.model.equality(equality).id
         kind = int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         return data.efc_force[(data.efc_type == kind) & (data.efc_id == number)]
+
+    def tension(self, data: Any, equality: str) -> float:
+        """Constraint force of an equality of tendons; 0 where MuJoCo leaves its row out because nothing moves it."""
+        return float(self.rows(data, equality).sum())
 
     def point(self, data: Any, body: Any, point: np.ndarray) -> np.ndarray:
         """A point of a body, given at the reference pose, where it is now."""
@@ -93,7 +97,7 @@ class Reactions:
     def along_coordinates(self, data: Any) -> dict[str, float]:
         """What springs and couplings do along each joint coordinate [N or N m]."""
         total: dict[str, float] = {}
-        pulls = [(c.terms, self.rows(data, c.equality)[0]) for c in self.couplings if not loads_of(c.part)]
+        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.couplings if not loads_of(c.part)]
         for tendon, terms, stiffness, damping in self.loads.turning:
             k = self.model.tendon(tendon).id
             rest = self.model.tendon_lengthspring[k, 0]
@@ -131,10 +135,6 @@ class Reactions:
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
         """On body b of the joint it acts through: along or about the axis of that coordinate."""
-        tension, part = self.rows(data, coupling.equality)[0], coupling.part
-        force, moment = np.zeros(3), np.zeros(3)
-        for x, factor in coupling.coordinates:
-            if x.b is part.b and x is coupling.coordinates[-1][0]:
-                load = factor * tension * self.axis(data, x.a, x.axis)
-                force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
-        return force, moment
+        x, factor = coupling.coordinates[-1]
+        load = factor * self.tension(data, coupling.equality) * self.axis(data, x.a, x.axis)
+        return (load, np.zeros(3)) if x.kind == "slide" else (np.zeros(3), load)

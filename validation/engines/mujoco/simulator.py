@@ -58,8 +58,6 @@ class MujocoTwin:
         mujoco, m, d = self.made.mujoco, self.model, self.data
         bodies = [m.body(self.made.layout.main[id(body)].name).id for body in self.made.system.bodies]
         self.ids, self.pulses = np.array(bodies), self.controls()
-        own = self.own()
-        m.stat.meaninertia = float(m.dof_M0[own].mean()) if own.any() else 1.0  # MuJoCo measures convergence by it
         self.qpos = coordinates(self.made, m, self.state)
         d.qpos[:] = self.qpos
         self.qvel = velocities(self.made, mujoco, m, d, self.state)
