@@ -14,6 +14,8 @@ from models import (
 
 from mbsd3d import (
     GROUND,
+    AeroDrag,
+    Bushing,
     Cylindrical,
     Force,
     GearMesh,
@@ -112,7 +114,7 @@ def distances(motion, solution):
 
 def judge(system, state, t_end, *, solver, reactions=True, **settings):
     """Errors of the motion fall with the order, those of reactions are extrapolated away; the motion is ours."""
-    made = twin(system, state=state, solver=solver, **settings)
+    made = twin(system, state=state, solver=solver, tolerance=1e-10, **settings)
     truth = simulate(system, t_end, state=state, rtol=1e-12, output=5)
     steps = {2: (32, 64), 5: (64, 128)}.get(made.order, (16, 32))
     coarse, fine = (made.run(t_end, n, 4) for n in steps)
@@ -147,6 +149,8 @@ def tree():
         JointFriction(guide, coulomb=0.3, viscous=0.1, transition=0.5),
         Force(c, (1.0, Sine(2.0, 0.7), 0.3), at=c.position + 0.2, frame="body"),
         Torque(b, (0.3, 0.2, Sine(1.0, 0.5))),
+        AeroDrag(d, drag_area=0.4, density=1.2, at=d.position - 0.1, wind=(Sine(2.0, 0.4), 1.0, -0.7)),
+        Bushing(GROUND, b, at=b.position + 0.2, stiffness=(3.0, 5.0, 2.0), turning_stiffness=0.4, damping=0.3),
         SpringDamper(a, d, at_a=a.position, at_b=d.position + 0.1, stiffness=20.0, damping=0.3),
     ]
     system = System([a, b, c, d], [hinge, cross, guide, slide], forces)

@@ -1,11 +1,33 @@
 """The twin in Exudyn: what it refuses and how, engine failures, versions; quiet, repeatable, nothing written."""
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
 from models import example_system, random_body, revolute_chain
 from test_loads import EXAMPLES as FORCES
 
-from mbsd3d import GROUND, Fixed, GearMesh, Joint, Revolute, Spherical, System, TorsionSpring, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Bushing,
+    Distance,
+    Fixed,
+    GearMesh,
+    Joint,
+    Revolute,
+    Spherical,
+    State,
+    System,
+    Table,
+    Torque,
+    TorsionSpring,
+    simulate,
+)
 from mbsd3d.elements import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
@@ -63,6 +85,7 @@ def test_refused_variants():
     sprung = System([a], [crooked], [TorsionSpring(crooked, stiffness=1.0)])
     for parts, settings, text in (
         (sprung, {"state": sprung.assemble()}, "force 'TorsionSpring 1' .*axes on both sides differ"),
+        (System([a, b], forces=[Bushing(a, b, at=(0, 0, 0), stiffness=1.0)]), {}, "force 'Bushing 1' .*hangs on 'a'"),
         (example_system(GearMesh, 5), {}, "'Cylindrical 1', which slides"),
         (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
         (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),
@@ -95,6 +118,21 @@ def test_bad_settings():
         twin(system).run(0.0, 8, 1)
 
 
+def test_tables():
+    """A driver and a force by tables that begin and end with the run; a longer run is refused as mbsd3d does."""
+    rng = np.random.default_rng(7)
+    times = np.linspace(0.0, 0.4, 9)
+    body = random_body(rng, "b")
+    hinge = Revolute(GROUND, body, at=body.position + 0.3, axis=(1, 2, 2))
+    driver = AngleDriver(hinge, Table(times, np.sin(3 * times)))
+    system = System([body], [hinge, driver], [Torque(body, (0.3, Table(times, np.cos(5 * times)), 0.1))])
+    made, truth = twin(system), simulate(system, 0.4, rtol=1e-11, output=5)
+    assert np.abs(made.accelerations()[0, 3:] - truth.alpha(body)[0]).max() < 1e-9
+    assert (distances(made.run(0.4, 512, 4), truth) < 1e-4).all()
+    with pytest.raises(ValueError, match="the table covers 0 s to 0.4 s and is asked for 0 s to 0.5 s"):
+        made.run(0.5, 8, 1)
+
+
 def test_own_steps_of_dopri5():
     """Adaptive steps end where asked, within a tolerance; samples in between are refused."""
     system, state = tree()
@@ -114,6 +152,15 @@ def test_failures_say_when_and_why():
     assert "\n" not in str(raised.value) and ".py" not in str(raised.value)
     with pytest.raises(EngineFailed, match="not finite from t"):
         twin(cases.load("free_dzhanibekov").system, solver="rk44").run(1e6, 16, 16)
+
+
+def test_motion_without_mass():
+    """A point mass that nothing keeps from turning: singular equations are said, not solved."""
+    point = Body("point", 1.0, (0, 0, 0), position=(0.3, 0.1, -1.0), velocity=(0, 0, 0), omega=(0, 0, 0))
+    rod = Distance(GROUND, point, at_a=(0, 0, 0), at_b=(0.3, 0.1, -1.0))
+    state = State(0.0, np.array([0.3, 0.1, -1.0, 1, 0, 0, 0]), np.zeros(6))
+    with pytest.raises(EngineFailed, match="no solution at the start: Singular"):
+        twin(System([point], [rod]), state=state).accelerations()
 
 
 def test_versions():
@@ -144,3 +191,17 @@ def test_advised_settings(name):
     ends = [twin(system, **given).run(0.05, 64, 1).position[-1] for given in settings]
     assert max(np.abs(end - ends[0]).max() for end in ends) < 1e-4
     assert any("formulation" in given for given in settings) == (name == "iftomm_A01_pendulum")
+
+
+def test_interrupt():
+    """Ctrl-C ends a long run as what it is, between two records; the twin can run again."""
+    made = twin(cases.load("iftomm_A04_bricard").system)
+    began = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        made.run(10.0, 128 * 1024, 1)
+    interrupted = time.perf_counter() - began
+    began = time.perf_counter()
+    made.run(10.0 / 128, 1024, 1)
+    # the whole run takes 128 times as long as this one
+    assert interrupted < 0.2 + 20 * (time.perf_counter() - began)

@@ -30,8 +30,12 @@ def test_joint(cls, ground):
     assert set(fine.reactions) == {system.name(joint) for joint in system.joints} - left_out
 
 
-@pytest.mark.parametrize("name", [name for name in FORCES if name.split()[0] in {c.__name__ for c in EXPRESSES_FORCES}])
-@pytest.mark.parametrize("ground", [None, "a"])
+EXPRESSED = [name for name in FORCES if name.split()[0] in {c.__name__ for c in EXPRESSES_FORCES}]
+
+
+@pytest.mark.parametrize(
+    ("name", "ground"), [(name, side) for name in EXPRESSED for side in (None, "a") if side or name != "Bushing"]
+)
 def test_force(name, ground):
     """Every force element it expresses; bodies without joints by its explicit solver of sixth order."""
     rng = np.random.default_rng(3)
@@ -161,10 +165,10 @@ def test_rows_left_out(name, solver):
 
 
 def test_many_rows_left_out():
-    """A ladder of ten parallelograms: 30 repeated rows of 135; the sparse solver takes the rest."""
-    system = ladder(10)
+    """A ladder of six parallelograms: three repeated rows each; the sparse solver takes the rest."""
+    system = ladder(6)
     made = twin(system, rows="independent")
-    assert made.degrees_of_freedom()["redundantConstraints"] == 30 and "sparse" in made.settings
+    assert made.degrees_of_freedom()["redundantConstraints"] == 18 and "sparse" in made.settings
     assert (distances(made.run(0.1, 64, 2), simulate(system, 0.1, output=3)) < 1e-5).all()
 
 

@@ -2,13 +2,14 @@
 
 from typing import Any
 
-from ..base import NotExpressible, Twin
+from ..base import EngineFailed, NotExpressible, Twin
 from .assembly import ROTATIONS
 from .bodies import BodyTwin
 from .forces import FORCES
 from .joints import JOINTS
 from .library import exudyn
 from .minimal import TreeTwin
+from .solvers import last_words
 
 EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
 """Joint class -> one line how."""
@@ -61,6 +62,8 @@ def twin(
         If Exudyn is not installed, or too old.
     NotExpressible
         For a part that Exudyn, or the formulation, has no element for.
+    EngineFailed
+        If Exudyn itself refuses the model.
     ValueError
         For an unknown setting.
 
@@ -79,9 +82,12 @@ def twin(
             raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
     module = exudyn()
     start = system.state() if state is None else state
-    if formulation == "kinematic tree":
-        return TreeTwin(module, system, start, **scheme)
-    return BodyTwin(module, system, start, rotation, rows, **scheme)
+    try:
+        if formulation == "kinematic tree":
+            return TreeTwin(module, system, start, **scheme)
+        return BodyTwin(module, system, start, rotation, rows, **scheme)
+    except module.ExudynError as error:
+        raise EngineFailed(f"Exudyn does not take the model: {last_words(str(error))}") from None
 
 
 def advised(system: Any) -> list[dict[str, Any]]:

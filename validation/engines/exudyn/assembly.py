@@ -96,6 +96,14 @@ class Assembly:
             place[:3, :3] = axes
         return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.body[id(body)], localHT=place))
 
+    def velocity_sensor(self, body: Any, point: Array) -> int:
+        """A sensor of the world velocity of a body's point."""
+        item = self.items.SensorBody(
+            bodyNumber=self.body[id(body)], localPosition=point - body.position, writeToFile=False,
+            outputVariableType=self.module.OutputVariableType.Velocity,
+        )  # fmt: skip
+        return self.mbs.AddSensor(item)
+
     def coordinate(self, x: Coordinate, counted: bool = True) -> int:
         """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
         bodies = [self.body[id(x.a)], self.body[id(x.b)]]

@@ -12,6 +12,7 @@ from mbsd3d.signals import Constant
 
 from ..base import NotExpressible
 from .assembly import Assembly
+from .timing import follow
 
 
 class Expression(NamedTuple):
@@ -60,10 +61,11 @@ def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
     markers = [model.zero, hinge_coordinate(model, x, what)]
     if isinstance(signal, Constant):
         return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
+    place, rate = follow(signal), follow(signal, 1)
     return model.items.ObjectConnectorCoordinate(
         markerNumbers=markers,
-        offsetUserFunction=lambda mbs, t, item, offset: float(signal(t)),
-        offsetUserFunction_t=lambda mbs, t, item, offset: float(signal.derivative(t)),
+        offsetUserFunction=lambda mbs, t, item, offset: place(t),
+        offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
     )
 
 
@@ -87,19 +89,13 @@ def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
 
 def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
     """x_a . (w_b - w_a) = f(t), a condition on velocities."""
-    x, signal = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), joint.speed
+    x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
     moving = {}
-    if not isinstance(signal, Constant):
-        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: float(signal(t))}
-    model.connect(
-        joint,
-        model.items.ObjectConnectorCoordinate(
-            markerNumbers=[model.zero, model.coordinate(x, counted=False)],
-            velocityLevel=True,
-            offset=float(signal(0.0)),
-            **moving,
-        ),
-    )
+    if not isinstance(joint.speed, Constant):
+        moving = {"offsetUserFunction_t": lambda mbs, t, item, offset: speed(t)}
+    markers, first = [model.zero, model.coordinate(x, counted=False)], speed(model.state.t)
+    item = model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True, offset=first, **moving)
+    model.connect(joint, item)
 
 
 COUPLINGS: dict[type, Expression] = {

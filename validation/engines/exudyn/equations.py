@@ -14,7 +14,7 @@ import numpy as np
 from mbsd3d.rotations import exponential, logarithm, multiply
 from mbsd3d.threads import on_one_thread
 
-from ..base import Array
+from ..base import Array, EngineFailed
 from .assembly import Assembly
 
 STEP = 2e-3
@@ -95,7 +95,10 @@ class Equations:
         own = J.any(axis=1)  # Exudyn has a row "multiplier = 0" for every free direction of a joint
         left = np.block([[M, J[own].T], [J[own], np.zeros((own.sum(),) * 2)]])
         both = np.concatenate([self.force(), right[own]])
-        found = np.linalg.lstsq(left, both, rcond=1e-11)[0] if self.repeated else np.linalg.solve(left, both)
+        try:
+            found = np.linalg.lstsq(left, both, rcond=1e-11)[0] if self.repeated else np.linalg.solve(left, both)
+        except np.linalg.LinAlgError as error:
+            raise EngineFailed(f"Exudyn's equations have no solution at the start: {error}") from None
         lam[own] = found[self.size :]
         return found[: self.size], lam
 

@@ -4,29 +4,31 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d import GROUND
 from mbsd3d.elements import hinge_coordinate as coordinate_of
-from mbsd3d.forces import Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.forces import AeroDrag, Bushing, Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.rotations import exponential, matrix, multiply
 from mbsd3d.signals import Constant
 
-from ..base import NotExpressible
+from ..base import Array, NotExpressible
 from .assembly import Assembly
 from .couplings import Expression, hinge_coordinate
+from .timing import follow
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
     """A force or torque; a Python function of time only where a component changes."""
-    moving = {}
-    if not all(isinstance(signal, Constant) for signal in components):
-        moving = {"loadVectorUserFunction": lambda mbs, t, vector: [float(signal(t)) for signal in components]}
+    axes = load.body.axes if load.frame == "body" else np.eye(3)  # those in Exudyn stand along the world at first
+    functions = [follow(signal) for signal in components]
+
+    def now(mbs: Any, t: float, vector: Any = None) -> Array:
+        return axes @ [f(t) for f in functions]
+
+    steady = all(isinstance(signal, Constant) for signal in components)
     item = getattr(model.items, element)(
         markerNumber=model.marker(load.body, point), bodyFixed=load.frame == "body",
-        loadVector=[float(signal(model.state.t)) for signal in components], **moving,
+        loadVector=now(None, model.state.t), **{} if steady else {"loadVectorUserFunction": now},
     )  # fmt: skip
-    if load.frame == "body":  # given in the body's own axes; those of the marker stand along the world at the reference
-        R = load.body.axes
-        item.loadVector = R @ item.loadVector
-        if moving:
-            item.loadVectorUserFunction = lambda mbs, t, vector: list(R @ [float(s(t)) for s in components])
     model.mbs.AddLoad(item)
 
 
@@ -69,18 +71,54 @@ def add_friction(model: Assembly, friction: Any, what: str) -> None:
     model.connect(friction, item)
 
 
+def add_drag(model: Assembly, drag: Any, what: str) -> None:
+    """-k |u| u at a point, u its velocity relative to the wind, asked of Exudyn's own sensor."""
+    factor, wind = 0.5 * drag.density * drag.drag_area, [follow(signal) for signal in drag.wind]
+    sensor = model.velocity_sensor(drag.body, drag.at)
+
+    def pull(mbs: Any, t: float, vector: Any) -> list[float]:
+        u = np.array(mbs.GetSensorValues(sensor)) - [f(t) for f in wind]
+        return list(-factor * np.linalg.norm(u) * u)
+
+    marker = model.marker(drag.body, drag.at)
+    model.mbs.AddLoad(model.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=pull))
+
+
+def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
+    """Six components in axes of the ground; the elastic moment of large rotations by a function."""
+    if bushing.a is not GROUND:
+        raise NotExpressible(f"{what}: hangs on '{bushing.a.name}'; the one of Exudyn pulls each side at its own point")
+    axes = matrix(bushing.axes)
+    markers = [model.marker(body, bushing.at, axes) for body in (bushing.a, bushing.b)]
+    stiffness = np.concatenate([bushing.stiffness, bushing.turning_stiffness])
+    damping = np.concatenate([bushing.damping, bushing.turning_damping])
+
+    def load(mbs: Any, t: float, item: int, d: Any, angles: Any, d_dot: Any, w: Any, *rest: Any) -> Array:
+        x, y, z = (exponential(angle * axis) for angle, axis in zip(angles, np.eye(3), strict=True))
+        p0, *p = multiply(multiply(x, y), z)  # of the Tait-Bryan angles that Exudyn hands over
+        twist = stiffness[3:] * p
+        moment = 2.0 * (p0 * twist + np.cross(p, twist))
+        return np.concatenate([stiffness[:3] * d, moment]) + damping * np.concatenate([d_dot, w])
+
+    by_function = {"springForceTorqueUserFunction": load} if bushing.turning_stiffness.any() else {}
+    item = model.items.ObjectConnectorRigidBodySpringDamper(
+        markerNumbers=markers, stiffness=np.diag(stiffness), damping=np.diag(damping), **by_function
+    )
+    model.connect(bushing, item)
+
+
 FORCES: dict[type, Expression] = {
     Force: Expression("LoadForceVector", add_force),
     Torque: Expression("LoadTorqueVector", add_torque),
     SpringDamper: Expression("SpringDamper", add_spring),
     TorsionSpring: Expression("CoordinateSpringDamper on the angle or slide", add_torsion),
     JointFriction: Expression("CoordinateSpringDamper with a force function", add_friction),
+    AeroDrag: Expression("LoadForceVector by a function of the velocity", add_drag),
+    Bushing: Expression("RigidBodySpringDamper with a force function, from the ground only", add_bushing),
 }
 """Force class -> how it is expressed."""
 
 REFUSED: dict[str, str] = {
-    "Bushing": "Exudyn measures large relative rotations of a bushing by Tait-Bryan angles, another law of force",
-    "AeroDrag": "Exudyn has no force of a wind on a body",
     "StateFeedback": "Exudyn has no force with states and measures of its own",
     "CustomForce": "its function is compiled for mbsd3d",
 }

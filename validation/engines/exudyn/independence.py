@@ -7,6 +7,8 @@ are those of one mechanism among many, so none are reported.
 import numpy as np
 from scipy.linalg import qr
 
+from mbsd3d.threads import on_one_thread
+
 from .assembly import Assembly
 from .equations import Equations
 
@@ -14,6 +16,7 @@ REMOVABLE = ("JointGeneric", "JointSpherical", "ConnectorDistance", "ConnectorCo
 """Objects of Exudyn that can do without single rows."""
 
 
+@on_one_thread
 def repeated_rows(model: Assembly, equations: Equations, redundant: int) -> dict[int, set[int]]:
     """id(joint) -> rows of its first object that repeat others, as many as Exudyn counts; {} if they cannot go."""
     J = equations.jacobian()

@@ -7,6 +7,7 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.primitives import Coordinate
 from mbsd3d.rotations import multiply, quaternion_from_matrix
+from mbsd3d.simulation import check_signals
 
 from ..base import Array, EngineFailed, Kinetic, Motion, NotExpressible
 from .forces import add_force_element
@@ -15,6 +16,7 @@ from .solvers import SOLVERS, Scheme, check_samples, march
 from .tree import SHIFT, TURN, Frame, Link, links_of
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
+SECOND = ("Acceleration", "AngularAcceleration")
 WORLD = Frame(np.zeros(3), np.eye(3))
 
 
@@ -54,14 +56,15 @@ class Tree:
             linkMasses=masses, linkCOMs=module.Vector3DList(centres), linkInertiasCOM=module.Matrix3DList(inertias),
         )  # fmt: skip
 
-    def marker(self, body: Any, point: Array) -> int:
-        """A point of a link or of the ground."""
+    def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
+        """A frame on a link or on the ground: point and axes (columns), world at the reference pose."""
+        place, axes = np.eye(4), np.eye(3) if axes is None else axes
         if body is GROUND:
-            return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.ground, localPosition=point))
+            place[:3, :3], place[:3, 3] = axes, point
+            return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.ground, localHT=place))
         k = self.link_of[id(body)]
         here = self.links[k].here
-        place = np.eye(4)
-        place[:3, :3], place[:3, 3] = here.axes.T, here.axes.T @ (point - here.point)
+        place[:3, :3], place[:3, 3] = here.axes.T @ axes, here.axes.T @ (point - here.point)
         return self.mbs.AddMarker(
             self.items.MarkerKinematicTreeRigid(objectNumber=self.object, linkNumber=k, localHT=place)
         )
@@ -76,6 +79,21 @@ class Tree:
                     self.items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=self.numbers[kind, id(joint)])
                 )
         raise NotExpressible(f"an {x.kind} between '{x.a.name}' and '{x.b.name}': no hinge of the tree has it")
+
+    def sensor(self, body: Any, point: Array, output: str) -> int:
+        """A sensor at a point of a body, world at the reference pose; what makes a motion is stored."""
+        k = self.link_of[id(body)]
+        here = self.links[k].here
+        item = self.items.SensorKinematicTree(
+            objectNumber=self.object, linkNumber=k, localPosition=here.axes.T @ (point - here.point),
+            outputVariableType=getattr(self.module.OutputVariableType, output), writeToFile=False,
+            storeInternal=output in OUTPUTS,
+        )  # fmt: skip
+        return self.mbs.AddSensor(item)
+
+    def velocity_sensor(self, body: Any, point: Array) -> int:
+        """A sensor of the world velocity of a body's point."""
+        return self.sensor(body, point, "Velocity")
 
     def connect(self, part: Any, item: Any) -> None:
         """Add a connector of a force element."""
@@ -106,24 +124,16 @@ class TreeTwin:
         for force in system.forces:
             add_force_element(self.model, force)
         self.mbs = self.model.mbs
-        self.sensors = {name: [self.sensor(body, name) for body in system.bodies] for name in OUTPUTS}
-        self.later = {
-            n: [self.sensor(body, n) for body in system.bodies] for n in ("Acceleration", "AngularAcceleration")
-        }
+        self.sensors, self.later = ({name: self.at_origins(name) for name in names} for names in (OUTPUTS, SECOND))
+        item = module.itemInterface.SensorUserFunction(sensorUserFunction=pulse, storeInternal=True, writeToFile=False)
+        self.mbs.AddSensor(item)
         self.mbs.Assemble()
         self.order, self.settings = float(SOLVERS[self.scheme.solver][1]), f"kinematic tree, {self.scheme}"
         self.start()
 
-    def sensor(self, body: Any, output: str) -> int:
-        """A sensor at the reference point of a body."""
-        k = self.model.link_of[id(body)]
-        here = self.model.links[k].here
-        item = self.module.itemInterface.SensorKinematicTree(
-            objectNumber=self.model.object, linkNumber=k, localPosition=here.axes.T @ (body.position - here.point),
-            outputVariableType=getattr(self.module.OutputVariableType, output), writeToFile=False,
-            storeInternal=output in OUTPUTS,
-        )  # fmt: skip
-        return self.mbs.AddSensor(item)
+    def at_origins(self, output: str) -> list[int]:
+        """A sensor at the reference point of every body."""
+        return [self.model.sensor(body, body.position, output) for body in self.system.bodies]
 
     def start(self) -> None:
         """Hinge rates of the start: those whose velocities of the bodies are the given ones."""
@@ -179,20 +189,26 @@ class TreeTwin:
         return self.values(*self.later.values()).reshape(-1, 6)
 
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
-        """See `Twin.run`."""
+        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        start = self.state.t
+        check_signals(self.system.lowered, start, t_end)
+        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
-        seconds = march(
-            self.module, self.mbs, self.scheme,
-            self.scheme.settings(self.module, self.state.t, t_end, steps, samples),
-        )  # fmt: skip
+        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
+        seconds = march(self.module, self.mbs, self.scheme, settings)
         stored = {
             name: np.array([self.mbs.GetSensorStoredData(k) for k in own]).swapaxes(0, 1)
             for name, own in self.sensors.items()
         }
-        t = check_samples(stored["Position"][:, 0, 0], self.state.t, t_end, samples, *stored.values())
+        t = check_samples(stored["Position"][:, 0, 0], start, t_end, samples * every, *stored.values())[::every]
+        position, turn, velocity, omega = (stored[name][::every, :, 1:] for name in OUTPUTS)
         frames = np.array([self.model.links[self.model.link_of[id(body)]].here.axes for body in self.system.bodies])
-        turn = stored["RotationMatrix"][..., 1:].reshape(len(t), -1, 3, 3) @ frames.swapaxes(1, 2)
+        turn = turn.reshape(len(t), -1, 3, 3) @ frames.swapaxes(1, 2)
         orientation = multiply(quaternion_from_matrix(turn), np.array([b.orientation for b in self.system.bodies]))
-        vectors = [stored[name][..., 1:] for name in ("Position", "Velocity", "AngularVelocity")]
-        return Motion(t, vectors[0], orientation, vectors[1], vectors[2], {}, seconds)
+        return Motion(t, position, orientation, velocity, omega, {}, seconds)
+
+
+def pulse(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+    """Nothing but a moment of Python, in which Ctrl-C is heard."""
+    return [t]

@@ -22,6 +22,9 @@ SOLVERS = {
 IMPLICIT = ("generalized-alpha", "index2")
 """Solvers that take constraints."""
 
+PULSES, LONG = 128, 1024
+"""Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
+
 LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
 """Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
 
@@ -39,7 +42,8 @@ class Scheme:
     linear : str
         A key of `LINEAR`.
     tolerance : float
-        Absolute and relative, of Newton's iterations, or of the steps that dopri5 chooses.
+        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
+        relative and absolute.
     modified_newton : bool
         Keep the Jacobian over iterations and steps while it converges.
     adaptive : bool
@@ -49,7 +53,7 @@ class Scheme:
     solver: str = "generalized-alpha"
     spectral_radius: float = 0.8
     linear: str = "dense"
-    tolerance: float = 1e-10
+    tolerance: float = 1e-8
     modified_newton: bool = True
     adaptive: bool = False
 
@@ -78,8 +82,8 @@ class Scheme:
         newton = "modified" if self.modified_newton else "full"
         return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
 
-    def settings(self, module: Any, start: float, t_end: float, steps: int, samples: int) -> Any:
-        """`SimulationSettings`: no files, nothing on the terminal.
+    def records(self, start: float, t_end: float, steps: int, samples: int, bodies: int) -> int:
+        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
 
         Raises
         ------
@@ -90,11 +94,18 @@ class Scheme:
             raise ValueError(f"{samples} samples do not divide {steps} steps; give a divisor")
         if not t_end > start:
             raise ValueError(f"t_end {t_end:g} s does not lie after the start, {start:g} s; give a later time")
-        if self.adaptive and samples > 1:
-            raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
+        if self.adaptive:
+            if samples > 1:
+                raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
+            return 1
+        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
+        return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
+
+    def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
+        """`SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
         out = module.SimulationSettings()
         out.solution.file.write = False
-        out.solution.sensors.writePeriod = (t_end - start) / samples
+        out.solution.sensors.writePeriod = (t_end - start) / records
         integration, alpha = out.timeIntegration, out.timeIntegration.generalizedAlpha
         integration.startTime, integration.endTime, integration.numberOfSteps = start, t_end, steps
         integration.solverType = getattr(module.DynamicSolverType, SOLVERS[self.solver][0])
@@ -106,7 +117,7 @@ class Scheme:
         alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
         newton = integration.newton
         newton.useModifiedNewton = self.modified_newton
-        newton.absoluteTolerance = newton.relativeTolerance = self.tolerance
+        newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
         out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
         out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
         return out
@@ -132,7 +143,9 @@ def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
             fine = fine and solver.SolveSteps(mbs, settings)
             seconds = time.perf_counter() - began
             solver.FinalizeSolver(mbs, settings)
-        except (RuntimeError, ValueError) as error:
+        except (RuntimeError, ValueError, module.ExudynError) as error:
+            if "KeyboardInterrupt" in str(error):  # Ctrl-C met one of the functions of Python that Exudyn calls
+                raise KeyboardInterrupt from None
             raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
     if not fine:
         when = f" at t = {mbs.systemData.GetTime():.6g} s"
@@ -149,11 +162,11 @@ def last_words(text: str) -> str:
     )
 
 
-def check_samples(found: Array, start: float, t_end: float, samples: int, *values: Array) -> Array:
-    """The sample times, or EngineFailed if one is missing or anything is not finite."""
-    t = np.linspace(start, t_end, samples + 1)
+def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:
+    """The times of all records, or EngineFailed if one is missing or anything is not finite."""
+    t = np.linspace(start, t_end, records + 1)
     if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
-        raise EngineFailed(f"Exudyn kept {len(found)} samples of {len(t)}, the last at t = {found[-1]:.6g} s")
+        raise EngineFailed(f"Exudyn kept {len(found)} records of {len(t)}, the last at t = {found[-1]:.6g} s")
     for x in values:
         bad = ~np.isfinite(x.reshape(len(t), -1)).all(axis=1)
         if bad.any():
