@@ -138,6 +138,13 @@ def test_random_mechanisms_move_and_keep_their_seed():
         assert np.array_equal(first.solution.arrays["q"], second.solution.arrays["q"])
 
 
+def test_reactions_of_a_gear_whose_hinges_stand_on_one_body():
+    """Its body b bears the torques of both hinges; seed 10 has such a gear, and MuJoCo can express it."""
+    found = examined(randoms.trial_of(10), 0.1)
+    moments = [finding for finding in found.of(MUJOCO) if finding.quantity == "reaction moment"]
+    assert [finding.verdict for finding in moments] == [AGREES]
+
+
 def test_verdict_of_a_case_is_that_of_its_worst_judge():
     agrees, differs = judged(THEORY, "x", 1e-9, 1e-8), judged(THEORY, "x", 1e-7, 1e-8)
     explained, silent = Finding(MUJOCO, EXPLAINED, "y", 0.1, 1e-6, "cause"), not_compared(MUJOCO, "no such part")
