@@ -1,4 +1,4 @@
-"""Functions of time for drivers and forces: sums of polynomials, sines and cubic splines.
+"""Functions of time for drivers and forces: sums of polynomials, sines, pulses and cubic splines.
 
 A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
 so what a user plots is what the model is driven by.
@@ -228,6 +228,58 @@ class Table(Signal):
 
 
 @dataclass(frozen=True)
+class Pulse(Signal):
+    """From zero to ``height`` and back; zero before ``start`` and again ``duration`` later.
+
+    Rise and fall take the time ``edge`` each and have no corners: ``height (3 s^2 - 2 s^3)`` of its share s.
+    The integral of the pulse is ``height (duration - edge)``.
+
+    Parameters
+    ----------
+    height : float
+        In the unit of f.
+    start, edge : float
+        [s]; edge > 0.
+    duration : float or None
+        [s] >= 2 edge; None = a step, it does not fall.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, the edge is not positive or the duration is below two edges.
+
+    Examples
+    --------
+    >>> Pulse(height=3.0, start=1.0, edge=0.1, duration=0.5)([0.9, 1.05, 1.2, 1.6]).round(12)
+    array([0. , 1.5, 3. , 0. ])
+    """
+
+    height: float
+    start: float
+    edge: float
+    duration: float | None = None
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
+        if not self.edge > 0.0:
+            raise ValueError(f"Pulse: edge is {self.edge:g} s; give a positive time")
+        if self.duration is not None and not self.duration >= 2.0 * self.edge:
+            raise ValueError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
+
+    def terms(self) -> list[Term]:
+        """Zero, rise, height, fall and zero as cubic pieces; a step ends with its height."""
+        a, b, h = self.start, self.edge, self.height
+        rise, level, zero = (-2.0 * h / b**3, 3.0 * h / b**2, 0.0, 0.0), (0.0, 0.0, 0.0, h), (0.0,) * 4
+        pieces = {a - b: zero, a: rise, a + b: level}  # those next to the ends go on for ever
+        if self.duration is not None:
+            end = a + self.duration
+            fall = max(end - b, a + b)  # right after the rise it takes the place of the level
+            pieces |= {fall: (-rise[0], -rise[1], 0.0, h), end: zero}
+        breaks = [*pieces, max(pieces) + b]
+        return [Term(SPLINE, np.concatenate([[len(pieces)], breaks, np.ravel(list(pieces.values()))]))]
+
+
+@dataclass(frozen=True)
 class Sum(Signal):
     """Sum of signals; ``a + b`` makes it.
 
@@ -304,7 +356,7 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     ValueError
         If it is neither, or a number that is not finite.
     """
-    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Table or a sum of them)"
+    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from .assembly import reference_state
 from .integrators import base
 from .integrators.dop853 import DOP853
 from .integrators.driven import Kinematic
@@ -88,7 +87,7 @@ def simulate(
     method = method or DOP853()
     check_kinds(system, method, rtol, stop_when)
     check_state(state, "simulate")
-    start, t_end = state or reference_state(system, as_built), number(t_end, "simulate: t_end")
+    start, t_end = state or system.state(as_built=as_built), number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"

@@ -136,11 +136,15 @@ class System(Drawable):
 
         return diagnose(self, as_built)
 
-    def state(self) -> State:
-        """The initial state at the reference pose; velocities that are None are solved from the constraints."""
+    def state(self, *, as_built: float | None = None) -> State:
+        """The initial state at the reference pose; velocities that are None are solved from the constraints.
+
+        as_built : float or None
+            Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
+        """
         from .assembly import reference_state
 
-        return reference_state(self)
+        return reference_state(self, as_built)
 
     def assemble(
         self,

@@ -8,7 +8,6 @@ J v - b, L X those of the measures. One imaginary step of 1e-30 gives a column o
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -66,10 +65,8 @@ class Field:
         """All variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
         schur = schur_of(model, self.rows_at(t, y), complex)
-        columns = [values(model, self.data, schur, t, y + 1j * STEP * move, self.outputs) for move in moves.T]
-        self.check_finite(columns)
-        n, here = model.body.size, {key: x.real for key, x in columns[0].items()}
-        change = {key: np.column_stack([column[key].imag / STEP for column in columns]) for key in here}
+        here, change = self.derivatives(schur, t, y, moves)
+        n = model.body.size
         X_dot = np.zeros((moves.shape[1], moves.shape[1]))
         X_dot[: 6 * n] = change["position_rate"]
         X_dot[6 * n : 12 * n] = change["acceleration"]
@@ -81,7 +78,35 @@ class Field:
             here["centre"].reshape(n, 3), velocity, acceleration, here["z_rate"], here["c"], here["slip"],
         )  # fmt: skip
 
-    def check_finite(self, columns: list[dict[str, np.ndarray]]) -> None:
+    def derivatives(
+        self, schur: Schur, t: float, y: np.ndarray, moves: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """(values at y, their derivatives along the columns of ``moves``): the kernels once per column."""
+        model, data, k = self.compiled.model, self.data, moves.shape[1]
+        tables = {"body": data.body, "row": data.row}
+        copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
+        z_rate, outputs = np.empty((k, model.z_work), complex), np.empty((k, self.outputs), complex)
+        for j, move in enumerate(moves.T):
+            solve(model, data, schur, t, y + 1j * STEP * move)
+            for key, table in tables.items():
+                copies[key][j] = table.view(np.uint8)
+            z_rate[j] = data.state_rate[: model.z_work]
+            outputs[j] = [measure(model, data, i, t) for i in range(self.outputs)]
+        body, row = (copies[key].view(table.dtype) for key, table in tables.items())
+        columns = {**values(model, body, row), "z_rate": z_rate, "outputs": outputs}
+        self.check_finite(columns)
+        return {key: x[0].real for key, x in columns.items()}, {key: x.imag.T / STEP for key, x in columns.items()}
+
+    def output_rates(self, t: float, y: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """(outputs, k) derivatives of the measures along the columns of ``moves``."""
+        model, data = self.compiled.model, self.data
+        found = np.empty((moves.shape[1], self.outputs))
+        for j, move in enumerate(moves.T):
+            kinematics(model, data, y + 1j * STEP * move)
+            found[j] = [measure(model, data, i, t).imag / STEP for i in range(self.outputs)]
+        return found.T
+
+    def check_finite(self, columns: dict[str, np.ndarray]) -> None:
         """Every force has derivatives; a function of the user's that fails for complex numbers has none."""
         system, power = self.compiled.system, self.data.force["power"]
         for force, value in zip(system.forces, power, strict=True):
@@ -90,7 +115,7 @@ class Field:
                     f"linearize: {type(force).__name__} '{system.name(force)}' has no derivative at this state; "
                     "linearise about another one, or give a function that also takes complex numbers"
                 )
-        if not all(np.isfinite(x).all() for column in columns for x in column.values()):
+        if not all(np.isfinite(x).all() for x in columns.values()):
             raise ValueError("linearize: the equations have no finite derivative at this state; give another one")
 
 
@@ -116,8 +141,8 @@ def directions(model: Model, y: np.ndarray) -> np.ndarray:
     return moves
 
 
-def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, outputs: int) -> dict[str, np.ndarray]:
-    """Everything that is varied, at a complex state; the first measures are the outputs."""
+def solve(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> None:
+    """Fill ``data`` at a complex state."""
     kinematics(model, data, y)
     rows(model, data, t)
     if factor(model, data, schur) != SOLVED or accelerate(model, data, schur, t) != SOLVED:
@@ -125,27 +150,34 @@ def values(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, outp
             "linearize: the equations of motion have no solution", time=t,
             advice="see system.check(); give massless bodies joints that determine their motion",
         )  # fmt: skip
-    body = data.body[: model.body.size]
+
+
+def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndarray]:
+    """Everything of bodies (k, n + 1) and rows (k, m) that is varied, (k, ...) at k complex states of one real part."""
+    k, n = body.shape[0], model.body.size
+    moving, body = np.concatenate([body["velocity"], body["w"]], axis=-1), body[:, :n]  # the ground is at rest
     s, w = body["s"], body["w"]
-    v_dot, w_dot = body["acceleration"][:, :3], body["acceleration"][:, 3:]
-    v_G = body["velocity"] + np.cross(w, s)
-    a_G = v_dot + np.cross(w_dot, s) + np.cross(w, np.cross(w, s))
-    on = np.where(model.row["body"] < 0, model.body.size, model.row["body"])  # unused slots: the ground at rest
-    moving = np.concatenate([data.body["velocity"], data.body["w"]], axis=1)
-    turn_rate = w + np.cross(w.real, turns(body))
+    v_dot, w_dot = body["acceleration"][..., :3], body["acceleration"][..., 3:]
+    v_G = body["velocity"] + cross(w, s)
+    a_G = v_dot + cross(w_dot, s) + cross(w, cross(w, s))
+    on = np.where(model.row["body"] < 0, n, model.row["body"])  # unused slots: the ground
+    turn_rate = w + cross(w.real, turns(body["e"]))
     return {
-        "position_rate": np.concatenate([v_G, turn_rate], axis=1).ravel(),
-        "acceleration": np.concatenate([a_G, w_dot], axis=1).ravel(),
-        "z_rate": data.state_rate[: model.z_work].copy(),
-        "outputs": np.array([measure(model, data, i, t) for i in range(outputs)], complex),
-        "centre": (body["r"] + s).ravel(),
-        "velocity": np.concatenate([v_G, w], axis=1).ravel(),
-        "c": data.row["c"].copy(),
-        "slip": np.einsum("ksj,ksj->k", data.row["J"], moving[on]) - data.row["b"],
+        "position_rate": np.concatenate([v_G, turn_rate], axis=-1).reshape(k, -1),
+        "acceleration": np.concatenate([a_G, w_dot], axis=-1).reshape(k, -1),
+        "centre": (body["r"] + s).reshape(k, -1),
+        "velocity": np.concatenate([v_G, w], axis=-1).reshape(k, -1),
+        "c": row["c"],
+        "slip": np.einsum("kisj,kisj->ki", row["J"], moving[:, on]) - row["b"],
     }
 
 
-def turns(body: Any) -> np.ndarray:
-    """(n, 3) the rotation delta theta that the complex quaternions stand for: i delta theta = 2 H' e."""
-    e = body["e"]
-    return 2j * np.einsum("bij,bi->bj", H(e.real), e.imag)
+def turns(e: np.ndarray) -> np.ndarray:
+    """(k, n, 3) the rotation delta theta that complex quaternions (k, n, 4) stand for: i delta theta = 2 H' e."""
+    return 2j * np.einsum("bij,kbi->kbj", H(e[0].real), e.imag)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(..., 3) a x b: numpy's takes several times as long for a few vectors."""
+    ahead, behind = [1, 2, 0], [2, 0, 1]
+    return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]

@@ -643,13 +643,13 @@ def test_force_without_a_derivative_is_named():
     system, hinge = pendulum()
     system = System(system.bodies, [hinge], [TorsionSpring(hinge, stiffness=3.0, name="coil")])
     field = Field(compile_system(system), system.state(), 0)
-    field.check_finite([])
+    field.check_finite({})
     field.data.force["power"][0] = np.nan  # as a function of the user's leaves it that fails for complex numbers
     with pytest.raises(ValueError, match="TorsionSpring 'coil' has no derivative"):
-        field.check_finite([])
+        field.check_finite({})
     with pytest.raises(ValueError, match="no finite derivative"):
         field.data.force["power"][0] = 0.0
-        field.check_finite([{"c": np.array([np.nan])}])
+        field.check_finite({"c": np.array([np.nan])})
 
 
 def test_singular_position():

@@ -41,13 +41,13 @@ from mbsd3d.elements import ForceElement
 from mbsd3d.joints import Joint
 from mbsd3d.model import compile_system
 from mbsd3d.schema import types
-from mbsd3d.signals import Scaled, Signal, Sum
+from mbsd3d.signals import Pulse, Scaled, Signal, Sum
 
 FORMS = (".json", ".toml")
 BRIEF = 5.0  # [s] within which a file that is no model is refused
 TABLE = Table([0.0, 0.13, 0.31, 0.7, 1.1], [0.2, -0.4, 0.3, 0.1, 0.7])
 SIGNALS = (Constant(0.7), Ramp(0.3, -0.2), Sine(0.4, 1.3, 0.2, 0.1), Polynomial((0.3, -0.1, 0.7)), TABLE)
-SIGNALS += (Sum((TABLE, Sine(0.1, 2.3))), Scaled(Ramp(0.3), -1.7))
+SIGNALS += (Sum((TABLE, Sine(0.1, 2.3))), Scaled(Ramp(0.3), -1.7), Pulse(0.3, 0.1, 0.2, 0.7))
 
 
 def all_forces(rng):
@@ -56,7 +56,7 @@ def all_forces(rng):
     three = random_body(rng, "three", velocity=rng.normal(size=3), omega=rng.normal(size=3), shape="box")
     hinge = Cylindrical(GROUND, one, at=one.position + 0.1, axis=direction(rng), name="hinge")
     rail = Prismatic(one, two, at=two.position - 0.2, axis=direction(rng))
-    a, b, c, d, e, f, g = SIGNALS
+    a, b, c, d, e, f, g, h = SIGNALS
     forces = [
         Force(one, (a, b, c), at=rng.normal(size=3), frame="body"),
         Torque(two, (d, e, f), name="torque"),
@@ -67,7 +67,7 @@ def all_forces(rng):
             GROUND, two, at=rng.normal(size=3), stiffness=(31.0, 42.0, 53.0), turning_stiffness=(3.0, 4.0, 5.0),
             damping=(0.1, 0.2, 0.3), turning_damping=0.2, axes=random_orientation(rng),
         ),
-        AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, 0.2, 0.3)),
+        AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, h, 0.3)),
     ]  # fmt: skip
     seen = [measures.angle(hinge), measures.velocity(two, axis=direction(rng), at=rng.normal(size=3))]
     forces.append(StateFeedback(measures=seen, gains=(3.0, 0.4), on=hinge, reference=(0.1, 0.2), time_constant=0.05))

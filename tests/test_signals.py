@@ -15,6 +15,7 @@ from mbsd3d.signals import (
     SPLINE,
     Constant,
     Polynomial,
+    Pulse,
     Ramp,
     Sine,
     Sum,
@@ -31,6 +32,8 @@ SIGNALS = {
     "ramp": Ramp(rate=-0.8, offset=0.3),
     "sine": Sine(amplitude=0.6, frequency=1.4, phase=0.5, offset=-0.2),
     "polynomial": Polynomial([0.3, -1.1, 0.7, 0.25, -0.1]),
+    "pulse": Pulse(height=1.3, start=0.3, edge=0.6, duration=1.5),
+    "step": Pulse(height=-0.8, start=0.3, edge=0.6),
     "table": TABLE,
     "sum": 2.0 - 3.0 * (TABLE + Sine(0.6, 1.4)) + Polynomial([0.1, 0.2, 0.3]),
 }
@@ -90,6 +93,16 @@ def test_terms_are_laid_out_as_documented():
     assert spline.data[0] == len(TIMES) - 1
     np.testing.assert_array_equal(spline.data[1:7], TIMES)
     np.testing.assert_allclose(spline.data[7:].reshape(5, 4)[:, 3], TABLE.values[:-1], rtol=1e-15)
+
+
+def test_pulse_is_zero_outside_and_its_height_within():
+    for edge in (0.3, 0.75):  # the second has no time between rise and fall
+        pulse = Pulse(height=2.0, start=0.5, edge=edge, duration=1.5)
+        np.testing.assert_array_equal(pulse([-5.0, 0.5, 2.0, 9.0]), np.zeros(4))
+        np.testing.assert_allclose(pulse([0.5 + edge, 2.0 - edge]), 2.0, rtol=1e-14)
+        t = np.linspace(0.0, 2.5, 20001)
+        assert abs(np.trapezoid(pulse(t), t) - 2.0 * (1.5 - edge)) < 1e-7  # spacing^2 times the largest slope
+    assert Pulse(2.0, 0.5, 0.3)(1e6) == 2.0
 
 
 def test_table_goes_through_its_points_with_smooth_slopes():
@@ -181,6 +194,8 @@ def test_as_signal():
         (lambda: Polynomial(3.0), r"Polynomial: coefficients has shape \(\); give a row"),
         (lambda: Polynomial([1.0, np.nan]), r"Polynomial: coefficients\[1\] is not finite"),
         (lambda: Polynomial("abc"), "Polynomial: coefficients 'abc' is not numeric"),
+        (lambda: Pulse(1.0, 0.0, 0.0), "Pulse: edge is 0 s; give a positive time"),
+        (lambda: Pulse(1.0, 0.0, 0.2, 0.3), "Pulse: duration is 0.3 s; give at least two edges, 0.4 s"),
         (lambda: Table([0, 1, 2, 3], [1, 2, 3]), "Table: 4 times but 3 values; give one value per time"),
         (lambda: Table([0, 1, 2], [1, 2, 3]), "Table: 3 points; a cubic spline needs 4"),
         (lambda: Table([0, 1, 1, 2], np.ones(4)), r"Table: times\[2\] = 1 does not come after times\[1\] = 1; sort"),

@@ -1,0 +1,169 @@
+"""Families of hands-free circles: found on sections of constant steer angle, followed as curves of lean and steer."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d.progress import Progress
+
+from .continuation import Curve
+from .parameters import Parameters
+from .turning import Turn, Turner
+
+SECTIONS = tuple(np.radians([8.0, 30.0, 60.0, 100.0, 130.0, 165.0, 176.0]))
+LEANS = np.radians(np.linspace(-62.0, 62.0, 42))  # where families are looked for
+LYING = np.radians(80.0)  # lean at which a family is not followed any further
+STRAIGHT = 1e-3  # steer from straight at which a family ends [rad]
+MOST = 400  # points to either side
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Hands-free circles that go over into each other, both wheels pressed to the ground.
+
+    Attributes
+    ----------
+    turns : tuple of Turn
+        From one end to the other.
+    ends : (str, str)
+        Why it does not go on there.
+    special : tuple of (str, Turn)
+        "largest lean", "stability changes", "about the rear contact", with the turns in order.
+    """
+
+    turns: tuple[Turn, ...]
+    ends: tuple[str, str]
+    special: tuple[tuple[str, Turn], ...]
+
+    def values(self, name: str) -> np.ndarray:
+        """(n,) a quantity of all turns, e.g. "lean", "speed", "radius", "stable"."""
+        return np.array([getattr(turn, name) for turn in self.turns])
+
+
+@dataclass
+class Search:
+    """What is needed to follow the families of one bicycle."""
+
+    turner: Turner
+    curve: Curve
+
+    @classmethod
+    def of(cls, parameters: Parameters, longest: float) -> "Search":
+        """Curves on which the two equations without hands agree on a speed."""
+        turner = Turner(parameters)
+        return cls(turner, Curve(lambda x: turner.free(*x)[0], longest))
+
+    def square(self, x: np.ndarray) -> float:
+        """Of the scale of velocities [m^2/s^2]."""
+        return self.turner.free(*x)[1]
+
+    def turn(self, x: np.ndarray) -> Turn:
+        """The circle at a point."""
+        return self.turner.turn(*x, square=max(self.square(x), 0.0))
+
+    def seeds(self, steer: float) -> list[np.ndarray]:
+        """Points of a section: sign changes over the lean where a real speed belongs to them."""
+
+        def misfit(lean: float) -> float:
+            return self.turner.free(lean, steer)[0]
+
+        found, values = [], []
+        for lean in LEANS:
+            try:
+                values.append(misfit(lean))
+            except ValueError:  # no such pose
+                values.append(np.nan)
+        for k in np.flatnonzero(np.array(values[:-1]) * np.array(values[1:]) < 0.0):
+            x = np.array([brentq(misfit, *LEANS[k : k + 2], xtol=1e-12), steer])
+            if self.square(x) > 0.0 and self.turn(x).load > 0.0:
+                found.append(x)
+        return found
+
+    def follow(self, x: np.ndarray, along: np.ndarray) -> tuple[list[np.ndarray], str]:
+        """(points after x, why there are no more)."""
+        points = [x]
+        for new in self.curve.follow(x, along):
+            end = self.end(points[-1], new)
+            if end:
+                return points[1:] + ([] if end[1] is None else [end[1]]), end[0]
+            points.append(new)
+            if len(points) > 6 and np.linalg.norm(new - x) < np.linalg.norm(new - points[-2]):
+                return points[1:], "closed"
+            if len(points) > MOST:
+                return points[1:], "not followed further"
+        return points[1:], "not followed further"
+
+    def end(self, before: np.ndarray, new: np.ndarray) -> tuple[str, np.ndarray | None] | None:
+        """(name, last point) if the family ends between two points."""
+        for name, straight, sign in (("straight ahead", 0.0, 1.0), ("straight, front end reversed", np.pi, -1.0)):
+            if sign * (new[1] - straight) <= STRAIGHT:
+                limit = straight + sign * STRAIGHT
+                return name, self.curve.locate(before, new, lambda x, limit=limit: x[1] - limit)
+        if self.square(new) < 0.0:
+            return "at rest", self.curve.locate(before, new, self.square)
+        if abs(new[0]) > LYING:
+            return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LYING)
+        if self.turn(new).load < 0.0:
+            return "a wheel lifts", self.curve.locate(before, new, lambda x: self.turn(x).load)
+        return None
+
+
+def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
+    """True if a point lies on a family that was followed before."""
+    for points in families:
+        a, b = np.array(points[:-1]), np.array(points[1:])
+        if not a.size:
+            continue
+        share = np.clip(np.sum((x - a) * (b - a), axis=1) / np.sum((b - a) ** 2, axis=1), 0.0, 1.0)
+        miss = np.linalg.norm(a + share[:, None] * (b - a) - x, axis=1)
+        if np.any(miss < 0.05 * np.linalg.norm(b - a, axis=1) + 1e-6):
+            return True
+    return False
+
+
+def follow_all(parameters: Parameters, longest: float, progress: bool | None) -> tuple[Search, list, list]:
+    """(search, points of all families, their ends)."""
+    search, families, ends = Search.of(parameters, longest), [], []
+    with Progress("circles: follow families", 0.0, len(SECTIONS), progress) as bar:
+        for k, steer in enumerate(SECTIONS):
+            for x in search.seeds(steer):
+                if beside(x, families):
+                    continue
+                along = search.curve.direction(x)
+                back, first = search.follow(x, -along)
+                if first == "closed":
+                    families.append([*back, back[0]])
+                    ends.append((first, first))
+                    continue
+                on, last = search.follow(x, along)
+                families.append([*reversed(back), x, *on])
+                ends.append((first, last))
+            bar.update(k + 1)
+    return search, families, ends
+
+
+def special_points(search: Search, points: list[np.ndarray], turns: Sequence[Turn]) -> list[tuple[str, Turn]]:
+    """What `Family.special` lists, in the order of the family."""
+
+    def growth(x: np.ndarray) -> float:
+        along = search.curve.direction(x)
+        return float(along[0] * np.sign(along[1] or 1.0))
+
+    lean = np.abs([turn.lean for turn in turns])
+    tests: list[tuple[str, np.ndarray, Callable[[np.ndarray], float]]] = [
+        ("largest lean", np.diff(lean, append=lean[-1]), growth),
+        ("stability changes", np.array([turn.growth for turn in turns]), lambda x: search.turn(x).growth),
+        ("about the rear contact", np.array([turn.course for turn in turns]), lambda x: search.turn(x).course),
+    ]
+    found = []
+    for name, values, value in tests:
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+            summit = name == "largest lean"
+            if summit and values[k] < 0.0:
+                continue  # a least lean
+            x = search.curve.locate(points[k], points[min(k + 1 + summit, len(points) - 1)], value)
+            if x is not None:
+                found.append((k, name, search.turn(x)))
+    return [(name, turn) for _, name, turn in sorted(found, key=lambda entry: entry[0])]
