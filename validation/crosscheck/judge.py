@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .ladder import Ladder
-from .limits import Limit, best_limit
+from .limits import LEAST_ORDER, Limit, best_limit
 from .ours import Ours
 from .quantities import Quantity, quantities
 from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Attribution, Curve, Finding
@@ -96,6 +96,12 @@ def beginning(name: str) -> int:
     return 1 if name.startswith("reaction") else 0
 
 
+def first_sample(runs: Runs, name: str, limit: Limit) -> float:
+    """Greatest relative difference at the start."""
+    own = runs.own[name]
+    return float(np.abs(limit.values[0] - own.values[0] / own.scale).max())
+
+
 def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
     """One quantity over the first ``span`` samples."""
     difference, part, limit = limit_difference(runs, name, span)
@@ -109,14 +115,18 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         return Finding(engine, name, DIFFERS, **found)
     if unsure > BLUR * tolerance:
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
-    gaps = differences(runs, name, span)
-    if limit.order is None or limit.order >= order - SLACK or min(gaps) <= tolerance:
-        return Finding(engine, name, AGREES, **found)
+    gaps, first = differences(runs, name, span), first_sample(runs, name, limit)
+    if first > max(SURE * unsure, tolerance):
+        found["attributions"] = (Attribution("first sample", "leaving the start out", first, difference),)
+    scattered = limit.order is not None and limit.order < LEAST_ORDER and min(gaps) <= tolerance
+    if limit.order is None or limit.order >= order - SLACK or scattered:
+        return Finding(engine, name, EXPLAINED if "attributions" in found else AGREES, **found)
     text = f"of order {limit.order:.1f} in the step where {order:g} is expected"
     if gaps[-1] > HALVED * gaps[-2]:
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s runs scatter by {unsure:.0e}, {text}")
     halved = Attribution(f"error of {engine}'s step", "halving it", gaps[-2], gaps[-1])
-    return Finding(engine, name, EXPLAINED, **found, reason=text, attributions=(halved,))
+    found["attributions"] = (*found.get("attributions", ()), halved)
+    return Finding(engine, name, EXPLAINED, **found, reason=text)
 
 
 def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:

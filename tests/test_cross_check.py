@@ -1,0 +1,389 @@
+"""`cross_check`: convergence on sequences of known limits, verdicts on real engines, and that mistakes are found."""
+
+import json
+import os
+import subprocess
+import sys
+import types
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from models import all_joints_mechanism, consistent_state, example_system, pendulum
+
+import validation
+from mbsd3d import GROUND, Body, Bushing, KnifeEdge, Revolute, System, simulate
+from mbsd3d.cli import main
+from validation import cross_check, twins
+from validation.crosscheck import check as checking
+from validation.crosscheck import limits
+from validation.crosscheck.ours import motion_of, ours_at
+from validation.crosscheck.quantities import momenta, rotation_matrices
+from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, CrossCheck
+from validation.engines.base import EngineFailed, EngineMissing
+
+LOOP = twins.four_bar()
+
+
+def arm():
+    """A pendulum with general numbers."""
+    return pendulum(np.random.default_rng(5))[0]
+
+
+def statuses(found):
+    """{status of all findings of an engine}."""
+    return {finding.status for finding in found.findings}
+
+
+# -- convergence --
+
+
+def sequence(order, runs=6, noise=0.0, limit=0.7):
+    """x + c h^p + d h^(p+1) at h, h/2, ..., growing along four samples, and noise that doubles with every run."""
+    rng, h = np.random.default_rng(2), 0.1 * 0.5 ** np.arange(runs)
+    growth = np.array([0.0, 0.3, 0.6, 1.0])[:, None, None]
+    rough = noise * 2.0 ** np.arange(runs)[:, None, None, None] * rng.normal(size=(runs, 4, 1, 2))
+    shape = np.array([1.0, -0.4])
+    return [limit + growth * (shape * x**order + 0.5 * x ** (order + 1)) + r for x, r in zip(h, rough, strict=True)]
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 6])
+def test_limit_and_order_of_a_sequence(order):
+    runs = sequence(order)
+    found = limits.limit_of(runs, order)
+    away = np.abs(found.values - 0.7).max()
+    assert found.order == pytest.approx(order, abs=0.1)  # the next power still counts some per cent
+    assert away <= 3.0 * found.error[-1]  # the estimate holds
+    assert away < 0.1 * np.abs(runs[-1] - 0.7).max()  # and the limit is better than the finest run
+    assert (np.diff(found.error) >= 0.0).all()
+
+
+def test_an_order_fitted_to_two_gaps_does_not_make_a_limit_certain():
+    one = [np.full((2, 1, 1), x) for x in (1.0, 0.5, 0.28)]  # gaps 0.5 and 0.22: of no power, and fitted exactly
+    assert limits.limit_of(one, 2.0).error[-1] > 0.05  # with order 2 the limit is 0.1 away
+
+
+def test_runs_that_only_add_rounding_are_left_out():
+    runs = sequence(4, runs=10, noise=1e-9)
+    best, last = limits.best_limit(runs, 4.0), limits.limit_of(runs, 4.0)
+    assert best.error[-1] < 0.3 * last.error[-1]  # the noise of the last run is 16 times that of run 6
+    assert np.abs(best.values - 0.7).max() <= 3.0 * best.error[-1]
+
+
+def test_runs_that_do_not_converge_have_an_error_as_large_as_they_scatter():
+    runs = [np.full((3, 1, 1), x) for x in (1.0, 1.3, 0.9, 1.2)]
+    found = limits.limit_of(runs, 2.0)
+    assert found.order < limits.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
+    with pytest.raises(ValueError, match="three or more"):
+        limits.limit_of(runs[:2], 2.0)
+
+
+# -- quantities --
+
+
+def test_momenta_and_energies_from_poses_alone_are_those_of_the_solution():
+    system = all_joints_mechanism(3, redundant=False)
+    solution = simulate(system, 0.05, state=consistent_state(system, np.random.default_rng(3)), output=3)
+    motion, rest = motion_of(solution)
+    p, L, kinetic, weight = momenta(system, motion)
+    energy, momentum = solution.energy(), solution.momentum()
+    # two orders of summation over sixteen bodies
+    assert np.allclose(p, momentum.linear, rtol=1e-12, atol=1e-11)
+    assert np.allclose(L, momentum.angular, rtol=1e-12, atol=1e-11)
+    assert np.allclose(kinetic, energy.kinetic, rtol=1e-12) and not rest
+    assert np.allclose(weight, energy.potential, rtol=1e-12)  # no springs here
+    R = rotation_matrices(motion.orientation)
+    assert np.allclose(R @ R.swapaxes(-1, -2), np.eye(3), atol=1e-14)
+    assert np.allclose(R[:, 2], solution.rotation(system.bodies[2]), atol=1e-15)
+    assert np.array_equal(rotation_matrices(-motion.orientation), R)
+
+
+def test_growth_of_a_pendulum_that_stands_on_its_head():
+    """About the upper equilibrium errors grow as cosh(k t), their turn as sinh(k t) / k; k^2 = m g l / I."""
+    stick = Body("stick", 1.0, (0.02, 0.02, 0.001), com=(0, 0, 0.4))
+    system = System([stick], [Revolute(GROUND, stick, at=(0, 0, 0), axis=(1, 0, 0))])
+    rate = np.sqrt(9.81 * 0.4 / (0.02 + 0.16))
+    times = np.linspace(0.0, 2.0, 5)
+    ours = ours_at(system, system.state(), times)
+    speed = np.cosh(rate * times)  # of the angular velocity, which the neighbour starts with
+    turn = ours.size.spin / rate * np.sinh(rate * times)  # rotations are compared in radians
+    expected = np.maximum(speed, turn)
+    assert ours.growth[-1] == pytest.approx(
+        expected[-1], rel=0.05
+    )  # entries of R have up to 1, other sizes are similar
+    assert max(error[-1] for error in ours.error.values()) < 1e-7  # rtol 1e-10, grown by 3000
+
+
+# -- engines --
+
+
+def test_a_hinge_agrees_with_both_engines_at_their_orders():
+    check = cross_check(arm(), 0.6)
+    assert check.passed and check.compared == ("MuJoCo", "Exudyn", "definitions") and not check.failures
+    assert set(check.verdict.values()) == {AGREES}
+    tree, quantities = check.of("mujoco"), {x.quantity: x for x in check.of("MuJoCo").findings}
+    assert tree.order == 4.0 and quantities["position"].order == pytest.approx(4.0, abs=0.2)
+    assert quantities["position"].difference < 1e-9  # limits, not runs: the finest of those is 1e-8 away
+    assert quantities["reaction force"].until == 0.6 and {"mass matrix", "acceleration"} <= set(quantities)
+
+
+def test_a_loop_agrees_at_the_lower_order_of_soft_equalities():
+    check = cross_check(LOOP.space(), 0.2)
+    assert check.passed, check.table()
+    orders = {engine.engine: engine.order for engine in check.engines if engine.order}
+    assert orders == {"MuJoCo": 2.0, "Exudyn": 2.0}
+
+
+def test_redundant_rows_leave_indeterminate_reactions_out_and_say_so():
+    check = cross_check(LOOP.space(redundant=True), 0.1, engines=["exudyn", "definitions"])
+    assert check.passed and "do not determine" in check.notes[0]
+    assert ("Exudyn", "reaction force") not in check.verdict and check.verdict["Exudyn", "position"] == AGREES
+
+
+def heavier(factory):
+    """The factory with one body's mass up by a tenth of a per cent: a twin of another mechanism."""
+
+    def twin(system, **settings):
+        first, *rest = system.bodies
+        other = replace(first, mass=1.001 * first.mass)
+        joints = [
+            replace(j, **{side: other for side in ("a", "b") if getattr(j, side) is first}) for j in system.joints
+        ]
+        return factory(System([other, *rest], joints, gravity=system.gravity), **settings)
+
+    return twin
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    """Put a factory in the place of an engine's module."""
+
+    def put(engine, twin):
+        module = types.ModuleType(f"fake_{engine}")
+        module.twin = twin
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        monkeypatch.setitem(checking.MODULES, engine, module.__name__)
+
+    return put
+
+
+def test_a_twin_of_another_mechanism_differs_and_no_setting_explains_it(fake):
+    from validation.engines import mujoco
+
+    fake("mujoco", heavier(mujoco.twin))
+    check = cross_check(LOOP.space(), 0.2, engines=["mujoco"], budget=4.0)
+    differs = {x.quantity for x in check.findings if x.status == DIFFERS}
+    assert {"mass matrix", "angular acceleration", "angular velocity", "momentum", "reaction force"} <= differs
+    assert not check.passed and "MuJoCo, mass matrix differs: by" in check.failures[0]
+    assert not any(x.attributions for x in check.findings if x.status == DIFFERS)
+
+
+def test_softness_that_does_not_fall_with_the_step_is_proven_by_changing_it(fake):
+    """Real MuJoCo, with the time constant of its equalities held fixed: its limit is a softer mechanism."""
+    from validation.engines import mujoco
+
+    def stays_soft(system, softness=16.0, **settings):
+        made = mujoco.twin(system, softness=softness, **settings)
+        run = made.run
+
+        def fixed(t_end, steps, samples):
+            made.softness = softness * steps / 256  # solref = softness h is the same at every step
+            return run(t_end, steps, samples)
+
+        made.run = fixed
+        return made
+
+    fake("mujoco", stays_soft)
+    check = cross_check(LOOP.space(), 0.2, engines=["mujoco"], budget=4.0, tolerance=1e-8)
+    (position,) = (x for x in check.findings if x.quantity == "position")
+    assert position.status == EXPLAINED and position.difference > 3.0 * position.uncertainty
+    (proof,) = position.attributions
+    assert "softness" in proof.cause and proof.after / proof.before == pytest.approx(0.25, abs=0.05)  # its square
+
+
+def test_a_lower_order_than_expected_is_said_with_the_number_of_the_step(fake):
+    from validation.engines import mujoco
+
+    def first_order(system, **settings):
+        made = mujoco.twin(system, integrator="Euler", **settings)
+        made.order = 4.0
+        return made
+
+    fake("mujoco", first_order)
+    check = cross_check(arm(), 0.5, engines=["mujoco"], budget=3.0)
+    found = {x.quantity: x for x in check.findings}
+    assert found["position"].status == EXPLAINED and found["position"].order == pytest.approx(1.0, abs=0.2)
+    (proof,) = found["position"].attributions
+    assert proof.after / proof.before == pytest.approx(0.5, abs=0.1)  # an error of order one
+    assert "order 1.0" in found["position"].verdict
+
+
+# -- what cannot be compared --
+
+
+def test_an_engine_that_is_missing_is_not_compared_and_the_rest_goes_on(fake):
+    def missing(system, **settings):
+        raise EngineMissing("mujoco-core is not installed: pip install 'mbsd3d[validation]'")
+
+    fake("mujoco", missing)
+    check = cross_check(arm(), 0.2)
+    assert check.verdict["MuJoCo", "everything"].startswith("not compared: mujoco-core is not installed: pip")
+    assert check.passed and check.compared == ("Exudyn", "definitions")
+
+
+def test_nothing_compared_does_not_pass():
+    """No engine has a knife edge, and the second formulation no bushing."""
+    system = example_system(KnifeEdge, 3, ground="a")
+    mount = Bushing(GROUND, system.bodies[0], at=system.bodies[0].position, stiffness=100.0, name="mount")
+    check = cross_check(System(system.bodies, system.joints, [mount]), 0.1)
+    assert not check.passed and not check.failures and not check.compared
+    assert all(x.status == SKIPPED and ("KnifeEdge" in x.reason or "mount" in x.reason) for x in check.findings)
+    assert check.table().endswith("nothing was compared with another engine")
+
+
+def test_an_engine_that_fails_on_the_way_keeps_what_was_found_at_the_start(fake):
+    from validation.engines import mujoco
+
+    def stops(system, **settings):
+        made = mujoco.twin(system, **settings)
+        made.run = lambda *arguments: (_ for _ in ()).throw(EngineFailed("NaN at t = 0.1 s"))
+        return made
+
+    fake("mujoco", stops)
+    check = cross_check(arm(), 0.2, engines=["mujoco"], budget=0.5)
+    assert check.verdict["MuJoCo", "acceleration"] == AGREES
+    assert "NaN at t = 0.1 s" in check.verdict["MuJoCo", "motion"]
+
+
+def test_ctrl_c_keeps_what_was_found(fake):
+    def interrupted(system, **settings):
+        raise KeyboardInterrupt
+
+    fake("exudyn", interrupted)
+    check = cross_check(arm(), 0.2)
+    assert check.interrupted and not check.passed
+    assert check.verdict["MuJoCo", "position"] == AGREES and check.verdict["Exudyn", "everything"].endswith(
+        "interrupted"
+    )
+    assert "interrupted" in check.table()
+
+
+@pytest.mark.parametrize(
+    ("changed", "text"),
+    [
+        ({"t_end": 0.0}, "does not lie after the start"),
+        ({"engines": "mujoco"}, "give a list of mujoco"),
+        ({"engines": ["chrono"]}, "'chrono' is unknown"),
+        ({"tolerance": 0.1}, "outside 1e-9"),
+        ({"budget": 0.0}, "above 0"),
+        ({"state": 3}, "is not a State"),
+    ],
+)
+def test_bad_input_is_named(changed, text):
+    with pytest.raises(ValueError, match=text):
+        cross_check(**{"system": arm(), "t_end": 1.0, **changed})
+
+
+def test_the_whole_is_plain_data_and_a_figure():
+    check = cross_check(arm(), 0.3, engines=["exudyn"])
+    plain = json.loads(json.dumps(check.to_dict(), allow_nan=False))
+    assert plain["passed"] and plain["engines"][0]["findings"][0]["verdict"] == AGREES
+    assert [axes.get_title() for axes in check.figure().axes] == ["Exudyn"]
+    assert CrossCheck(1.0, 1e-6, ()).figure(dark=True).axes[0].get_title() == "no engine ran"
+    assert validation.cross_check is checking.cross_check
+
+
+# -- mutations --
+
+
+def mutated(*arguments):
+    """Outcomes of tests/mutations.py: kernel, mistake, {engine: quantities}."""
+    here = Path(__file__).parent
+    paths = os.pathsep.join([str(here.parent), str(here)])
+    command = [sys.executable, str(here / "mutations.py"), *arguments]
+    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+SEEN_BY_NO_ENGINE = {"no_sideslip"}
+"""Neither engine has a knife edge: only the definitions of the joints judge its rows."""
+NEVER_AT_REST = {"turn_rate"}
+"""A start that a wrong J of a speed driver does not allow is refused by our own run, which names the joint."""
+
+
+def test_a_mistake_in_any_row_kernel_is_found():
+    outcomes = mutated("mujoco", "exudyn", "definitions")
+    assert len({kernel for kernel, *_ in outcomes}) == 14
+    for kernel, mistake, found in outcomes:
+        if mistake == "none":
+            assert not any(found.values()), (kernel, found)
+        elif "error" in found:
+            assert kernel in NEVER_AT_REST and "SpeedDriver" in found["error"]
+        else:
+            assert found["definitions"], (kernel, mistake)
+            assert found["MuJoCo"] or found["Exudyn"] or kernel in SEEN_BY_NO_ENGINE, (kernel, mistake)
+
+
+# -- command line --
+
+
+ARM = """
+from mbsd3d import GROUND, Body, Revolute, System
+
+def build():
+    bob = Body("bob", 1.0, (0.1, 0.11, 0.02), com=(0.1, 0.2, 0.05), position=(0, 0.6, -0.8))
+    return System([bob], [Revolute(GROUND, bob, at=(0, 0, 0), axis=(1, 0.2, 0), name="hinge")])
+"""
+
+
+@pytest.fixture
+def model(tmp_path, monkeypatch):
+    """A folder with arm.py."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.py").write_text(ARM)
+    return tmp_path
+
+
+def run(*arguments):
+    """Result of the command line."""
+    return CliRunner().invoke(main, ["validate", *arguments])
+
+
+def test_validate_prints_a_table_and_writes_page_and_data(model):
+    done = run("arm.py", "--t-end", "0.3", "--json", "new/arm.json", "--html", "new/arm.html")
+    assert done.exit_code == 0, done.output
+    assert "agrees with MuJoCo, Exudyn" in done.output and "new/arm.html" in done.output
+    plain, page = json.loads(Path("new/arm.json").read_text()), Path("new/arm.html").read_text()
+    assert plain["model"] == "arm.py" and plain["passed"]
+    assert (
+        "<svg" in page and "✓" in page and "http://" not in page.replace("http://www.w3.org", "") and "src=" not in page
+    )
+
+
+def test_validate_ends_with_1_where_something_differs(model, fake):
+    from validation.engines import exudyn
+
+    fake("exudyn", heavier(exudyn.twin))
+    done = run("arm.py", "--t-end", "0.2", "--engine", "exudyn", "--html", "arm.html", "--budget", "2")
+    assert done.exit_code == 1 and "mbsd3d: Exudyn, mass matrix differs: by" in done.output
+    assert '<tr class="fail">' in Path("arm.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["none.py"], 2, "No such file"),
+        (["arm.py", "--t-end", "-1"], 2, "does not lie after the start"),
+        (["arm.py", "--engine", "chrono"], 2, "chrono"),
+        (["arm.py", "--tolerance", "1"], 2, "outside 1e-9"),
+        (["arm.py", "--json", "/proc/none/x.json"], 2, "cannot be written"),
+        (["arm.py", "--t-end", "0.1", "--engine", "definitions"], 1, "nothing was compared"),
+    ],
+)
+def test_exit_codes(model, arguments, code, text):
+    done = run(*arguments)
+    assert done.exit_code == code and text in done.output, done.output
+    assert not isinstance(done.exception, Exception) or isinstance(done.exception, click.exceptions.Exit | SystemExit)
