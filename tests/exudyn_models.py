@@ -43,19 +43,7 @@ def sharp_disc(rng, a, b):
     return [RollingDisc(a, b, axis=axis, radius=0.5, centre=centre, plane=rolling_plane(rng, centre, axis, 0.5, 0.0))]
 
 
-def mesh_of_hinges(rng, carrier, gear_a, gear_b):
-    """Helical gears on two hinges: their axes do not slide."""
-    axis = direction(rng)
-    out = across(rng, axis)
-    first = Revolute(carrier, gear_a, at=(at := middle(rng, carrier, gear_a)), axis=axis)
-    second = Revolute(gear_b, carrier, at=at + 0.9 * out - 0.2 * axis, axis=-axis)
-    return [first, second, GearMesh(first, second, at=at + 0.35 * out + 0.1 * axis, helix_angle=0.4)]
-
-
-MADE = EXAMPLES | {
-    "sharp disc": lambda rng, a, b, c, d: sharp_disc(rng, a, b),
-    GearMesh: lambda rng, a, b, c, d: mesh_of_hinges(rng, a, b, c),
-}
+MADE = EXAMPLES | {"sharp disc": lambda rng, a, b, c, d: sharp_disc(rng, a, b)}
 GROUNDS = (None, "a", "b")
 EVERY = [
     (cls, ground)

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from models import example_system, random_body, revolute_chain
+from models import random_body, revolute_chain
 from test_loads import EXAMPLES as FORCES
 
 from mbsd3d import (
@@ -17,7 +17,6 @@ from mbsd3d import (
     Bushing,
     Distance,
     Fixed,
-    GearMesh,
     Joint,
     Revolute,
     Spherical,
@@ -86,7 +85,6 @@ def test_refused_variants():
     for parts, settings, text in (
         (sprung, {"state": sprung.assemble()}, "force 'TorsionSpring 1' .*axes on both sides differ"),
         (System([a, b], forces=[Bushing(a, b, at=(0, 0, 0), stiffness=1.0)]), {}, "force 'Bushing 1' .*hangs on 'a'"),
-        (example_system(GearMesh, 5), {}, "'Cylindrical 1', which slides"),
         (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
         (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),
         (System([a], [Spherical(GROUND, a, at=(0, 0, 0))]), {"formulation": "kinematic tree"}, "has only Revolute"),

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.couplings import Coupling, GearMesh
+from mbsd3d.couplings import Coupling
 from mbsd3d.rotations import matrix, multiply
 from mbsd3d.simulation import check_signals
 from mbsd3d.threads import one_thread
@@ -141,17 +141,9 @@ class BodyTwin:
         v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)
         return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)
 
-    def determinate(self) -> list[Any]:
-        """Joints whose reactions Exudyn gives: none where rows repeat each other, not those that carry tooth forces."""
-        if self.repeated:
-            return []
-        meshes = [joint for joint in self.system.joints if isinstance(joint, GearMesh)]
-        without = {id(part) for mesh in meshes for part in (mesh, *mesh.partners())}
-        return [joint for joint in self.system.joints if id(joint) not in without]
-
     def reactions(self, t: Array, q: Array, u: Array, lam: Array) -> dict[str, Load]:
-        """Wrench -J' lam on body b of every joint, moved to the joint's point."""
-        joints = self.determinate()
+        """Wrench -J' lam on body b of every joint, moved to the joint's point; none where rows repeat each other."""
+        joints = () if self.repeated else self.system.joints
         if not joints:
             return {}
         equations, k = self.equations(), len(self.system.bodies)

@@ -46,14 +46,16 @@ def pose(model: Assembly, body: Any, q: Array) -> Pose:
     return Pose(body, q[:3], matrix(e), model.spin(e))
 
 
-def add_contact(model: Assembly, joint: Any, contact: Callable[[Pose, Pose], tuple[Array, Array]], rows: int) -> None:
-    """Rows of ``contact(a, b)`` = (point, directions (rows, 3))."""
+def add_contact(
+    model: Assembly, joint: Any, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
+) -> None:
+    """Rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
 
     def jacobian(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
         q = np.array(q)
         sizes = [0 if body is GROUND else len(q) // sides for body in (joint.a, joint.b)]
         a, b = pose(model, joint.a, q[: sizes[0]]), pose(model, joint.b, q[sizes[0] :])
-        point, directions = contact(a, b)
+        point, directions = contact(a, b, mbs)
         blocks = [sign * directions @ side.velocity_of(point) for sign, side in ((-1.0, a), (1.0, b)) if side.spin.size]
         return np.hstack(blocks)
 
@@ -72,13 +74,13 @@ def add_contact(model: Assembly, joint: Any, contact: Callable[[Pose, Pose], tup
 
 def add_knife_edge(model: Assembly, joint: Any, what: str) -> None:
     """The point of b does not move along a direction of b."""
-    add_contact(model, joint, lambda a, b: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
+    add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
 
 
 def add_rolling(model: Assembly, joint: Any, what: str) -> None:
     """The joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
     if joint.crown:
-        add_contact(model, joint, lambda a, b: (lowest(joint, a, b), np.eye(3)), 3)
+        add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
         return
     # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
     markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
@@ -86,6 +88,26 @@ def add_rolling(model: Assembly, joint: Any, what: str) -> None:
         markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
     )
     model.connect(joint, disc)
+
+
+def add_mesh(model: Assembly, joint: Any, what: str) -> None:
+    """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
+    carrier, n = joint.support(), joint.direction()
+
+    def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
+        frame = carried(model, mbs, carrier)
+        return frame.point(joint.at), frame.axis(n)[None]
+
+    add_contact(model, joint, contact, 1)
+
+
+def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
+    """A body that no row moves, asked of Exudyn."""
+    if body is GROUND:
+        return pose(model, body, np.zeros(0))
+    kinds, number = model.module.OutputVariableType, model.body[id(body)]
+    r, R = (mbs.GetObjectOutputBody(number, kind, [0.0, 0.0, 0.0]) for kind in (kinds.Position, kinds.RotationMatrix))
+    return Pose(body, np.array(r), np.reshape(R, (3, 3)), np.zeros((3, 0)))
 
 
 def lowest(joint: Any, a: Pose, b: Pose) -> Array:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.couplings import Gear, GearMesh, RackPinion
+from mbsd3d.couplings import Gear, RackPinion
 from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
 from mbsd3d.primitives import Coordinate
 from mbsd3d.signals import Constant
@@ -43,17 +43,6 @@ def add_gear(model: Assembly, joint: Any, what: str) -> None:
 def add_rack(model: Assembly, joint: Any, what: str) -> None:
     """slide = radius angle."""
     couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
-
-
-def add_mesh(model: Assembly, joint: Any, what: str) -> None:
-    """Angles of the gears on their carrier in a fixed ratio: the same motion, other loads."""
-    row, n = joint.primitives[0], joint.direction()
-    for hinge in (joint.hinge_a, joint.hinge_b):
-        if hinge.slide() is not None and abs(n @ hinge.axis) > 1e-12:  # rounding of unit vectors
-            name = model.system.name(hinge)
-            raise NotExpressible(f"{what}: its teeth push along '{name}', which slides; Exudyn couples angles only")
-    a, b = row.coordinates
-    couple(model, joint, b, -row.values[0] / row.values[1], a, what)
 
 
 def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
@@ -101,7 +90,6 @@ def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
 COUPLINGS: dict[type, Expression] = {
     Gear: Expression("CoordinateConstraint of two angles", add_gear),
     RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
-    GearMesh: Expression("CoordinateConstraint of two angles (motion only: no tooth force on the bearings)", add_mesh),
     AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
     SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
     PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),

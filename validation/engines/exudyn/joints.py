@@ -12,12 +12,13 @@ import numpy as np
 
 from mbsd3d import joints as j
 from mbsd3d.contacts import KnifeEdge, RollingDisc
+from mbsd3d.couplings import GearMesh
 from mbsd3d.joints import cross, matched_perpendiculars, perpendiculars
 from mbsd3d.primitives import Coordinate
 
 from ..base import Array, NotExpressible
 from .assembly import Assembly
-from .contacts import add_knife_edge, add_rolling
+from .contacts import add_knife_edge, add_mesh, add_rolling
 from .couplings import COUPLINGS, Expression, couple
 
 
@@ -142,6 +143,7 @@ JOINTS: dict[type, Expression] = {
         "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
         add_rolling,
     ),
+    GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
     KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
 }
 """Joint class -> how it is expressed."""
