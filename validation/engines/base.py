@@ -9,7 +9,7 @@ import numpy as np
 Array = np.ndarray
 
 
-class NotComparable(ValueError):
+class NotComparable(ValueError):  # noqa: N818 - a verdict, not a mistake
     """An engine that cannot take part: the verdict is "not compared: <this text>"."""
 
 
