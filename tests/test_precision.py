@@ -1,5 +1,10 @@
 """Work against precision: the problems and their truths, times to an error, what is stored, shown and refused."""
 
+import signal
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -154,7 +159,7 @@ def test_what_no_engine_expresses_is_not_compared():
 
 
 def test_a_missing_engine_is_not_compared(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
     problem = PROBLEMS["free body"]()
     climbed, _ = ladders.climb(candidates.of_peer(problem, "MuJoCo")[0], problem.exact(), 1.0, 1.0)
     assert "not installed" in climbed.note and not climbed.points
@@ -190,3 +195,29 @@ def test_loops_and_tops_against_both_peers(name):
         assert row.agreement(peer) < 1e-4
     # measured on a busy machine: 20 for Bricard's MuJoCo at 1e-8, 34 for the top's
     assert row.ratio("MuJoCo", 1e-8)[0] > 2.0 and row.ratio("Exudyn", 1e-6)[0] > 1.5
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_what_was_measured(tmp_path):
+    path, names = tmp_path / "precision.json", ("free body", "Andrews")
+    chosen = [word for name in names for word in ("--mechanism", name)]
+    command = [sys.executable, "-m", "validation.benchmark", *chosen, "--out", str(tmp_path)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        until = time.monotonic() + 120.0
+        while not path.is_file() and process.poll() is None and time.monotonic() < until:
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)  # Andrews takes half a minute
+        _, said = process.communicate(timeout=120.0)
+    finally:
+        process.kill()
+    assert process.returncode == 130 and "interrupted; 1 problems" in said and "Traceback" not in said
+    assert [row.name for row in store.load(path, unfinished=True)] == ["free body"]
+
+
+def test_a_run_of_ours_that_takes_too_long_is_ended(monkeypatch):
+    monkeypatch.setattr(candidates, "LONGEST", 0.02)
+    problem = PROBLEMS["four-bar 40"]()
+    candidate = candidates.ours(problem)
+    with pytest.raises(candidates.Unfinished, match="not at its end after 0.02 s"):
+        candidate.start()(1e-6)  # takes half a second

@@ -58,7 +58,7 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Any:
             if k % columns == 0:
                 axes.set_ylabel("error at the end [-]")
             if k + columns >= len(shown):
-                axes.set_xlabel("wall time [s]")
+                axes.set_xlabel("wall time")
         handles, names = grid[0].get_legend_handles_labels()
         for axes in grid[1 : len(shown)]:
             more = zip(*axes.get_legend_handles_labels(), strict=True)
@@ -68,6 +68,11 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Any:
         for text in legend.get_texts():
             text.set_color(look.ink)
     return figure
+
+
+def seconds_text(x: float, place: Any = None) -> str:
+    """ "10 ms"."""
+    return f"{1e3 * x:g} ms" if x < 1.0 else f"{x:g} s"
 
 
 def panel(axes: Any, row: Row, look: Any) -> None:
@@ -84,5 +89,12 @@ def panel(axes: Any, row: Row, look: Any) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(*ERRORS)
+    low, high = axes.get_xlim()
+    axes.set_xlim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))  # whole decades, each labelled
+    axes.xaxis.set_major_formatter(seconds_text)
+    axes.yaxis.set_major_formatter("{x:.0e}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter("")
+    axes.tick_params(labelsize="small")
     axes.set_title(row.name)
     dress(axes, look)

@@ -14,7 +14,10 @@ from .candidates import Candidate, Run
 from .problems import Poses
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # errors: distances over the length of the model, and angles in radians
-DOMINATED = 4.0  # a candidate is given up where another one took a quarter of its time for a smaller error
+DOMINATED, CLIMBED = (
+    4.0,
+    4,
+)  # after so many settings one gives up where a rival took a quarter of the time for less error
 REPEATS, SHORT = 3, 0.03  # runs of a setting, while they take less than so many seconds together
 NOISE = 3.0  # an error that rises by this factor at a finer setting has met rounding
 
@@ -97,10 +100,11 @@ def least(run: Callable[[float], Run], setting: float) -> Run:
 def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool:
     """Whether a finer setting tells nothing more."""
     _, seconds, error = points[-1]
-    below = [point.error <= TARGETS[-1] for point in points[-2:]]
-    rounding = len(points) > 2 and error > NOISE * min(p.error for p in points) and min(p.error for p in points) < 1e-6
-    beaten = any(rival.seconds * DOMINATED < seconds and rival.error < error < TARGETS[0] for rival in rivals)
-    return all(below) and len(below) == 2 or seconds > limit / 2 or rounding or beaten
+    best = min(point.error for point in points)
+    below = len(points) > 1 and all(point.error <= TARGETS[-1] for point in points[-2:])
+    rounding = best <= TARGETS[-1] and error > NOISE * best
+    beaten = any(rival.seconds * DOMINATED < seconds and rival.error < error for rival in rivals)
+    return below or rounding or seconds > limit / 2 or (beaten and len(points) >= CLIMBED)
 
 
 def time_to(climbed: Climb, target: float) -> Reached:

@@ -10,12 +10,12 @@ import numpy as np
 from mbsd3d.model import compile_system
 from mbsd3d.threads import one_thread
 
-from .candidates import PEERS, Run, of_peer, ours
+from .candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
 from .ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed
 from .problems import Problem
 
-LEAST, MOST = 0.6, 12.0  # s: bounds of what the longest run of a peer may take
-PATIENCE = 120.0  # the same in times of ours to the middle error: enough to tell a ratio of 100
+LEAST, MOST = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
+PATIENCE = 210.0  # the same in times of ours to the middle error; a run of half of that is tried: a ratio of 100
 TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what they may take altogether
 
 
@@ -43,13 +43,13 @@ class Row:
         """The candidates of an engine."""
         return [climbed for climbed in self.climbs if climbed.engine == engine]
 
-    def reached(self, engine: str, target: float) -> Reached | None:
-        """Time of an engine to an error; None where it was not compared."""
-        return best(self.of(engine), target)
+    def reached(self, engine: str, target: float, only: str = "") -> Reached | None:
+        """Time of an engine to an error, of candidates whose label has the word; None where it was not compared."""
+        return best([climbed for climbed in self.of(engine) if only in climbed.label], target)
 
-    def ratio(self, peer: str, target: float) -> tuple[float, str] | None:
+    def ratio(self, peer: str, target: float, only: str = "") -> tuple[float, str] | None:
         """Times of a peer to an error over ours, with its bound: ">" if the peer never got there."""
-        mine, theirs = self.reached("mbsd3d", target), self.reached(peer, target)
+        mine, theirs = self.reached("mbsd3d", target), self.reached(peer, target, only)
         if mine is None or theirs is None or mine.bound == ">":
             return None
         # "<" of ours makes the ratio greater than said, "<" of the peer's makes it smaller
@@ -82,11 +82,12 @@ def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) ->
         middle = best([found[0][0]], TARGETS[1])
         limit = float(np.clip(PATIENCE * (middle.seconds if middle else 0.0), LEAST, MOST))
         for peer in PEERS:
-            rivals: list[Point] = []
+            rivals: dict[bool, list[Point]] = {True: [], False: []}  # constraints compete with constraints
             for candidate in of_peer(problem, peer):
                 say(f"{peer}: {candidate.label}")
-                found.append(climb(candidate, truth, length, limit, rivals))
-                rivals += found[-1][0].points
+                alike = rivals[CONSTRAINTS in candidate.label]
+                found.append(climb(candidate, truth, length, limit, alike))
+                alike += found[-1][0].points
         say("in turns")
         climbs = in_turns(found)
     rows = sum(row.n_rows for joint in problem.system.joints for row in joint.rows())

@@ -30,7 +30,8 @@ from .. import cases, mechanisms
 from ..theory.pendulum import pendulum_motion
 from ..theory.torque_free import free_body
 
-POINT_CUTS = "point cuts"  # of planar loops: a row of each still repeats others
+PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
+POINT_CUTS = "point cuts"  # a row of each still repeats others
 TRUTH = 1e-12  # rtol of our own run where there is no closed form
 
 
@@ -92,7 +93,15 @@ class Problem:
         """Closed form, or our run at rtol `TRUTH`; the peers' limits are held against it."""
         if self.exact:
             return self.exact()
-        return poses(simulate(self.system, self.t_end, rtol=TRUTH, output=2, progress=False))
+        return poses(whole(self.system, self.t_end, rtol=TRUTH))
+
+
+def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
+    """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
+    solution = simulate(system, t_end, output=output, progress=False, **options)
+    if solution.record.stopped_by:
+        raise KeyboardInterrupt(solution.record.stopped_by)
+    return solution
 
 
 def poses(solution: Any) -> Poses:
@@ -128,7 +137,7 @@ def sliding(hinge: Any) -> Cylindrical:
 
 def planar_forms(system: System, names: tuple[str, ...]) -> dict[str, System]:
     """Forms of a mechanism whose loops are planar, one hinge of each loop named."""
-    return {"planar cuts": cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
+    return {PLANAR_CUTS: cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
 
 
 def from_case(name: str, case: str, family: str, t_end: float | None = None, forms: Callable | None = None) -> Problem:
@@ -151,7 +160,7 @@ def coasting(name: str, case: str, supports: tuple[str, ...]) -> Problem:
 def top(name: str, system: System, t_end: float) -> Problem:
     """A top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away most."""
     body, pivot = system.bodies[0], system.joints[0].at
-    path = simulate(system, t_end, output=200, progress=False).com(body) - pivot
+    path = whole(system, t_end, output=200).com(body) - pivot
     path /= np.linalg.norm(path, axis=1, keepdims=True)
     directions = np.random.default_rng(1).normal(size=(500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from .candidates import PEERS
 from .goals import MIDDLE, growth, verdicts
-from .ladders import TARGETS, Reached
+from .ladders import TARGETS, Reached, time_to
 from .precision import Row
 
 ENGINES = ("mbsd3d", *PEERS)
@@ -68,14 +68,12 @@ def judged(rows: Sequence[Row]) -> list[str]:
 
 def every(rows: Sequence[Row]) -> list[str]:
     """Every candidate with its time to the middle error."""
-    from .ladders import time_to
-
     said = [f"all candidates: ms until {MIDDLE:.0e}, settings that failed"]
     for row in rows:
         for climbed in row.climbs:
-            time = milliseconds(time_to(climbed, MIDDLE)) if climbed.points else f"not compared: {climbed.note}"
+            time = milliseconds(time_to(climbed, MIDDLE)) if climbed.points else f" not compared: {climbed.note}"
             failed = f"  ({climbed.failed} failed: {climbed.note[:60]})" if climbed.failed and climbed.points else ""
-            said.append(f"  {row.name:18}{climbed.engine:8}{climbed.label:52}{time:>10}{failed}")
+            said.append(f"  {row.name:18}{climbed.engine:8}{climbed.label:66}{time:>9}{failed}")
     return said
 
 

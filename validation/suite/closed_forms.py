@@ -57,26 +57,25 @@ def small_swing(made: Run) -> Pairs:
     return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), swing(made)[1])}
 
 
-RODS = (3.0 / 3.0 + 2.0, 3.0 / 2.0 + 2.0)
-"""Two four-bars of rods of 1 kg and 1 m: inertia about a foot [kg m^2], and mass times height of the centres [kg m]."""
+def rods_frequency(n: int) -> float:
+    """Of n four-bars in a row that hang: n + 1 rods of 1 kg and 1 m turn about their feet, n go in a circle [rad/s]."""
+    return theory.pendulum_frequency((n + 1) / 3 + n, (n + 1) / 2 + n, 1.0)
 
 
 def small_four_bars(made: Run) -> Pairs:
-    """Three rods swing about their feet, two couplers go in a circle: a pendulum."""
-    frequency = theory.pendulum_frequency(RODS[0], RODS[1], 1.0)
-    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), frequency)}
+    """Two four-bars that hang: a pendulum."""
+    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), rods_frequency(2))}
 
 
 def four_bars(made: Run) -> Pairs:
-    """The same over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
-    phi, phi_dot = theory.pendulum_motion(
-        made.solution.t, theory.pendulum_frequency(RODS[0], RODS[1], 1.0), np.pi, -1.0
-    )
+    """Four-bars over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
+    n = sum(body.name.startswith("coupler") for body in made.system.bodies)
+    phi, phi_dot = theory.pendulum_motion(made.solution.t, rods_frequency(n), np.pi, -1.0)
     half = np.stack([0.5 * np.sin(phi), -0.5 * np.cos(phi), np.zeros_like(phi)], axis=1)
-    rod = made.system.bodies[0]
+    last = made.system.part(f"rod{n}")
     return {
-        "centre of mass of a rod": (made.solution.com(rod), half),
-        "rate of a rod": (made.solution.omega(rod)[:, 2], phi_dot),
+        "centre of mass of the last rod": (made.solution.com(last), half + (n, 0, 0)),
+        "rate of the last rod": (made.solution.omega(last)[:, 2], phi_dot),
     }
 
 

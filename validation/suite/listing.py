@@ -1,6 +1,6 @@
 """All trials of the suite, in the order of the report."""
 
-from . import demonstrations, engines, randoms, references
+from . import bicycles, demonstrations, engines, ladders, randoms, references
 from .trial import Trial
 
 
@@ -17,7 +17,8 @@ def trials(quick: bool = False) -> list[Trial]:
     list of Trial
         Names are unique.
     """
-    return [*references.trials(), *demonstrations.trials(quick), *engines.trials(quick), *randoms.trials(quick)]
+    groups = references, bicycles, ladders, demonstrations, engines, randoms
+    return [trial for group in groups for trial in group.trials(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:

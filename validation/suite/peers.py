@@ -15,6 +15,9 @@ ANSWERS = {"agrees": AGREES, "explained": EXPLAINED, "differs": DIFFERS, "not co
 SURE = 3.0
 """Uncertainties by which limits may be apart, as `crosscheck.judge` has it."""
 
+MORE = 5.0
+"""Times the budget for a second look at a difference."""
+
 
 def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], CrossCheck | None]:
     """Everything that the engines and the definitions say of a mechanism.
@@ -36,11 +39,17 @@ def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], Cro
     """
     if trial.alone:
         return [not_compared(judge, trial.alone) for judge in PEERS], None
-    span = made.t_end if trial.span is None else min(trial.span, made.t_end)
-    check = cross_check(made.system, span, state=made.state, budget=budget, progress=False)
+    check = asked(made, budget)
+    if check.failures:  # finer steps, and time to change what may be to blame
+        check = asked(made, MORE * budget)
     if check.interrupted:
         raise KeyboardInterrupt
     return [translated(finding) for finding in check.findings], check
+
+
+def asked(made: Run, budget: float) -> CrossCheck:
+    """What `cross_check` finds; of a case without a motion at its start."""
+    return cross_check(made.system, made.t_end or None, state=made.state, budget=budget, progress=False)
 
 
 def translated(finding: PeerFinding) -> Finding:

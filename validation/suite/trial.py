@@ -68,8 +68,6 @@ class Trial:
         Judge of `findings.JUDGES` -> function that gives its findings for a `Run`.
     drawn : bool
         Whether the page shows a picture of it.
-    span : float or None
-        Time over which other engines are asked [s]; None = that of the run.
     alone : str
         Why other engines are not asked; "" = they are.
     """
@@ -80,7 +78,6 @@ class Trial:
     make: Callable[[], Run] = field(repr=False)
     judges: Mapping[str, Judge] = field(default_factory=dict, repr=False)
     drawn: bool = True
-    span: float | None = None
     alone: str = ""
 
 

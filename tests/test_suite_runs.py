@@ -1,0 +1,192 @@
+"""Runs of the suite: exit codes, what is kept of a run that was killed, and the files it writes."""
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import pytest
+from browser import visit
+from click.testing import CliRunner
+
+from mbsd3d.cli import main
+from validation import cases, comparison
+from validation.suite import references, table
+from validation.suite.document import content_of, encoded
+from validation.suite.findings import (
+    AGREES,
+    DIFFERS,
+    EXPLAINED,
+    MUJOCO,
+    NOT_COMPARED,
+    THEORY,
+    Finding,
+    Record,
+    not_compared,
+)  # fmt: skip
+from validation.suite.ledger import Ledger, identity
+from validation.suite.page import page_of
+from validation.suite.suite import Suite, examined
+from validation.suite.trial import Trial
+
+FAST = ("coriolis_slider", "eig_hanging_pendulum")
+"""Cases of a few tenths of a second, engines included; one with a motion and one without."""
+
+
+def validate(*arguments):
+    """(exit code, what is printed) of ``mbsd3d validate``."""
+    result = CliRunner().invoke(main, ["validate", *map(str, arguments)], prog_name="mbsd3d")
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.output  # no traceback
+    return result.exit_code, result.output
+
+
+def only(*chosen):
+    """Options for some cases."""
+    return [text for name in chosen for text in ("--case", name)]
+
+
+def record(verdict=AGREES, judge=THEORY, name="case", **numbers):
+    """A record with one finding."""
+    return Record(name, "group", "title", (Finding(judge, verdict, "quantity", **numbers),))
+
+
+def test_ledger_keeps_records_and_leaves_out_a_line_cut_off(tmp_path):
+    own = identity(budget=1.0)
+    ledger = Ledger(tmp_path, own)
+    full = examined(references.trial_of("coriolis_slider"), 0.05)
+    ledger.put(full)
+    ledger.put(record(error=1e-9, limit=1e-8))
+    assert Ledger(tmp_path, own).records == {"coriolis_slider": full, "case": record(error=1e-9, limit=1e-8)}
+    text = ledger.path.read_text()
+    ledger.path.write_text(text[:-30])
+    assert list(Ledger(tmp_path, own).records) == ["coriolis_slider"]
+    assert Ledger(tmp_path, {**own, "sources": "others"}).records == {}
+
+
+def test_identity_follows_sources_and_settings(monkeypatch, tmp_path):
+    assert identity(budget=1.0) == identity(budget=1.0) != identity(budget=2.0)
+    assert re.fullmatch("[0-9a-f]{64}", identity()["sources"])
+
+
+def test_table_and_page_of_every_verdict():
+    many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(table.MANY)]
+    many.append(record(DIFFERS, name="wrong <b>", error=0.3, limit=1e-8, note="<script>alert(1)</script>"))
+    other = Record("other", "few", "title", (not_compared(MUJOCO, "no element for Screw"),))
+    explained = record(EXPLAINED, MUJOCO, "soft", error=0.1, limit=1e-6)
+    explained = replace(explained, group="few", attributions=({"engine": MUJOCO, "before": 0.1, "after": 0.025},))
+    shown = [*many, other, explained]
+    text = table.text(shown)
+    assert "group: 31 cases" in text and "30 agrees, 1 differs" in text and "0.1*" not in text and "1e-01*" in text
+    assert "wrong <b>: theory: quantity 3.00e-01 (limit 1e-08): <script>" in text
+    assert "MuJoCo, not compared 1 times: no element for Screw (1)" in text
+    assert "33 cases: 30 agree, 1 explained, 1 differ, 1 not compared (no judge but the certificate)" in text
+    content = content_of(shown, quick=True, complete=False)
+    html = page_of(shown, content)
+    assert "<script" not in html and "&lt;script&gt;" in html and "SOMETHING DIFFERS" in html
+    assert "interrupted" in html and "0.025" in html
+    assert json.loads(encoded(content))["counts"] == {AGREES: 30, DIFFERS: 1, NOT_COMPARED: 1, EXPLAINED: 1}
+
+
+def test_a_run_of_two_cases_from_table_to_files(tmp_path):
+    code, said = validate(*only(*FAST), "--quick", "--out", tmp_path)
+    assert code == 0, said
+    assert all(name in said for name in FAST) and "0 differ, 0 not compared" in said
+    html, data = (tmp_path / "validation.html").read_text(), json.loads((tmp_path / "validation.json").read_text())
+    assert not re.search(r"""(src|href)=(?!["'](#|data:))|https?://|@import|url\(""", html)
+    assert html.count("data:image/webp") == 2 and "<svg" in html and "@page" in html
+    assert data["format"] == 1 and data["verdict"] == AGREES and data["complete"] and data["quick"]
+    assert [case["name"] for case in data["cases"]] == list(FAST)
+    for finding in (finding for case in data["cases"] for finding in case["findings"]):
+        assert set(finding) == {"judge", "verdict", "quantity", "error", "limit", "note"}
+        assert finding["judge"] in data["judges"] and finding["verdict"] in (AGREES, EXPLAINED, NOT_COMPARED)
+    again, said = validate(*only(*FAST, "eig_fourbar2_hanging"), "--quick", "--out", tmp_path)
+    assert again == 0 and "2 of 3 cases are in" in said
+    kept = json.loads((tmp_path / "validation.json").read_text())["cases"][: len(FAST)]
+    assert [case["seconds"] for case in kept] == [case["seconds"] for case in data["cases"]]  # they were not run again
+    code, said = validate(*only(FAST[1]), "--quick", "--fresh", "--out", tmp_path)
+    assert code == 0 and "are in" not in said
+
+
+def test_a_changed_reference_value_makes_the_run_fail(tmp_path, monkeypatch):
+    copy = tmp_path / "references"
+    shutil.copytree(cases.REFERENCES, copy)
+    path = copy / "coriolis_slider.json"
+    raw = json.loads(path.read_text())
+    raw["reference"]["values"][-1]["s_x"] *= 1 + 1e-6
+    path.write_text(json.dumps(raw))
+    monkeypatch.setattr(cases, "REFERENCES", copy)
+    monkeypatch.setattr(comparison, "REFERENCES", copy)
+    code, said = validate(*only("coriolis_slider"), "--quick", "--out", tmp_path)
+    assert code == 1 and "mbsd3d: coriolis_slider differ" in said and "reference: 8 columns" in said
+    assert "SOMETHING DIFFERS" in (tmp_path / "validation.html").read_text()
+    assert json.loads((tmp_path / "validation.json").read_text())["verdict"] == DIFFERS
+
+
+def test_ctrl_c_keeps_what_is_finished(tmp_path):
+    def interrupted():
+        raise KeyboardInterrupt
+
+    first = references.trial_of("eig_hanging_pendulum")
+    suite = Suite([first, Trial("second", "g", "t", interrupted)], Ledger(tmp_path, {}), True, 0.05, show=False)
+    with pytest.raises(KeyboardInterrupt):
+        suite.run()
+    assert [found.name for found in suite.records] == [first.name] and [left.name for left in suite.left] == ["second"]
+    page, data = suite.write(tmp_path)
+    assert "interrupted" in page.read_text() and not json.loads(data.read_text())["complete"]
+
+
+def test_bad_input_ends_in_one_line_before_any_work(tmp_path):
+    (tmp_path / "file").write_text("")
+    for arguments, words in [
+        (["--case", "nothing"], "--case 'nothing': there is no such case; --list names them all"),
+        (["--out", tmp_path / "file"], "cannot be written"),
+        (["--t-end", "2"], "--t-end is for a MODEL"),
+        (["model.json", "--quick"], "--quick is for all cases, without MODEL"),
+    ]:
+        code, said = validate(*arguments)
+        assert code == 2 and words in said and said.count("\n") == 1
+    code, said = validate("--list", "--quick")
+    assert code == 0 and "heavy_top_fast" in said and "random_019" in said and "random_020" not in said
+
+
+def in_ledger(folder):
+    """Number of finished cases in a ledger that is being written."""
+    path = folder / "validation.jsonl"
+    return max(path.read_text().count("\n") - 1, 0) if path.is_file() else 0
+
+
+def test_a_killed_run_goes_on(tmp_path):
+    wanted = [*only(*FAST, "top_slow_precession"), "--quick", "--out", str(tmp_path)]
+    started = subprocess.Popen([sys.executable, "-m", "validation", *wanted], stdout=subprocess.DEVNULL)
+    while in_ledger(tmp_path) < 1 and started.poll() is None:
+        time.sleep(0.01)
+    started.send_signal(signal.SIGKILL)
+    started.wait()
+    finished = in_ledger(tmp_path)
+    assert 1 <= finished
+    assert not (tmp_path / "validation.html").exists() or finished == 3  # killed half-way, if the machine let us
+    code, said = validate(*wanted)
+    assert code == 0 and f"{finished} of 3 cases are in" in said and "3 cases: " in said
+
+
+@pytest.mark.slow
+def test_many_cases_go_to_processes(tmp_path):
+    some = ("coriolis_slider", "door_two_hinges", "eig_hanging_pendulum", "eig_fourbar2_hanging", "random_003")
+    code, said = validate(*only(*some), "--quick", "--out", tmp_path)
+    assert code == 0 and "5 cases" in said
+    data = json.loads((tmp_path / "validation.json").read_text())
+    assert [case["name"] for case in data["cases"]] == list(some)  # in the order asked for, not as they came
+
+
+def test_the_page_in_a_browser(chromium, tmp_path):
+    validate(*only(*FAST), "--quick", "--out", tmp_path)
+    for scheme in ("light", "dark"):
+        with visit(chromium, tmp_path / "validation.html", width=1200, color_scheme=scheme) as seen:
+            assert seen.complaints == []
+            assert seen.run("document.documentElement.scrollWidth") <= 1200
+            assert seen.run("[...document.images].every(image => image.complete && image.naturalWidth > 300)")
+            assert seen.run("document.querySelectorAll('section.case').length") == len(FAST)
