@@ -5,7 +5,7 @@ from typing import Any
 
 _HOME = {"Meijaard2007": "parameters", "Parameters": "parameters", "named": "parameters", "whipple": "models"}
 _MODULES = (
-    "parameters", "models", "equations", "general", "critical",
+    "parameters", "models", "kinematics", "equations", "general", "critical",
     "stability", "sensitivity", "why", "ride", "circles", "frequency", "compare",
 )  # fmt: skip
 

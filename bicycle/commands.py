@@ -15,8 +15,9 @@ class Studies(click.Group):
         return [name for name in STUDIES if util.find_spec(f"bicycle.{name}")]
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        """The ``command`` of a study."""
-        return import_module(f"bicycle.{name}").command if name in self.list_commands(ctx) else None
+        """The ``command`` of a study; one that has none is not listed."""
+        known = name in self.list_commands(ctx)
+        return getattr(import_module(f"bicycle.{name}"), "command", None) if known else None
 
 
 @click.group(cls=Studies)

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 Array = np.ndarray
-ROUNDING = 1e-14
-"""Of the terms of a sum: a coefficient below is zero, e.g. that of w in e where no speed leads to capsize."""
+FASTEST = 1e5
+"""[m/s] Critical speeds above are what rounding makes of none at all."""
 
 
 class Quartic(NamedTuple):
@@ -48,7 +48,7 @@ class Range(NamedTuple):
     high: float
 
     def __str__(self) -> str:
-        return f"{self.low:.6f} ... {self.high:.6f} m/s"
+        return f"{self.low:.6f} ... {self.high:.6f} m/s" if np.isfinite(self.high) else f"above {self.low:.6f} m/s"
 
 
 def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
@@ -58,25 +58,18 @@ def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
     ----------
     M, C1, K0, K2 : (..., 2, 2) ndarray
         Of the linear equations, K0 multiplied by g; the first column of K2 is taken as zero.
-
-    Returns
-    -------
-    Quartic
     """
-    c = np.stack([mixed(M, K0), mixed(M, K2) + mixed(C1, C1) / 2.0], -1)
-    d = np.stack([mixed(C1, K0), mixed(C1, K2)], -1)
-    e = np.stack([mixed(K0, K0) / 2.0, mixed(K0, K2)], -1)
+    M, C1, K0, K2 = np.broadcast_arrays(M, C1, K0, K2)
+    c = np.stack([mixed(M, K0), mixed(M, K2) + mixed(C1, C1) / 2.0], axis=-1)
+    d = np.stack([mixed(C1, K0), mixed(C1, K2)], axis=-1)
+    e = np.stack([mixed(K0, K0) / 2.0, mixed(K0, K2)], axis=-1)
     return Quartic(mixed(M, M) / 2.0, mixed(M, C1), c, d, e)
 
 
 def mixed(A: Array, B: Array) -> Array:
-    """What stands at x y in det(x A + y B), for A = B twice the determinant; zero if it is what rounding left of it."""
-    terms = [A[..., i, i] * B[..., 1 - i, 1 - i] for i in (0, 1)] + [
-        -A[..., i, 1 - i] * B[..., 1 - i, i] for i in (0, 1)
-    ]
-    total = sum(terms)
-    small = np.abs(total) <= ROUNDING * sum(map(np.abs, terms))
-    return total - np.where(small, total.real, 0.0)  # the imaginary part of a complex step stays
+    """What stands at x y in det(x A + y B); for A = B twice the determinant."""
+    straight = A[..., 0, 0] * B[..., 1, 1] + B[..., 0, 0] * A[..., 1, 1]
+    return straight - A[..., 0, 1] * B[..., 1, 0] - B[..., 0, 1] * A[..., 1, 0]
 
 
 def ends(x: Array) -> tuple[Array, Array]:
@@ -107,9 +100,9 @@ def roots(x: Array) -> Array:
 
 
 def speeds(w: Array) -> Array:
-    """[m/s] for w = v^2, NaN where w is not positive."""
+    """[m/s] for w = v^2, NaN where w is not positive or beyond all speeds."""
     with np.errstate(invalid="ignore"):
-        return np.sqrt(np.where(w > 0.0, w, np.nan))
+        return np.sqrt(np.where((w > 0.0) & (w < FASTEST**2), w, np.nan))
 
 
 def weave(q: Quartic) -> Array:
@@ -155,12 +148,7 @@ def decays(q: Quartic, v: Array) -> Array:
 def ranges(q: Quartic) -> list[Range]:
     """All self-stable ranges of one bicycle, by rising speed."""
     edges, stable = intervals(q)
-    found: list[Range] = []
-    for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True):
-        if found and found[-1].high == low:  # two that touch are one
-            low = found.pop().low
-        found.append(Range(float(low), float(high)))
-    return found
+    return [Range(float(low), float(high)) for low, high in zip(edges[:-1][stable], edges[1:][stable], strict=True)]
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
@@ -170,3 +158,16 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
     low, high = (np.where(stable.any(-1), x, np.nan) for x in ends)
     return low, high
+
+
+def difference(first: list[Range], second: list[Range]) -> float:
+    """Largest difference between the ends of two lists of ranges [m/s]; infinite if they are not equally many."""
+    if len(first) != len(second):
+        return float("inf")
+    ends = zip(np.ravel(first), np.ravel(second), strict=True)
+    return max((float(abs(x - y)) for x, y in ends if x != y), default=0.0)  # two infinite ends are equal
+
+
+def typical_speed(found: list[Range]) -> float:
+    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s if there is none."""
+    return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0

@@ -7,6 +7,7 @@ Meijaard, Papadopoulos, Ruina and Schwab, Linearized dynamics equations for the 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -101,4 +102,10 @@ def canonical(p: Parameters) -> Canonical:
         [0.0, mu * ST + SF * cos + ITxz / p.w * cos - mu * mz],
         [-(mu * ST + SF * cos), IAlz / p.w * cos + mu * (SA + ITzz / p.w * cos)],
     ]
-    return Canonical(np.array(M), np.array(C1), np.array(K0), np.array(K2), p.g)
+    return Canonical(matrix(M), matrix(C1), matrix(K0), matrix(K2), p.g)
+
+
+def matrix(rows: list[list[Any]]) -> np.ndarray:
+    """(..., 2, 2) of entries that may be arrays (...), for many bicycles at once."""
+    entries = np.broadcast_arrays(*rows[0], *rows[1])
+    return np.stack(entries, axis=-1).reshape(*entries[0].shape, 2, 2)

@@ -15,10 +15,12 @@ from collections.abc import Callable
 import numpy as np
 
 from mbsd3d import Linearization, System, linearize
+from mbsd3d.parts import number
 
 from .equations import Canonical
 from .models import outputs
 from .parameters import Parameters
+from .straight import output_matrices
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle with a body "frame" and a hinge "steer" that runs straight."""
@@ -32,7 +34,9 @@ def linearization(build: Build, parameters: Parameters, speed: float) -> Lineari
     return linearize(system, outputs=outputs(system))
 
 
-def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True) -> Canonical | None:
+def linear_equations(
+    build: Build, parameters: Parameters, speed: float = 5.0, *, check: bool = True
+) -> Canonical | None:
     """The linear equations of a model as those of the paper, divided by M; None if they are not of that form.
 
     Parameters
@@ -43,14 +47,23 @@ def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check
     speed : float
         At which the second linearisation is made [m/s], not zero: best the largest of interest.
     check : bool
-        Whether a third one, at 0.6 times the speed, must agree.
+        Whether `linearize` at 0.6 times the speed must agree; leave it out in maps of a model that it holds for.
 
     Returns
     -------
     Canonical or None
         M is the unit matrix, g = 1; ``A``, ``eigenvalues`` as of the closed form.
+
+    Raises
+    ------
+    ValueError
+        If the speed is zero.
     """
-    rest, running = (linearization(build, parameters, v).A for v in (0.0, speed))
+    if number(speed, "linear equations: speed") == 0.0:
+        raise ValueError("linear equations: speed = 0; what depends on speed needs one, e.g. 5 m/s")
+    rest, running = matrices(build, parameters, speed)
+    if np.abs(rest[2:, 2:]).max() > EXACT * np.abs(running).max():  # damping at rest
+        return None
     found = Canonical(
         M=np.eye(2),
         C1=-(running - rest)[2:, 2:] / speed,
@@ -63,6 +76,12 @@ def equations(build: Build, parameters: Parameters, speed: float = 5.0, *, check
         if np.abs(between - found.A(0.6 * speed)).max() > EXACT * np.abs(running).max():
             return None
     return found
+
+
+def matrices(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A at rest and at a speed: from four deviations where these are known, else by `linearize`."""
+    known = output_matrices(build(parameters, speed=float(speed)), parameters, float(speed))
+    return known or tuple(linearization(build, parameters, v).A for v in (0.0, speed))
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: np.ndarray) -> np.ndarray:
@@ -90,7 +109,7 @@ def eigenvalues(build: Build, parameters: Parameters, speeds: np.ndarray) -> np.
     speeds = checked_speeds(speeds)
     fastest = float(speeds[np.argmax(np.abs(speeds))]) or 1.0
     if speeds.size > 3:
-        found = equations(build, parameters, fastest)
+        found = linear_equations(build, parameters, fastest)
         if found is not None:
             return found.eigenvalues(speeds)
     return np.array([np.sort_complex(linearization(build, parameters, v).eigenvalues) for v in speeds])

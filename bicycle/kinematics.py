@@ -5,11 +5,12 @@ lean rate, steer rate and speed, and three unknowns: yaw rate, pitch rate, spin 
 forward, y left, z up; the rear contact is the origin, the rear wheel heads along x.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
+from mbsd3d.joints import cross
 from mbsd3d.parts import number
 from mbsd3d.rotations import as_quaternion, skew
 
@@ -41,14 +42,15 @@ def hubs(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
 
 
 def steer_axis(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
-    """(point, direction) of the upright bicycle: where the axis meets the ground; downward, so right is positive."""
-    return np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
+    """(point, direction) of the upright bicycle: the head, above the wheels; downward, so right is positive."""
+    ground, axis = np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
+    return ground - 2.0 * max(p.rR, p.rF) * axis, axis
 
 
 def turn(axis: np.ndarray, angle: float) -> np.ndarray:
     """(3, 3) rotation by ``angle`` [rad] about a unit vector."""
-    cross = skew(axis)
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    S = skew(axis)
+    return np.eye(3) + np.sin(angle) * S + (1.0 - np.cos(angle)) * S @ S
 
 
 def foot(axle: np.ndarray, radius: float, crown: float) -> np.ndarray:
@@ -112,24 +114,45 @@ def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer
     what = f"bicycle '{p.name}'"
     given = {"speed": speed, "lean rate": lean_rate, "steer rate": steer_rate}
     speed, lean_rate, steer_rate = (number(x, f"{what}: {key}") for key, x in given.items())
-
-    def motion(yaw_rate: float, pitch_rate: float, spin: float, on: float) -> tuple[np.ndarray, np.ndarray]:
-        """((4, 6) velocities, how much those of the front hub differ); linear in all four."""
-        axle_r, axle_f, steer = at.frame @ Y, at.fork @ Y, at.frame @ steer_axis(p)[1]
-        frame = yaw_rate * Z + on * lean_rate * X + pitch_rate * axle_r
-        fork = frame + on * steer_rate * steer
-        rear, front = frame + on * speed / p.rR * axle_r, fork + spin * axle_f
-        v_rear, v_front = np.cross(rear, at.rear), np.cross(front, at.front - at.contact)
-        carried = v_rear + np.cross(frame, at.head - at.rear) + np.cross(fork, at.front - at.head)
-        return np.array([[*v_rear, *rear], [*v_rear, *frame], [*v_front, *fork], [*v_front, *front]]), carried - v_front
-
-    A = np.array([motion(*unit, 0.0)[1] for unit in np.eye(3)]).T
-    A, rest = A / [p.w, p.w, p.rF], motion(0.0, 0.0, 0.0, 1.0)[1]
-    if np.linalg.cond(A) > 1e12:
-        if np.abs(rest).max() == 0.0:
-            return np.zeros((4, 6))
+    motion, left = rolling(p, at, speed, lean_rate, steer_rate)
+    if left > 1e-9 * (abs(speed) / p.w + abs(lean_rate) + abs(steer_rate)):
         raise ValueError(
             f"{what}: no velocities let both wheels roll in this pose, the front wheel stands across; give another "
             "steer angle, or speed, lean rate and steer rate zero"
         )
-    return motion(*(-np.linalg.solve(A, rest) / [p.w, p.w, p.rF]), 1.0)[0]
+    return motion
+
+
+def rolling(p: Parameters, at: Pose, speed: Any, lean_rate: Any, steer_rate: Any) -> tuple[np.ndarray, float]:
+    """((4, 6) velocities, slip of the front hub over the wheelbase [1/s]); numbers may be complex.
+
+    The velocity of the front hub, over the frame and over the front contact, is linear in yaw rate, pitch rate and
+    front spin; where the front wheel stands across, these three cannot meet it.
+    """
+    axle_r, axle_f, steer = at.frame @ Y, at.fork @ Y, at.frame @ steer_axis(p)[1]
+    to_rear, to_front = at.rear, at.front - at.contact  # from the contact points, which do not slip
+    to_head, from_head = at.head - at.rear, at.front - at.head
+
+    def difference(frame: np.ndarray, fork: np.ndarray, rear: np.ndarray, front: np.ndarray) -> np.ndarray:
+        """Velocity of the front hub over the frame less that over the contact."""
+        return cross(rear, to_rear) + cross(frame, to_head) + cross(fork, from_head) - cross(front, to_front)
+
+    frame, rear = lean_rate * X, lean_rate * X + speed / p.rR * axle_r
+    fork = frame + steer_rate * steer
+    rest = difference(frame, fork, rear, fork)
+    by_yaw, by_pitch = difference(Z, Z, Z, Z), difference(axle_r, axle_r, axle_r, axle_r)
+    yaw_rate, pitch_rate, spin = combination(by_yaw, by_pitch, -cross(axle_f, to_front), -rest)
+    turning = yaw_rate * Z + pitch_rate * axle_r
+    frame, fork, rear, front = frame + turning, fork + turning, rear + turning, fork + turning + spin * axle_f
+    v_rear, v_front = cross(rear, to_rear), cross(front, to_front)
+    motion = np.array([[*v_rear, *rear], [*v_rear, *frame], [*v_front, *fork], [*v_front, *front]])
+    return motion, float(np.abs(difference(frame, fork, rear, front)).max()) / p.w
+
+
+def combination(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> Any:
+    """x, y, z of x a + y b + z c = d by Cramer's rule; of least squares and least size where they lie in a plane."""
+    bc = cross(b, c)
+    volume, box = a @ bc, np.prod([np.linalg.norm(x) for x in (a, b, c)])
+    if abs(volume) <= 1e-12 * box:
+        return np.linalg.lstsq(np.array([a, b, c]).T, d, rcond=1e-12)[0]
+    return d @ bc / volume, a @ cross(d, c) / volume, a @ cross(b, d) / volume

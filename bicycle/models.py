@@ -153,10 +153,7 @@ def shape_of(p: Parameters, part: str) -> list[shapes.Shape]:
         rim = [(r * np.cos(a), 0.0, r * np.sin(a)) for a in angles]
         spokes = [point for end in rim for point in ((0.0, 0.0, 0.0), end)]
         return [shapes.Torus(r - tube, tube, "y"), shapes.Lines(spokes)]
-    rear, front = hubs(p)
-    at, axis = steer_axis(p)
-    height = 2.0 * max(p.rR, p.rF)
-    head = at - axis * height / max(abs(axis[2]), 0.2)  # on the steer axis, above the front wheel
+    (rear, front), (head, axis), height = hubs(p), steer_axis(p), 2.0 * max(p.rR, p.rF)
     if part == "H":
         return [shapes.Lines(np.array([front, head, head - 0.15 * height * axis]) - front)]
     crank, seat = np.array([0.4 * p.w, 0.0, p.rR]), np.array([0.2 * p.w, 0.0, height])

@@ -52,10 +52,11 @@ class Parameters:
     Examples
     --------
     >>> from dataclasses import fields, replace
+    >>> from bicycle import Meijaard2007
     >>> light = replace(Meijaard2007(), mB=60.0, name="light rider")
     >>> light.mB, light.w
     (60.0, 1.02)
-    >>> {f.name: f.metadata["unit"] for f in fields(light)}["IBxx"]
+    >>> {f.name: f.metadata.get("unit") for f in fields(light)}["IBxx"]
     'kg m^2'
     """
 
@@ -186,6 +187,10 @@ def entry_of(name: str) -> dict[str, Any]:
 def named(name: str, *, unphysical: bool = False) -> Parameters:
     """A published set: measured bicycles with and without rider, and optimised ones.
 
+    Sets stand as published, also where copies contradict each other: APPDATA_Benchmark_ROUNDED is the benchmark with
+    rounded values, and I_Rxx and I_Fxx of Browser and of HC_Browser, the same bicycle with a rider, are exchanged, so
+    are those of Pista and HC_Pista.
+
     Parameters
     ----------
     name : str
@@ -205,8 +210,8 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
 
     Examples
     --------
-    >>> named("Browserins").mB
-    9.86
+    >>> named("Browserins").w
+    1.121
     """
     if name == "Meijaard2007":
         return Meijaard2007()

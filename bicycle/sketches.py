@@ -6,13 +6,16 @@ mass is; semi-axes sqrt(5 m_2 / m), with m_2 the eigenvalues of the second momen
     [int x^2 dm, int x z dm; int x z dm, int z^2 dm],   int x^2 dm = (Iyy + Izz - Ixx) / 2,   int x z dm = -Ixz
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from markupsafe import Markup, escape
 
 from .parameters import Parameters
 
-HEIGHT, MARGIN = 150.0, 10.0  # of the drawing, in its own units
-TALL = 1.9  # [m] that this height shows: all bicycles of a page have one scale
+SCALE = 80.0  # units of the drawing per metre: all bicycles of a page have one scale
+LEFT, WIDTH, HEIGHT = 0.7, 2.5, 1.75  # [m] behind the rear contact, of all, above the ground
+MARGIN = 8.0  # below the ground
 
 
 def side_view(parameters: Parameters) -> Markup:
@@ -27,13 +30,11 @@ def side_view(parameters: Parameters) -> Markup:
     markupsafe.Markup
         Forward is to the right.
     """
-    p, scale = parameters, (HEIGHT - 2 * MARGIN) / TALL
-    left = MARGIN / scale + max(p.rR, 0.35)
-    width = scale * (left + p.w + max(p.rF, p.c, 0.35)) + MARGIN
+    p = parameters
 
     def at(x: float, z: float) -> str:
         """Place of a point of the paper's axes, z down from the ground."""
-        return f"{scale * (left + x):.1f} {HEIGHT - MARGIN + scale * z:.1f}"
+        return f"{SCALE * (LEFT + x):.1f} {SCALE * (HEIGHT + z):.1f}"
 
     def line(kind: str, *points: tuple[float, float]) -> str:
         return f'<path class="{kind}" d="M{"L".join(at(*point) for point in points)}"/>'
@@ -41,26 +42,30 @@ def side_view(parameters: Parameters) -> Markup:
     rear, front, tilt = (0.0, -p.rR), (p.w, -p.rF), np.tan(p.lam)
     head = (p.w + p.c - 0.95 * tilt, -0.95) if p.lam < 1.0 else front
     seat = (0.33 * p.w, -0.85)
-    body = line("ground", (-left, 0.0), (p.w + 1.0, 0.0))
+    body = line("ground", (-LEFT, 0.0), (WIDTH - LEFT, 0.0))
     body += line("axis", head, (p.w + p.c, 0.0)) + line("trail", (p.w, 0.0), (p.w + p.c, 0.0))
-    body += ellipse(p, "B", "t0", at, scale) + ellipse(p, "H", "t1", at, scale)
+    body += ellipse(p, "B", "t0", at) + ellipse(p, "H", "t1", at)
     body += line("tube", rear, seat, head, front) + line("tube", seat, (0.45 * p.w, -0.3), rear)
     for (x, z), radius in ((rear, p.rR), (front, p.rF)):
         cx, cy = at(x, z).split()
-        body += f'<circle class="wheel" cx="{cx}" cy="{cy}" r="{scale * radius:.1f}"/>'
+        body += f'<circle class="wheel" cx="{cx}" cy="{cy}" r="{SCALE * radius:.1f}"/>'
     label = escape(f"{p.name} from the side")
-    return Markup(f'<svg viewBox="0 0 {width:.0f} {HEIGHT:g}" role="img" aria-label="{label}">{body}</svg>')
+    return Markup(
+        f'<svg viewBox="0 0 {SCALE * WIDTH:g} {SCALE * HEIGHT + MARGIN:g}" role="img" aria-label="{label}">{body}</svg>'
+    )
 
 
-def ellipse(p: Parameters, part: str, tint: str, at: object, scale: float) -> str:
+def ellipse(p: Parameters, part: str, tint: str, at: Callable[[float, float], str]) -> str:
     """The ellipsoid of a part seen from the side, with its centre of mass; nothing where it has no mass."""
     mass = getattr(p, f"m{part}")
     if mass == 0.0:
         return ""
     semi, turn = semi_axes(p.inertia(part), mass)
     cx, cy = at(getattr(p, f"x{part}"), getattr(p, f"z{part}")).split()
-    a, b = np.maximum(scale * semi, 1.5)
-    shape = f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
+    a, b = np.maximum(SCALE * semi, 1.5)
+    shape = (
+        f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
+    )
     return f'{shape}<circle class="centre {tint}" cx="{cx}" cy="{cy}" r="2.6"/>'
 
 

@@ -10,92 +10,16 @@ import numpy as np
 
 from mbsd3d.modes import Mode
 
-from . import critical
-from .critical import Range
-from .double_roots import DoubleRoot, double_roots
-from .equations import Canonical, canonical
-from .general import Build, checked_speeds, eigenvalues, equations, linearization
+from .equations import canonical
+from .general import Build, checked_speeds, eigenvalues, linear_equations, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
+from .speeds import CriticalSpeeds, critical_speeds, speeds_of
 from .stability_figure import draw
-from .tracking import NAMES, follow
+from .tracking import MODES, NAMES, follow
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
-
-
-@dataclass(frozen=True)
-class CriticalSpeeds:
-    """Of one bicycle; speeds [m/s], NaN where there is none.
-
-    Attributes
-    ----------
-    weave : float
-        Above it weave no longer grows.
-    capsize : float
-        At it one eigenvalue is zero.
-    weave_rate : float
-        omega of the weave at that speed [rad/s].
-    double_roots : list of DoubleRoot
-        Speeds at which two real modes meet, with their eigenvalue.
-    stable : list of Range
-        All ranges of speed in which every motion decays.
-    """
-
-    weave: float
-    capsize: float
-    weave_rate: float
-    double_roots: list[DoubleRoot]
-    stable: list[Range]
-
-    def __str__(self) -> str:
-        weave = f"{self.weave:.12g} m/s, omega {self.weave_rate:.12g} rad/s"
-        lines = [
-            f"weave     {weave if self.weave > 0.0 else '-'}",
-            f"capsize   {f'{self.capsize:.12g} m/s' if self.capsize > 0.0 else '-'}",
-            *(f"two modes meet at {x.speed:.12g} m/s, {x.eigenvalue:.12g} 1/s" for x in self.double_roots),
-            f"stable    {', '.join(map(str, self.stable)) or 'at no speed'}",
-        ]
-        return "\n".join(lines)
-
-
-def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed: float = 5.0) -> CriticalSpeeds:
-    """Weave, capsize and double-root speeds and all self-stable ranges, from the characteristic polynomial.
-
-    Parameters
-    ----------
-    parameters : Parameters
-    build : callable or None
-        A model, e.g. `bicycle.whipple`: its linearisation; None = the closed form.
-    speed : float
-        At which the model is linearised [m/s].
-
-    Raises
-    ------
-    ValueError
-        If the equations of a model do not have the form of `bicycle.general`.
-
-    Examples
-    --------
-    >>> from bicycle import Meijaard2007
-    >>> round(critical_speeds(Meijaard2007()).weave, 9)
-    4.292382536
-    """
-    linear = canonical(parameters) if build is None else equations(build, parameters, speed)
-    if linear is None:
-        raise ValueError(
-            f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion, so critical "
-            "speeds do not follow from a polynomial; see the eigenvalues"
-        )
-    return speeds_of(linear)
-
-
-def speeds_of(linear: Canonical) -> CriticalSpeeds:
-    """Critical speeds of linear equations."""
-    q = critical.quartic(linear.M, linear.C1, linear.g * linear.K0, linear.K2)
-    weave = critical.weave(q)
-    rate = critical.weave_rate(q, weave)
-    return CriticalSpeeds(float(weave), float(critical.capsize(q)), float(rate), double_roots(q), critical.ranges(q))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,10 +52,10 @@ class Stability:
 
     @cached_property
     def difference(self) -> float:
-        """Largest difference of the general model from the closed form [1/s]; NaN if there is none."""
+        """Largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for none."""
         if self.closed is None:
             return float("nan")
-        return float(np.abs(np.sort_complex(self.values) - self.closed).max())
+        return float(np.abs(self.values[:, :, None] - self.closed[:, None, :]).min(axis=1).max())
 
     def mode(self, name: str, speed: float) -> Mode:
         """The mode of the general model at a speed [m/s]: ``.animate()`` shows it with all wheels on the ground.
@@ -141,10 +65,10 @@ class Stability:
         ValueError
             If the name is none of weave, capsize, castering.
         """
-        if name not in NAMES:
-            raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
-        linear = equations(self.build, self.parameters, max(np.abs([*self.speeds, speed, 1.0])))
-        value = follow(linear, np.array([np.abs(self.speeds).max(), speed]))[0][1, NAMES.index(name)]
+        check_mode(name)
+        fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
+        linear = linear_equations(self.build, self.parameters, fastest)
+        value = follow(linear, np.array([fastest, speed]))[0][1, NAMES.index(name)]
         found = linearization(self.build, self.parameters, speed)
         return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
 
@@ -161,6 +85,12 @@ class Stability:
         lines = [",".join(f'"{x}"' if "," in x else x for x in head)]
         lines += [",".join(map(repr, row)) for row in numbers.tolist()]
         return write_atomically(Path(path).with_suffix(".csv"), ("\n".join(lines) + "\n").encode())
+
+
+def check_mode(name: str) -> None:
+    """A name of a mode, or a ValueError."""
+    if name not in MODES:
+        raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
 def study(parameters: Parameters, speeds: Any = None, build: Build = whipple) -> Stability:
@@ -186,7 +116,7 @@ def study(parameters: Parameters, speeds: Any = None, build: Build = whipple) ->
     [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
     """
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
-    linear = equations(build, parameters, float(np.abs(speeds).max()) or 5.0)
+    linear = linear_equations(build, parameters, float(np.abs(speeds).max()) or 5.0)
     if linear is None:
         raise ValueError(
             f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion; modes are "
@@ -225,7 +155,9 @@ def command(
 
     if not first < last:
         raise Failure(f"--from {first:g} is not below --to {last:g}")
-    can_view(needed=bool(shown))
+    if shown:
+        check_mode(shown)
+        can_view(needed=True)
     folder = ready_folder(out)
     found = study(parameters, np.linspace(first, last, count))
     target = folder / f"stability_{parameters.name}"

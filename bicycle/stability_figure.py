@@ -27,11 +27,12 @@ def draw(found: Any, dark: bool) -> Any:
 
     look = theme(dark)
     with house(look):
-        figure = Figure(figsize=(8.0, 6.2), layout="constrained")
+        figure = Figure(figsize=(9.2, 6.2), layout="constrained")
         growth, frequency = figure.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
         for axes in (growth, frequency):
             shade(axes, found, look)
             dress(axes, look)
+            axes.margins(x=0.0)
         lines(growth, found, look, np.real)
         lines(frequency, found, look, lambda s: np.abs(np.imag(s)))
         growth.axhline(0.0, color=look.ink, linewidth=THIN)
@@ -40,10 +41,8 @@ def draw(found: Any, dark: bool) -> Any:
         growth.set_ylabel("growth, Re(s) [1/s]")
         frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
         frequency.set_xlabel("speed [m/s]")
-        frequency.set_xlim(found.speeds.min(), found.speeds.max())
         growth.set_title(f"{found.parameters.name}: small motions about a straight run")
-        legend = growth.legend(loc="lower left", frameon=False, fontsize=9, labelcolor=look.ink)
-        legend.set_zorder(5)
+        growth.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
     return figure
 
 
@@ -58,17 +57,19 @@ def window(found: Any) -> tuple[float, float]:
 
 
 def shade(axes: Any, found: Any, look: Theme) -> None:
-    """Tint the self-stable ranges; backwards they are those of the negated spectrum, where nothing is stable twice."""
-    end = found.speeds.max()
-    for k, part in enumerate(found.critical.stable):
-        if part.low < end:
-            label = None if k else "self-stable"
-            axes.axvspan(part.low, min(part.high, end), color=look.good, linewidth=0.0, zorder=0, label=label)
+    """Tint the self-stable ranges of forward speeds."""
+    start, end, label = found.speeds.min(), found.speeds.max(), "self-stable"
+    for part in found.critical.stable:
+        if part.low < end and part.high > start:
+            low, high = max(part.low, start), min(part.high, end)
+            axes.axvspan(low, high, color=look.good, linewidth=0.0, zorder=0, label=label)
+            label = None
 
 
 def lines(axes: Any, found: Any, look: Theme, part: Any) -> None:
     """Lines of the general model by mode, dots of the closed form."""
     split = np.abs(found.values.imag[:, 0]) <= 1e-9 * np.abs(found.values).max()
+    split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
     for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
         speeds, values = found.speeds[side], found.values[side]
         for number, k in enumerate(SHOWN):

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 from .equations import Canonical
 
+MODES = ("weave", "capsize", "castering")
 NAMES = ("weave", "weave, conjugate", "capsize", "castering")
 FINEST = 1e-6
 """[m/s] Smallest step."""
@@ -31,7 +32,7 @@ def follow(linear: Canonical, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarra
     values : (n, 4) complex ndarray
         [1/s] columns as `NAMES`. The names are given at the fastest speed forward and at the fastest backward: weave
         is the fastest oscillation (without any, the two least stable modes), castering the faster of the two others.
-        Where two modes meet, which of them is which afterwards is a convention.
+        Where two real modes come out of an oscillation, the slower one goes on in the first column of the two.
     vectors : (n, 4, 4) complex ndarray
         [speed, (lean, steer, rates), mode] of unit length.
     """
@@ -84,6 +85,17 @@ def walk(
         if cost[np.arange(4), pairing].max() > ALIKE and abs(step) > FINEST:
             step /= 2.0
             continue
+        pairing = parted(here, values, pairing)
         at, here, modes = there, values[pairing], vectors[:, pairing]
         step *= 2.0
     return at, here, modes
+
+
+def parted(here: np.ndarray, values: np.ndarray, pairing: np.ndarray) -> np.ndarray:
+    """The pairing, with two modes in order that have just met: the slower first, in an oscillation Im > 0 first."""
+    there = values[pairing]
+    came_apart, came_together = (here.imag != 0.0) & (there.imag == 0.0), (here.imag == 0.0) & (there.imag != 0.0)
+    for met, order in ((came_apart, np.abs(there.real)), (came_together, -there.imag)):
+        (k,) = np.nonzero(met)
+        pairing[k] = pairing[k[np.argsort(order[k], kind="stable")]]
+    return pairing

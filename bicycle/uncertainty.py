@@ -7,13 +7,15 @@ Parameters are taken as independent and normal. The equations in closed form sol
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from . import critical
-from .equations import matrices
-from .parameters import MEANING, NOT_NEGATIVE, POSITIVE, Parameters, deviations
+from . import characteristic, critical
+from .parameters import NOT_NEGATIVE, POSITIVE, SYMBOLS, Parameters, names
+from .parameters import deviations as published
+from .sheet import write_table
 
 OUTPUTS = ("weave speed", "capsize speed", "lowest stable speed", "stable width")
 
@@ -32,12 +34,16 @@ class MonteCarlo:
         Sampled parameters, in the order of ``deviations``.
     outputs : mapping of str to (n,) ndarray
         Speeds [m/s], NaN where a sample has none; the width of the stable range is 0 then, or infinite.
+    impossible : float
+        Share of the samples in which frame or fork has an inertia that no body has. They are kept: without them the
+        deviations would not be those that were given.
     """
 
     parameters: Parameters
     deviations: Mapping[str, float]
     inputs: np.ndarray
     outputs: Mapping[str, np.ndarray]
+    impossible: float = 0.0
 
     def share(self, name: str) -> float:
         """Part of the samples that has this speed."""
@@ -48,11 +54,20 @@ class MonteCarlo:
         values = self.outputs[name][np.isfinite(self.outputs[name])]
         return np.quantile(values, at) if values.size else np.full(len(at), np.nan)
 
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per sample, parameters and speeds; returns the file."""
+        head = [*self.deviations, *(f"{name} [m/s]" for name in self.outputs)]
+        return write_table(path, head, np.column_stack([self.inputs, *self.outputs.values()]))
+
     def __str__(self) -> str:
         lines = [f"{len(self.inputs)} samples of {self.parameters.name}   2.5 %    median    97.5 %   [m/s]"]
         for name in self.outputs:
             low, middle, high = self.quantiles(name)
-            lines.append(f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them")
+            lines.append(
+                f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {100 * self.share(name):.1f} % of them"
+            )
+        if self.impossible:
+            lines.append(f"  {100 * self.impossible:.1f} % have an inertia of frame or fork that no body has")
         return "\n".join(lines)
 
 
@@ -72,25 +87,41 @@ class Sobol:
     first: Mapping[str, np.ndarray]
     total: Mapping[str, np.ndarray]
 
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per parameter; returns the file."""
+        head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
+        columns = [x[name] for name in self.first for x in (self.first, self.total)]
+        return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
 
-def speeds_of(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> dict[str, np.ndarray]:
-    """The outputs [m/s] of variants: ``x`` (k, n) replaces the parameters ``names``."""
-    values = SimpleNamespace(**{**parameters.values(), **dict(zip(names, x, strict=True))})
-    quartic = critical.quartic(*matrices(values))
-    low, high = critical.first_range(quartic)
+
+def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> SimpleNamespace:
+    """The parameters with ``x`` (k, n) in the place of those called ``names``: n bicycles at once, unchecked."""
+    return SimpleNamespace(**{**vars(parameters), **dict(zip(names, x, strict=True))})
+
+
+def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
+    """The outputs [m/s] of n bicycles."""
+    q = characteristic.of(variant)
+    low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
-    return dict(zip(OUTPUTS, (critical.weave(quartic), critical.capsize(quartic), low, width), strict=True))
+    return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))
 
 
-def checked(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
+def published_deviations(parameters: Parameters) -> dict[str, float]:
+    """Standard deviations published with the set of this name; empty if there is none."""
+    return published(parameters.name) if parameters.name in names() else {}
+
+
+def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None) -> dict[str, float]:
     """Standard deviations as given or as published with the set, none of them zero."""
-    found = deviations(parameters.name) if given is None else {k: s for k, s in given.items() if s != 0.0}
+    given = published_deviations(parameters) if given is None else given
+    found = {key: float(std) for key, std in given.items() if std != 0.0}
     what = f"bicycle '{parameters.name}'"
     if not found:
         raise ValueError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
     for key, std in found.items():
-        if key not in MEANING:
-            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(MEANING)}")
+        if key not in SYMBOLS:
+            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
         if not (np.isfinite(std) and std > 0.0):
             raise ValueError(f"{what}: deviation of {key} = {std!r}; give a positive number")
     return found
@@ -121,14 +152,25 @@ def monte_carlo(
     ValueError
         For unknown symbols, no deviations, or deviations so large that a sample is no bicycle.
     """
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2:
         raise ValueError(f"monte_carlo: n = {n} samples; give at least 2")
-    names, random = tuple(known), np.random.default_rng(seed)
-    mean = np.array([getattr(parameters, key) for key in names])
-    inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(names)))
-    check_samples(parameters, names, inputs.T)
-    return MonteCarlo(parameters, known, inputs, speeds_of(parameters, names, inputs.T))
+    keys, random = tuple(known), np.random.default_rng(seed)
+    mean = np.array([getattr(parameters, key) for key in keys])
+    inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
+    check_samples(parameters, keys, inputs.T)
+    sampled = variants(parameters, keys, inputs.T)
+    return MonteCarlo(parameters, known, inputs, speeds_of(sampled), float(np.mean(impossible(sampled))))
+
+
+def impossible(variant: SimpleNamespace) -> np.ndarray:
+    """Whether frame or fork has a negative second moment of its mass, which breaks the triangle rule."""
+    found = np.zeros((), bool)
+    for part in "BH":
+        xx, yy, zz, xz = (np.asarray(getattr(variant, f"I{part}{axis}")) for axis in ("xx", "yy", "zz", "xz"))
+        across, along, up = (xx + zz - yy) / 2.0, (yy + zz - xx) / 2.0, (xx + yy - zz) / 2.0
+        found = found | (across < 0.0) | (along < 0.0) | (up < 0.0) | (along * up < xz**2)
+    return found
 
 
 def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> None:
@@ -164,19 +206,22 @@ def sobol(
     """
     from scipy.stats import norm, sobol_indices
 
-    known = checked(parameters, deviations)
+    known = checked_deviations(parameters, deviations)
     if n < 2 or n & (n - 1):
         raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    names, found = tuple(known), {}
+    keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 
     def outputs(x: np.ndarray) -> np.ndarray:
-        check_samples(parameters, names, x.reshape(len(names), -1))
-        found.clear()
-        found.update(speeds_of(parameters, names, x))
-        return np.array(list(found.values()))
+        check_samples(parameters, keys, x)
+        speeds = np.array(list(speeds_of(variants(parameters, keys, x)).values()))
+        exists[:] &= np.isfinite(speeds).all(axis=1)
+        return speeds
 
     distributions = [norm(getattr(parameters, key), std) for key, std in known.items()]
     with np.errstate(invalid="ignore", divide="ignore"):
-        indices = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    first, total = (dict(zip(OUTPUTS, np.atleast_2d(x), strict=True)) for x in (indices.first_order, indices.total_order))
-    return Sobol(names, first, total)
+        found = sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
+    # scipy makes zeros of outputs that are NaN somewhere, and drops axes of length 1
+    shape = len(OUTPUTS), len(keys)
+    shares = (np.where(exists[:, None], x.reshape(shape), np.nan) for x in (found.first_order, found.total_order))
+    first, total = (dict(zip(OUTPUTS, x, strict=True)) for x in shares)
+    return Sobol(keys, first, total)

@@ -24,6 +24,7 @@ DIED = (
     "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "
     "run the cell alone to see why"
 )
+KILLED = "KilledWorker"  # of distributed, by its name: it may not be installed
 WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are not known
 NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
 
@@ -36,8 +37,12 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
     elif executor == "processes":
         yield from on_processes(call, cells, deque(todo))
     else:
-        pool, left = executor if isinstance(executor, Executor) else executor.get_executor(), deque(todo)
-        yield from stream(pool, call, cells, left, WINDOW, left)
+        pool = executor if isinstance(executor, Executor) else executor.get_executor()
+        left, suspects = deque(todo), deque()
+        yield from stream(pool, call, cells, left, WINDOW, left, suspects)
+        again = partial(call)  # a cluster knows a task by its content, and would return the old answer
+        yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again
+        left.extend(suspects)
         if left:
             raise SweepError(
                 f"the executor {type(executor).__name__} broke, {len(left)} cells have not finished",
@@ -85,9 +90,18 @@ def closing(pool: Executor) -> Iterator[Executor]:
 
 
 def stream(
-    pool: Executor, call: Callable, cells: list[dict], queue: deque, window: int, lost: deque
+    pool: Executor,
+    call: Callable,
+    cells: list[dict],
+    queue: deque,
+    window: int,
+    lost: deque,
+    suspects: deque | None = None,
 ) -> Iterator[tuple[int, Outcome]]:
-    """Run the queue with at most ``window`` cells in flight; if the pool breaks, those in flight go to ``lost``."""
+    """Run the queue with at most ``window`` cells in flight; if the pool breaks, those in flight go to ``lost``.
+
+    A cluster blames every cell that its dead workers held, the culprit or not: these go to ``suspects`` where given.
+    """
     running: dict[Any, int] = {}
     broken = False
     try:
@@ -108,6 +122,8 @@ def stream(
                     broken = True
                 elif isinstance(error, KeyboardInterrupt):
                     raise error
+                elif suspects is not None and type(error).__name__ == KILLED:
+                    suspects.append(cell)
                 elif error is not None:
                     yield cell, Outcome({}, f"{type(error).__name__}: {error}")
                 else:

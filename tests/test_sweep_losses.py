@@ -50,6 +50,33 @@ def test_a_cell_whose_process_died_by_accident_runs_again(tmp_path, monkeypatch)
     np.testing.assert_allclose(table["speed"], known(GRID), rtol=LOCAL)
 
 
+class KilledWorker(Exception):  # noqa: N818
+    """As `distributed` raises it."""
+
+
+class Blaming(Executor):
+    """A cluster that blames the culprit (2.0, 0.4) and, the first time, the cell after it as well."""
+
+    seen = beside = False
+
+    def submit(self, fn, /, cell):
+        future, culprit = Future(), cell == {"torque": 2.0, "inertia": 0.4}
+        if culprit or self.beside:
+            future.set_exception(KilledWorker("Attempted to run a task on 4 different workers"))
+        else:
+            future.set_result(fn(cell))
+        self.seen, self.beside = self.seen or culprit, culprit and not self.seen
+        return future
+
+
+def test_a_cluster_that_blames_the_neighbours_too():
+    """Seen on a busy machine: cells held by a worker when it was killed for the fourth time failed with the culprit."""
+    table = sweep(deadly, GRID, speed, run=RUN, executor=Blaming())
+    killed = (table["torque"] == 2.0) & (table["inertia"] == 0.4)
+    assert table.attrs["failed"] == 1 and "KilledWorker" in str(table["error"].values[killed.values][0])
+    np.testing.assert_allclose(table["speed"].values[~killed.values], known(GRID)[~killed.values], rtol=LOCAL)
+
+
 def test_a_broken_pool_of_the_user_keeps_what_had_finished():
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         with pytest.raises(SweepError, match="broke, .* cells have not finished; executor='processes'") as caught:

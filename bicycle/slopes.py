@@ -1,0 +1,152 @@
+"""Derivatives of the critical speeds of a bicycle with respect to its parameters, exact to rounding.
+
+A critical speed v solves f(v, x) = 0 with f one of e (capsize), h (weave), and p at the double root s, where dp/ds = 0:
+
+    dv/dx = - (df/dx) / (df/dv)
+
+Both derivatives are complex steps through the equations in closed form. For round tyres, which these do not know, the
+coefficients of p come from the general model and their derivatives from differences of fourth order, to some 1e-9.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from . import characteristic, critical
+from .double_roots import double_roots
+from .general import Build
+from .parameters import MEANING, NOT_NEGATIVE, SYMBOLS, TYRES, Parameters
+from .sheet import write_table
+
+DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
+    "central": ((-2, -1, 1, 2), (1 / 12, -2 / 3, 2 / 3, -1 / 12)),
+    "forward": ((0, 1, 2, 3, 4), (-25 / 12, 4, -3, 4 / 3, -1 / 4)),
+}
+COARSE = 1e-3
+"""Of a difference, relative to the parameter, or to LEAST if that is larger: rounding 1e-12 over it, error its fourth
+power."""
+LEAST = 0.1
+STEP = 1e-30
+"""Of a complex step, relative: far below rounding, so that its square vanishes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """Derivatives of the critical speeds of a bicycle.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    speeds : mapping of str to float
+        "weave", "capsize" and "double root" [m/s], those that the bicycle has.
+    by : mapping of str to mapping of str to float
+        ``by[speed][symbol]`` [m/s per unit of the parameter].
+    """
+
+    parameters: Parameters
+    speeds: Mapping[str, float]
+    by: Mapping[str, Mapping[str, float]]
+
+    def per_percent(self, speed: str) -> dict[str, float]:
+        """Change of a speed [m/s] by one percent of each parameter."""
+        return {key: 0.01 * getattr(self.parameters, key) * slope for key, slope in self.by[speed].items()}
+
+    def spread(self, speed: str, deviations: Mapping[str, float]) -> float:
+        """Standard deviation of a speed [m/s], to first order, from those of independent parameters."""
+        return float(np.sqrt(sum((self.by[speed][key] * std) ** 2 for key, std in deviations.items())))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per parameter; returns the file."""
+        head = ["parameter", "value [SI]", *(f"d {name} [m/s per SI unit]" for name in self.speeds)]
+        keys = next(iter(self.by.values()))
+        rows = [[key, getattr(self.parameters, key), *(x[key] for x in self.by.values())] for key in keys]
+        return write_table(path, head, rows)
+
+    def __str__(self) -> str:
+        head = "  ".join(f"{f'd {name}':>14}" for name in self.speeds)
+        lines = [f"{self.parameters.name}: " + ", ".join(f"{name} {v:.6f} m/s" for name, v in self.speeds.items())]
+        lines.append(f"{'':5}{'value':>12}  {head}   [m/s per unit]")
+        for key in next(iter(self.by.values())):
+            row = "  ".join(f"{self.by[name][key]:14.6g}" for name in self.speeds)
+            lines.append(f"{key:5}{getattr(self.parameters, key):12.6g}  {row}   {MEANING[key]}")
+        return "\n".join(lines)
+
+
+def derivatives(parameters: Parameters, build: Build | None = None) -> Derivatives:
+    """Derivatives of weave, capsize and double-root speed with respect to all parameters.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    build : callable or None
+        None = closed form, exact, of knife-edge wheels; `bicycle.whipple` = general model by differences, with the
+        crown radii of tyres that have them.
+
+    Returns
+    -------
+    Derivatives
+
+    Raises
+    ------
+    ValueError
+        If the bicycle has none of these speeds, or round tyres without a model.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007
+    >>> found = derivatives(Meijaard2007())
+    >>> print(f"{found.speeds['weave']:.6f} m/s, {found.by['weave']['c']:.3f} m/s per metre of trail")
+    4.292383 m/s, 11.480 m/s per metre of trail
+    """
+    keys = [*SYMBOLS, *(key for key in TYRES if getattr(parameters, key))]
+    if build is None:
+        q, stepped = characteristic.of(parameters), characteristic.of(perturbed(parameters))
+    else:
+        q, stepped = varied(parameters, keys, build)
+    speeds, slopes = {}, {}
+    for name, v, f in conditions(q):
+        speeds[name] = float(v)
+        by_speed = f(q, v + 1j * STEP).imag / STEP
+        slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / STEP / by_speed).tolist(), strict=True))
+    if not speeds:
+        raise ValueError(f"bicycle '{parameters.name}': it has neither weave nor capsize speed nor a double root")
+    return Derivatives(parameters, speeds, slopes)
+
+
+def perturbed(parameters: Parameters) -> SimpleNamespace:
+    """The parameters as (26,) arrays: entry k has the complex step in parameter k."""
+    steps = 1j * STEP * np.eye(len(SYMBOLS))
+    values = {key: getattr(parameters, key) + steps[k] for k, key in enumerate(SYMBOLS)}
+    return SimpleNamespace(**values, tR=parameters.tR, tF=parameters.tF, name=parameters.name)
+
+
+def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[critical.Quartic, critical.Quartic]:
+    """(p, p with the complex step in parameter k as entry k) of the general model."""
+    q, slopes = characteristic.of_model(parameters, build), []
+    for key in keys:
+        value = getattr(parameters, key)
+        step = COARSE * max(abs(value), LEAST)
+        places, weights = DIFFERENCES["forward" if key in NOT_NEGATIVE and value < 2.0 * step else "central"]
+        cells = [replace(parameters, **{key: value + k * step}, unphysical=True) for k in places]
+        found = zip(*(characteristic.of_model(cell, build, check=False) for cell in cells), strict=True)
+        slopes.append([np.tensordot(weights, x, 1) / step for x in map(np.array, found)])
+    return q, critical.Quartic(
+        *(x + 1j * STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True))
+    )
+
+
+def conditions(q: critical.Quartic) -> list[tuple[str, float, Any]]:
+    """(name, speed, f) with f(quartic, speed) = 0, of the critical speeds that there are."""
+    found = [
+        ("weave", critical.weave(q), lambda q, v: critical.value(q.h, v * v)),
+        ("capsize", critical.capsize(q), lambda q, v: critical.value(q.e, v * v)),
+    ]
+    meeting = [(v, s) for v, s in double_roots(q) if s > 0.0]
+    if meeting:
+        v, s = meeting[0]
+        found.append(("double root", v, lambda q, v: q.at(s, v)))
+    return [entry for entry in found if np.isfinite(entry[1])]

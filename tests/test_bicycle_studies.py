@@ -1,0 +1,514 @@
+"""Studies of bicycles: critical speeds, sensitivity, ablations, frequency response, comparison."""
+
+import doctest
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.optimize import brentq
+
+from bicycle import Meijaard2007, compare, critical, frequency, general, named, sensitivity, whipple, why
+from bicycle import characteristic as polynomial
+from bicycle.compare_page import write_page
+from bicycle.double_roots import double_roots
+from bicycle.equations import canonical
+from bicycle.parameters import SYMBOLS, library, names
+from bicycle.sketches import semi_axes, side_view
+from bicycle.variants import CHANGES, two_mass_skate
+from mbsd3d import Sine, Torque, simulate
+from mbsd3d.cli import main
+
+BENCHMARK = Meijaard2007()
+PUBLISHED = library()["critical_speeds"]
+ROUND = replace(BENCHMARK, rR=0.31, tR=0.05, tF=0.03, c=0.055, IHxz=0.011, name="round tyres")
+
+
+def growth(linear, speed):
+    """Fastest growth [1/s] by an eigenvalue solver."""
+    return linear.eigenvalues([speed]).real.max()
+
+
+@pytest.mark.parametrize("module", ["slopes", "why", "frequency"])
+def test_examples_print_what_they_say(module):
+    found = doctest.testmod(import_module(f"bicycle.{module}"))
+    assert found.attempted and not found.failed
+
+
+# --- critical speeds --------------------------------------------------------------------------------------------------
+
+
+def test_critical_speeds_are_the_published_ones():
+    q = polynomial.of(BENCHMARK)
+    (stable,) = critical.ranges(q)
+    for found, key in ((critical.weave(q), "weave"), (critical.capsize(q), "capsize")):
+        assert abs(found - float(PUBLISHED[key]["computed"])) < 5e-14  # the data file: no tighter than that
+    assert stable == (critical.weave(q), critical.capsize(q))
+    assert abs(critical.weave_rate(q, stable.low) - float(PUBLISHED["weave"]["omega_computed"])) < 5e-14
+
+
+def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
+    rng = np.random.default_rng(4)
+    half = rng.normal(size=(3000, 2, 2))
+    M = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(2)
+    C1, K0, K2 = rng.normal(size=(3, 3000, 2, 2)) + np.array([[1.0, 0.3], [-0.3, 1.0]])  # so that some are stable
+    K2[..., 0] = 0.0
+    q, v = critical.quartic(M, C1, K0, K2), rng.uniform(0.1, 6.0, (3000, 1))
+    by_conditions = critical.decays(q, v)[:, 0]
+    A = np.zeros((3000, 4, 4))
+    A[:, :2, 2:] = np.eye(2)
+    A[:, 2:, :2] = -np.linalg.solve(M, K0 + v[..., None] ** 2 * K2)
+    A[:, 2:, 2:] = -np.linalg.solve(M, v[..., None] * C1)
+    fastest = np.linalg.eigvals(A).real.max(axis=1)
+    clear = np.abs(fastest) > 1e-9  # closer to the border rounding decides
+    assert 50 < by_conditions.sum() < 2900 and np.array_equal(by_conditions[clear], fastest[clear] < 0.0)
+    first = np.transpose(critical.first_range(q))
+    for k in range(300):
+        found = critical.ranges(critical.Quartic(*(x[k] for x in q)))
+        assert any(part.low < v[k, 0] < part.high for part in found) == by_conditions[k]
+        assert np.array_equal(first[k], found[0] if found else (np.nan, np.nan), equal_nan=True)
+
+
+@pytest.mark.parametrize("name", names())
+def test_ranges_of_published_sets_begin_and_end_where_growth_changes_its_sign(name):
+    linear = canonical(named(name, unphysical=True))
+    found = critical.ranges(polynomial.of(named(name, unphysical=True)))
+    speeds = np.linspace(0.013, 30.0, 700)
+    inside = np.any([(speeds > part.low) & (speeds < part.high) for part in found], axis=0) if found else False
+    assert np.array_equal(linear.eigenvalues(speeds).real.max(axis=1) < 0.0, inside & np.ones(700, bool))
+    for end in (v for part in found for v in part if 0.0 < v < np.inf):
+        assert growth(linear, end - 1e-6) * growth(linear, end + 1e-6) < 0.0
+
+
+def test_a_range_of_a_hundredth_of_a_millimetre_per_second_is_found():
+    def width(trail):
+        return np.diff(critical.first_range(polynomial.of(replace(BENCHMARK, c=trail))))[0]
+
+    trail = brentq(lambda c: np.nan_to_num(width(c)) - 1e-5, -0.0085, 0.0, xtol=1e-16)
+    (part,) = critical.ranges(polynomial.of(replace(BENCHMARK, c=trail)))
+    assert abs(part.high - part.low - 1e-5) < 1e-10
+    linear = canonical(replace(BENCHMARK, c=trail))
+    assert growth(linear, sum(part) / 2) < 0.0 < min(growth(linear, part.low - 1e-5), growth(linear, part.high + 1e-5))
+
+
+def test_ranges_of_the_general_model_with_round_tyres_end_where_its_spectrum_says():
+    (part,) = critical.ranges(polynomial.of_model(ROUND))
+    for v in part:
+        sides = [general.linearization(whipple, ROUND, x).eigenvalues.real.max() for x in (v - 1e-6, v + 1e-6)]
+        assert sides[0] * sides[1] < 0.0
+    sharp = critical.ranges(polynomial.of(replace(ROUND, tR=0.0, tF=0.0)))[0]
+    assert abs(part.low - sharp.low) > 1e-3  # crowns do matter
+
+
+def test_no_speed_leads_a_two_mass_skate_to_capsize():
+    q = polynomial.of(two_mass_skate())
+    assert np.isnan(critical.capsize(q)) and critical.ranges(q)[0].high == np.inf
+    assert abs(critical.weave(q) - 2.841) < 5e-4  # of the literature, as the data file has it
+
+
+# --- derivatives ------------------------------------------------------------------------------------------------------
+
+
+def model_speeds(parameters):
+    """Weave, capsize, double root from the general model."""
+    q = polynomial.of_model(parameters, check=False)
+    return np.array([critical.weave(q), critical.capsize(q), double_roots(q)[0].speed])
+
+
+@pytest.mark.parametrize("key", ["w", "c", "lam", "g", "rF", "xB", "zB", "mB", "IBxz", "xH", "IHxz", "IFxx", "IRyy"])
+def test_derivatives_agree_with_differences_of_the_general_model(key):
+    base = replace(BENCHMARK, IFyy=0.2, IRyy=0.11)  # off the limit of the triangle rule
+    found = sensitivity.derivatives(base)
+    h = 1e-3 * max(abs(getattr(base, key)), 0.1)
+    speeds = [model_speeds(replace(base, **{key: getattr(base, key) + k * h})) for k in (-2, -1, 1, 2)]
+    slopes = (speeds[0] - 8 * speeds[1] + 8 * speeds[2] - speeds[3]) / (12 * h)
+    known = np.array([x[key] for x in found.by.values()])
+    # truncation h^4 = 1e-12 times fifth derivatives, rounding 1e-11 / h
+    assert np.all(np.abs(slopes - known) < 1e-6 * np.maximum(np.abs(known), 1e-2 / max(abs(getattr(base, key)), 0.1)))
+
+
+def test_derivatives_obey_the_rules_of_dimensions():
+    found = sensitivity.derivatives(named("Crescendo"))
+    mass = [key for key in SYMBOLS if key[0] in "mI"]
+    length = {key: 1.0 for key in ("w", "c", "rR", "xB", "zB", "xH", "zH", "rF")} | {
+        k: 2.0 for k in SYMBOLS if k[0] == "I"
+    }
+    for name, v in found.speeds.items():
+        change = {key: getattr(found.parameters, key) * slope for key, slope in found.by[name].items()}
+        size = sum(map(abs, change.values()))
+        assert abs(sum(change[key] for key in mass)) < 1e-12 * size  # twice the mass, the same speed
+        assert abs(sum(k * change[key] for key, k in length.items()) - v / 2) < 1e-12 * size  # v^2 / (g L) stays
+        assert abs(change["g"] - v / 2) < 1e-12 * size
+
+
+def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
+    closed, model = sensitivity.derivatives(BENCHMARK), sensitivity.derivatives(BENCHMARK, whipple)
+    for name, slopes in closed.by.items():
+        assert abs(closed.speeds[name] - model.speeds[name]) < 1e-10
+        for key, slope in slopes.items():
+            change = max(abs(getattr(BENCHMARK, key)), 0.1)  # differences of 1e-3 of this
+            assert abs(model.by[name][key] - slope) * change < 1e-7 * closed.speeds[name]
+
+
+def test_derivatives_with_round_tyres_obey_the_rule_of_lengths():
+    found = sensitivity.derivatives(ROUND, whipple)
+    length = dict.fromkeys(("w", "c", "rR", "xB", "zB", "xH", "zH", "rF", "tR", "tF"), 1.0)
+    length |= {key: 2.0 for key in SYMBOLS if key[0] == "I"}
+    for name, v in found.speeds.items():
+        change = [k * getattr(ROUND, key) * found.by[name][key] for key, k in length.items()]
+        assert abs(sum(change) - v / 2) < 1e-8 * sum(map(abs, change))
+        assert abs(ROUND.tR * found.by[name]["tR"]) > 1e-3  # crowns do matter
+
+
+def test_derivatives_print_and_write_all_parameters(tmp_path):
+    found = sensitivity.derivatives(BENCHMARK)
+    rows = found.to_csv(tmp_path / "slopes").read_text().splitlines()
+    assert len(rows) == 27 and rows[2].startswith("c,0.08,") and f"{found.by['weave']['c']!r}" in rows[2]
+    assert "trail" in str(found) and len(sensitivity.plot_derivatives(found).axes) == 3
+    with pytest.raises(ValueError, match="HC_Optimal10': it has neither weave nor capsize"):
+        sensitivity.derivatives(named("HC_Optimal10"))
+    with pytest.raises(ValueError, match="knife-edge"):
+        sensitivity.derivatives(ROUND)
+
+
+# --- uncertainty ------------------------------------------------------------------------------------------------------
+
+MEASURED = named("Browserins")
+
+
+def test_small_deviations_spread_the_speeds_as_the_derivatives_say():
+    slopes, small = sensitivity.derivatives(MEASURED), {"c": 1e-5, "lam": 2e-5, "xH": 1e-5, "IFyy": 3e-6, "mF": 1e-4}
+    found = sensitivity.monte_carlo(MEASURED, small, n=20_000, seed=3)
+    for name in ("weave", "capsize"):
+        values = found.outputs[f"{name} speed"]
+        # the standard deviation of 20 000 samples is known to 0.5 %
+        assert abs(values.std() / slopes.spread(name, small) - 1.0) < 0.025
+        assert found.share(f"{name} speed") == 1.0
+        assert abs(found.quantiles(f"{name} speed")[1] - slopes.speeds[name]) < 0.05 * values.std()
+    indices = sensitivity.sobol(MEASURED, small, n=1024, seed=3)
+    for name in ("weave", "capsize"):
+        variances = np.array([(slopes.by[name][key] * std) ** 2 for key, std in small.items()])
+        for shares in (indices.first, indices.total):  # linear: both are the shares; Sobol's points err by 1/n
+            assert np.abs(shares[f"{name} speed"] - variances / variances.sum()).max() < 0.01
+
+
+def test_samples_repeat_with_their_seed_and_go_to_a_file(tmp_path):
+    first, second, other = (sensitivity.monte_carlo(MEASURED, n=50, seed=seed) for seed in (5, 5, 6))
+    assert np.array_equal(first.inputs, second.inputs) and not np.array_equal(first.inputs, other.inputs)
+    assert len(first.deviations) == 26  # as published with this set
+    rows = first.to_csv(tmp_path / "samples").read_text().splitlines()
+    assert len(rows) == 51 and rows[1].count(",") == 29
+    assert float(rows[1].split(",")[26]) == first.outputs["weave speed"][0]
+
+
+def test_samples_with_an_inertia_that_no_body_has_are_counted():
+    base = replace(BENCHMARK, IBxx=3.0, IBzz=9.5, IBxz=0.0, name="long")  # 1.5 kg m^2 from the limit IByy < IBxx + IBzz
+    found = sensitivity.monte_carlo(base, {"IByy": 1.5}, n=4000, seed=2)
+    outside = found.inputs[:, 0]
+    assert abs(found.impossible - np.mean((outside > 12.5) | (outside < 6.5))) == 0.0
+    assert abs(found.impossible - 0.16) < 0.02 and "% have an inertia of frame or fork" in str(found)
+
+
+def test_speeds_that_some_samples_do_not_have_are_counted():
+    narrow = replace(BENCHMARK, c=-0.007, name="narrow")
+    found = sensitivity.monte_carlo(narrow, {"c": 0.002}, n=4000, seed=1)
+    share = found.share("lowest stable speed")
+    assert abs(share - 0.6915) < 0.03  # stable from c = -0.008 on, half a deviation away; 4 sigma of 4000 samples
+    assert np.sum(found.outputs["stable width"] == 0.0) == np.sum(np.isnan(found.outputs["lowest stable speed"]))
+    indices = sensitivity.sobol(narrow, {"c": 0.002, "mB": 1.0}, n=256)
+    assert np.isnan(indices.total["lowest stable speed"]).all() and indices.total["stable width"][0] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("deviations", "options", "message"),
+    [
+        (None, {}, "no standard deviations; give them by symbol"),
+        ({"cc": 0.1}, {}, "deviation of 'cc': no such parameter"),
+        ({"c": -0.1}, {}, "deviation of c = -0.1; give a positive"),
+        ({"rF": 0.3}, {}, "a sample has rF = -.*give a smaller deviation of rF"),
+        ({"c": 0.01}, {"n": 1}, "n = 1"),
+    ],
+)
+def test_impossible_deviations_are_refused(deviations, options, message):
+    with pytest.raises(ValueError, match=message):
+        sensitivity.monte_carlo(BENCHMARK, deviations, **options)
+    if deviations != {"rF": 0.3}:
+        with pytest.raises(ValueError, match=message):
+            sensitivity.sobol(BENCHMARK, deviations, **options)
+
+
+# --- maps -------------------------------------------------------------------------------------------------------------
+
+AXES = {"c": [-0.02, 0.04, 0.11], "lam": [0.12, 0.33]}
+
+
+def test_a_map_holds_the_ranges_of_its_cells_both_ways(tmp_path):
+    closed, model = sensitivity.stable_map(BENCHMARK, AXES), sensitivity.stable_map(BENCHMARK, AXES, whipple)
+    for i, c in enumerate(AXES["c"]):
+        for j, lam in enumerate(AXES["lam"]):
+            found = critical.ranges(polynomial.of(replace(BENCHMARK, c=c, lam=lam)))
+            low, high = found[0] if found else (np.nan, np.nan)
+            for chart, limit in ((closed, 1e-13), (model, 1e-10)):
+                assert np.allclose([chart.low[i, j], chart.high[i, j]], [low, high], rtol=0, atol=limit, equal_nan=True)
+    assert np.isnan(closed.low).any() and np.isfinite(closed.low).any() and model.missing == 0
+    rows = closed.to_csv(tmp_path / "map").read_text().splitlines()
+    assert rows[0] == "c [m],lam [rad],low [m/s],high [m/s]" and len(rows) == 7
+    assert float(rows[4].split(",")[2]) == closed.low[1, 1]
+    assert [axes.get_title() for axes in sensitivity.plot_map(closed).axes[:2]] == [
+        "lowest self-stable speed",
+        "width of the self-stable range",
+    ]
+
+
+def test_a_map_keeps_what_was_computed_before_ctrl_c():
+    calls = []
+
+    def interrupted(parameters, speed):
+        calls.append(speed)
+        if len(calls) > 3:
+            raise KeyboardInterrupt
+        return whipple(parameters, speed)
+
+    found = sensitivity.stable_map(BENCHMARK, {"c": [0.04, 0.06, 0.08, 0.1], "lam": [0.3]}, interrupted)
+    whole = sensitivity.stable_map(BENCHMARK, {"c": [0.04, 0.06, 0.08, 0.1], "lam": [0.3]})
+    done = 4 - found.missing
+    assert 1 <= done < 4 and np.allclose(found.low[:done], whole.low[:done], rtol=0, atol=1e-10)
+    assert np.isnan(found.low[done:]).all()
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        ({"c": [0.1]}, "1 parameters; give two"),
+        ({"c": [0.1], "lambda": [0.1]}, "no parameter 'lambda'"),
+        ({"c": [0.1], "lam": [np.nan]}, "values of lam"),
+        ({"c": [0.1], "w": [1.0, -1.0]}, "wheelbase w: -1.0 is not positive"),
+        ({"c": [0.1], "IBxx": [9.0, 30.0]}, "frame and rider .B.: inertia .* exceeds the sum"),
+        ({"tR": [0.0, 0.4], "c": [0.1]}, "tR = 0.4 exceeds rR"),
+        ({"tR": [0.0, 0.1], "c": [0.1]}, "closed form knows no crown radius"),
+    ],
+)
+def test_impossible_maps_are_refused(axes, message):
+    with pytest.raises(ValueError, match=message):
+        sensitivity.stable_map(BENCHMARK, axes)
+
+
+# --- why --------------------------------------------------------------------------------------------------------------
+
+
+def test_ablations_of_the_benchmark_are_confirmed_by_the_general_model(tmp_path):
+    found = why.ablations(BENCHMARK)
+    rows = {row.name: row for row in found.rows}
+    assert len(rows) == len(CHANGES) + 2 and found.missing == 0
+    assert all(row.confirmed and row.difference < 1e-10 for row in found.rows)
+    for name in ("no spin momentum", "no trail, no spin momentum", "steering locked"):
+        assert rows[name].ranges == [] and rows[name].growth > 1.0
+    (narrow,) = rows["no trail"].ranges
+    assert abs(narrow.high - narrow.low - 0.196) < 1e-3  # 0.2 m/s wide, and found
+    fall = np.sqrt(9.81 * 80.95 / 80.81722)  # the printed matrices
+    assert abs(rows["steering locked"].growth - fall) < 1e-12
+    assert rows["two-mass skate: no trail, no spin"].ranges[0].high == np.inf
+    lines = why.to_csv(found, tmp_path / "why").read_text().splitlines()
+    assert len(lines) == 1 + len(found.rows) and "2.933073 ... 3.128986 m/s" in str(found)
+
+
+def test_growths_of_ablations_are_those_of_an_eigenvalue_solver():
+    found = why.ablations(MEASURED, None)
+    for row in found.rows:
+        if row.name != "steering locked":
+            assert abs(row.growth - growth(canonical(row.parameters), found.speed)) < 1e-9
+    balanced = {row.name: row.parameters for row in found.rows}["front mass on the steer axis"]
+    p, mass = balanced, balanced.mH + balanced.mF
+    x, z = (p.mH * p.xH + p.mF * p.w) / mass, (p.mH * p.zH - p.mF * p.rF) / mass
+    away = (x - p.w - p.c) * np.cos(p.lam) - z * np.sin(p.lam)  # distance from the steer axis
+    assert abs(away) < 1e-15
+
+
+def test_ablations_keep_what_was_computed_before_ctrl_c():
+    calls = []
+
+    def interrupted(parameters, speed):
+        calls.append(speed)
+        if len(calls) > 12:
+            raise KeyboardInterrupt
+        return whipple(parameters, speed)
+
+    found = why.ablations(BENCHMARK, interrupted)
+    assert 0 < len(found.rows) < 5 and found.missing == len(CHANGES) + 2 - len(found.rows)
+    assert all(row.confirmed for row in found.rows) and len(why.plot_ablations(found).axes) == 1
+
+
+@pytest.mark.slow
+def test_ablations_with_round_tyres_come_from_the_general_model():
+    found = why.ablations(ROUND)
+    assert all(row.confirmed in (True, None) for row in found.rows) and found.rows[0].model == found.rows[0].ranges
+    with pytest.raises(ValueError, match="knife-edge"):
+        why.ablations(ROUND, None)
+
+
+# --- frequency --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("parameters", [BENCHMARK, named("Yellowrev", unphysical=True)], ids=["benchmark", "Yellowrev"])
+def test_frequency_response_of_the_general_model_is_that_of_the_closed_form(parameters):
+    speeds, omega = [1.7, 5.0, 8.3], np.geomspace(0.05, 80.0, 9)
+    found = frequency.response(parameters, speeds, omega)
+    for v, H, fastest in zip(speeds, found.H, found.growth, strict=True):
+        linear = canonical(parameters)
+        for w, h in zip(omega, H, strict=True):  # the inverse of the dynamic stiffness, not of a state space
+            stiffness = -(w**2) * linear.M + 1j * w * v * linear.C1 + linear.g * linear.K0 + v**2 * linear.K2
+            known = np.linalg.inv(stiffness)
+            assert np.abs(h - known).max() < 1e-10 * np.abs(known).max()
+        assert abs(fastest - growth(linear, v)) < 1e-9
+
+
+def test_a_slow_torque_to_one_side_leads_to_the_other_below_the_capsize_speed():
+    slow, fast = frequency.response(BENCHMARK, [5.0, 8.0], [1e-5]).H[:, 0, :, 1].real
+    assert np.all(slow < 0.0) and np.all(fast > 0.0)
+
+
+def test_a_shaken_handlebar_answers_as_the_frequency_response_says():
+    speed, omega, size = 5.0, 6.0, 1e-3
+    bicycle = whipple(BENCHMARK, speed)
+    fork, frame, down = bicycle.part("fork"), bicycle.part("frame"), bicycle.part("steer", "joints").axis
+    shake = [Torque(body, [Sine(sign * size * x, omega / (2 * np.pi)) for x in down], frame="body")
+             for body, sign in ((fork, 1.0), (frame, -1.0))]  # fmt: skip
+    t = 44.0 + np.linspace(0.0, 2 * np.pi / omega, 65)[:-1]  # the slowest mode has decayed by exp(-0.32 * 44) = 7e-7
+    run = simulate(replace(bicycle, forces=shake), float(t[-1]), rtol=1e-10, output=np.r_[0.0, t])
+    steer = run.angle("steer")[1:]
+    answer = 2j * np.mean(steer * np.exp(-1j * omega * t)) / size
+    known = frequency.response(BENCHMARK, speed, [omega]).H[0, 0, 1, 1]
+    assert abs(answer - known) < 1e-5 * abs(known)  # what is left of the start, and of amplitude^2
+
+
+@pytest.mark.parametrize("frequencies", [[0.0], [-1.0], [np.nan], [], [[1.0]]])
+def test_impossible_frequencies_are_refused(frequencies):
+    with pytest.raises(ValueError, match="frequencies: give one or more positive ones"):
+        frequency.response(BENCHMARK, 5.0, frequencies)
+
+
+def test_frequency_table_holds_every_point(tmp_path):
+    found = frequency.response(BENCHMARK, [4.0, 6.0], [1.0, 2.0, 3.0], None)
+    rows = [row.split(",") for row in found.to_csv(tmp_path / "bode").read_text().splitlines()]
+    assert len(rows) == 7 and float(rows[5][2]) == found.H[1, 1, 0, 0].real
+    figure = frequency.plot_response(found, dark=True)
+    assert len(figure.axes) == 8 and figure.axes[0].get_ylabel() == "magnitude [rad/(N m)]"
+
+
+# --- comparison -------------------------------------------------------------------------------------------------------
+
+
+def test_an_ellipsoid_is_drawn_with_its_own_axes():
+    mass, a, b, c, turn = 7.3, 0.9, 0.31, 0.2, 0.6  # semi-axes in the plane and across it, turned from x to z
+    second = np.diag([a**2, c**2, b**2]) * mass / 5.0
+    R = np.array([[np.cos(turn), 0.0, -np.sin(turn)], [0.0, 1.0, 0.0], [np.sin(turn), 0.0, np.cos(turn)]])
+    moments = R @ second @ R.T
+    semi, found = semi_axes(np.trace(moments) * np.eye(3) - moments, mass)
+    assert np.allclose(semi, [b, a], rtol=1e-12)  # by rising length
+    assert abs(np.sin(np.radians(found) - turn - np.pi / 2)) < 1e-12  # an axis has no direction
+
+
+def test_wheel_loads_and_masses_of_the_page_are_the_published_ones():
+    found, loads = compare.entry(BENCHMARK), library()["static_wheel_loads"]
+    total = loads["rear_N"] + loads["front_N"]
+    assert abs(found.front_load - loads["front_N"] / total) < 1e-14 and abs(found.mass * 9.81 - total) < 1e-9
+    assert found.difference < 1e-10 and "with rider" in found.source
+
+
+def test_a_page_shows_all_bicycles_and_needs_no_network(tmp_path):
+    wanted = [BENCHMARK, named("Tms"), ROUND]
+    found = compare.entries(wanted)
+    page = write_page(tmp_path, found, left_out=["bicycle 'Bent': <no frame>"], views=0).read_text()
+    for text in (
+        "Meijaard2007",
+        "round tyres",
+        "4.2924",
+        "at which speeds",
+        "Left out: bicycle &#39;Bent&#39;: &lt;no",
+    ):
+        assert text in page
+    assert page.count("<article") == 3 and "http://" not in page.replace("http://www.w3.org", "")
+    assert page == write_page(tmp_path, found, left_out=["bicycle 'Bent': <no frame>"], views=0).read_text()
+    assert len(page) < 200_000 and not (tmp_path / "views").exists()
+    rows = compare.to_csv(found, tmp_path / "bicycles").read_text().splitlines()
+    assert len(rows) == 4 and rows[1].startswith("Meijaard2007,4.29238")
+    with pytest.raises(ValueError, match="two bicycles are called 'Tms'"):
+        write_page(tmp_path, [found[1], found[1]])
+    with pytest.raises(ValueError, match="no bicycles"):
+        write_page(tmp_path, [])
+
+
+@pytest.mark.slow
+def test_views_stand_beside_the_page(tmp_path):
+    page = write_page(tmp_path, compare.entries([BENCHMARK, MEASURED]), views=1).read_text()
+    assert (tmp_path / "views" / "Meijaard2007.html").stat().st_size > 100_000
+    assert 'href="views/Meijaard2007.html"' in page and "views/Browserins" not in page
+
+
+@pytest.mark.slow
+def test_all_published_sets_are_compared():
+    found = compare.entries([named(name, unphysical=True) for name in names()])
+    assert len(found) == 47 and max(x.difference for x in found) < 1e-8  # the largest belongs to 19 m/s
+    assert all("<svg" in side_view(x.parameters) for x in found)
+
+
+# --- command line -----------------------------------------------------------------------------------------------------
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["bicycle", *map(str, arguments)], prog_name="mbsd3d")
+
+
+def names_in(folder):
+    return {path.name for path in folder.rglob("*") if path.is_file()}
+
+
+def test_commands_write_what_they_say(tmp_path):
+    result = run("why", "Crescendo", "--closed-form", "--out", tmp_path)
+    assert result.exit_code == 0 and "4.804625 ... 6.105215 m/s" in result.output
+    assert names_in(tmp_path) == {"why_Crescendo.png", "why_Crescendo.svg", "why_Crescendo.csv"}
+    result = run("compare", "Meijaard2007", "Tms", "--views", 0, "--out", tmp_path / "two")
+    assert result.exit_code == 0 and "above 2.84" in result.output
+    assert names_in(tmp_path / "two") == {"bicycles.csv", "index.html"}
+
+
+@pytest.mark.slow
+def test_commands_with_many_figures_write_what_they_say(tmp_path):
+    maps = ("--map", "c=0:0.1:3", "--map", "lam=0.2:0.5:3")
+    result = run("sensitivity", "Browserins", "--samples", 100, *maps, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "100 samples of Browserins" in result.output and "in 100.0 % of them" in result.output
+    assert run("frequency", "--speed", 4.5, "--count", 5, "--out", tmp_path).exit_code == 0
+    stems = ("sensitivity_Browserins", "uncertainty_Browserins", "map_Browserins", "frequency_Meijaard2007")
+    pictures = {f"{stem}.{kind}" for stem in stems for kind in ("png", "svg", "csv")}
+    assert names_in(tmp_path) == pictures | {"sobol_Browserins.csv"}
+
+
+def test_deviations_of_a_file_are_used(tmp_path):
+    lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key in SYMBOLS]
+    text = "\n".join(lines).replace("c = 0.08", "c = 0.08 +/- 0.001")
+    (tmp_path / "mine.txt").write_text(text)
+    result = run("sensitivity", tmp_path / "mine.txt", "--samples", 40, "--out", tmp_path)
+    assert result.exit_code == 0 and "40 samples of mine" in result.output, result.output
+    assert run("compare", "--list").output.splitlines()[0] == "Meijaard2007"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sensitivity", "--deviation", "c=wide"], "--deviation c: 'wide' is no number"),
+        (["sensitivity", "--deviation", "cc=1"], "deviation of 'cc'"),
+        (["sensitivity", "--map", "c=0:0.1:3"], "--map is given 1 times"),
+        (["sensitivity", "--map", "c=0:0.1:3", "--map", "lam=0:1"], "write SYMBOL=FROM:TO:COUNT"),
+        (["sensitivity", "--map", "c=0:0.1:3", "--map", "tR=0:0.1:3"], "give build=bicycle.whipple (--model)"),
+        (["sensitivity", "HC_Optimal10"], "has neither weave nor capsize speed"),
+        (["frequency", "--from", "3", "--to", "1"], "0 < from < to"),
+        (["why", "Brower"], "did you mean Browser"),
+        (["compare", "Browser"], "--unphysical"),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_exit_code_2(arguments, message, tmp_path):
+    result = run(*arguments, "--out", tmp_path)
+    assert result.exit_code == 2 and message in result.output
+    assert result.output.count("\n") == 1 and result.output.startswith("mbsd3d: ")
