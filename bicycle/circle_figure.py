@@ -48,6 +48,7 @@ def plot(
         families(axes[1, 0], found, "speed", "radius", look)
         axes[1, 0].set_yscale("symlog", linthresh=1.0)
         axes[1, 0].set_ylim(-100.0, 100.0)
+        axes[1, 0].yaxis.set_major_formatter("{x:g}")
         torques(axes[1, 1], held, look)
         figure.suptitle(f"{parameters.name}: steady circles, steered to the right", fontweight="bold")
         legend(figure, len(found), look)
@@ -81,11 +82,13 @@ def torques(axes: Any, held: Sequence[Sequence[Turn]], look: Theme) -> None:
     """Steer torque over lean, a line per speed."""
     for k, turns in enumerate(turn for turn in held if turn):
         lean, torque = np.degrees([turn.lean for turn in turns]), [turn.torque for turn in turns]
-        axes.plot(lean, torque, color=look.colour(k), linewidth=LINE, label=f"{turns[0].speed:.3g} m/s")
+        axes.plot(
+            lean, torque, "o-", color=look.colour(k), markersize=3, linewidth=LINE, label=f"{turns[0].speed:.3g} m/s"
+        )
     axes.set_xlabel("lean [°]")
     axes.set_ylabel("steer torque that holds it, right > 0 [N m]")
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
+        axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
 def legend(figure: Figure, count: int, look: Theme) -> None:
