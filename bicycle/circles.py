@@ -1,13 +1,12 @@
 """Circles: steady turns without hands, with the stability of each, and turns that a steer torque holds."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import click
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d.commands import ready_folder
+from mbsd3d.commands import can_view, ready_folder
 from mbsd3d.files import write_atomically
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
@@ -17,10 +16,13 @@ from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .turning import Turn, Turner, course
 
-LEANS = np.radians([1.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
+LEANS = np.radians([1.0, 3.0, *np.arange(5.0, 41.0, 5.0)])
 """Of the turns with steer torque that the command makes [rad]."""
-COLUMNS = {"lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m",
-           "load": "N", "friction": "-", "growth": "1/s"}  # fmt: skip
+COLUMNS = {
+    "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
+    "friction": "-", "growth": "1/s",
+}  # fmt: skip
+"""Of the table: quantities of a turn with their units."""
 
 
 def families(parameters: Parameters, *, longest: float = 0.1, progress: bool | None = None) -> list[Family]:
@@ -110,7 +112,7 @@ def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[T
     Raises
     ------
     ValueError
-        If no steer angle below 90 degrees makes such a turn.
+        If no steer angle below 86 degrees makes such a turn.
     """
     turner, speed = Turner(parameters), number(speed, "circles.held: speed", positive=True)
     found = []
@@ -125,11 +127,13 @@ def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[T
 
         grid = np.geomspace(1e-4, 1.5, 40)  # the gentlest turn needs the highest speed
         last = next((k for k, steer in enumerate(grid) if excess(steer) < 0.0), 0)
-        if not last:
+        steer = brentq(excess, grid[last - 1], grid[last], xtol=1e-13) if last else np.nan
+        if not last or abs(excess(steer)) > 1e-6 * speed**2:  # the square changes its sign at infinity too
             raise ValueError(
-                f"circles.held: no steady turn of {speed:g} m/s at lean {lean:.6g} rad; give a smaller lean"
+                f"bicycle '{parameters.name}': no steady turn of {speed:g} m/s at lean {np.degrees(lean):.4g}° with a "
+                "steer angle below 86°; give a smaller lean or another speed"
             )
-        found.append(turner.turn(lean, side * brentq(excess, grid[last - 1], grid[last], xtol=1e-13)))
+        found.append(turner.turn(lean, side * steer))
     return found
 
 
@@ -171,3 +175,74 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
     k = change[np.argmin(np.abs(grid[change]))]
     lean = brentq(tip, grid[k], grid[k + 1], xtol=1e-14)
     return turner.turn(lean, steer_of(lean))
+
+
+def table(found: Sequence[Family], turns: Sequence[Turn] = ()) -> str:
+    """CSV of all turns: the family it belongs to (0 = held by a steer torque), then `COLUMNS`."""
+    rows = [(k, turn) for k, family in enumerate(found, 1) for turn in family.turns] + [(0, turn) for turn in turns]
+    lines = [",".join(["family", *(f"{name} [{unit}]" for name, unit in COLUMNS.items())])]
+    lines += [",".join([str(k), *(repr(float(getattr(turn, name))) for name in COLUMNS)]) for k, turn in rows]
+    return "\n".join(lines) + "\n"
+
+
+def summary(found: Sequence[Family]) -> str:
+    """What a person wants to know of the families, one line per end and special turn."""
+    lines = []
+    for k, family in enumerate(found, 1):
+        lines.append(f"family {k}: from {family.ends[0]} to {family.ends[1]}, {len(family.turns)} circles")
+        first, last = family.turns[0], family.turns[-1]
+        for name, turn in ((family.ends[0], first), *family.special, (family.ends[1], last)):
+            lines.append(
+                f"  {name:28} lean {np.degrees(turn.lean):7.3f}°  steer {np.degrees(turn.steer):7.3f}°  speed "
+                f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {turn.friction:6.3f}"
+            )
+    return "\n".join(lines) or "no hands-free circles on the sections that were searched"
+
+
+def held_if_possible(parameters: Parameters, speeds: Sequence[float]) -> list[list[Turn]]:
+    """Turns with steer torque by speed; a lean that no turn of this speed has ends its list."""
+    found = []
+    for speed in speeds:
+        found.append([])
+        for lean in LEANS:
+            try:
+                found[-1] += held(parameters, speed, [lean])
+            except ValueError as error:
+                click.echo(f"mbsd3d: {error}", err=True)
+                break
+    return found
+
+
+@click.command()
+@bicycle_argument
+@click.option(
+    "--speed", "speeds", type=float, multiple=True, default=(3.0, 5.0, 7.0, 9.0), show_default=True,
+    help="Of turns that a steer torque holds [m/s]; may be given several times.",
+)  # fmt: skip
+@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
+@out_option
+def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out: str) -> None:
+    """Find the circles a bicycle rides without hands, and the torque that holds it in other turns.
+
+    Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
+    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
+    """
+    from mbsd3d.plots import save_figure
+
+    from .circle_figure import plot
+
+    can_view(needed=viewed)
+    target = ready_folder(out) / f"{parameters.name}_circles"
+    found, turns = families(parameters), held_if_possible(parameters, speeds)
+    click.echo(summary(found))
+    held_turns = [turn for group in turns for turn in group]
+    files = [write_atomically(target.with_suffix(".csv"), table(found, held_turns).encode())]
+    files += save_figure(plot(parameters, found, turns), target)
+    if viewed and found:
+        from .ride import view
+
+        shown = max((turn for name, turn in found[0].special or [("", found[0].turns[0])]), key=lambda turn: turn.speed)
+        title = f"{parameters.name}: a circle without hands, lean {np.degrees(shown.lean):.1f}°"
+        files.append(view(shown.ride(output=400), target, title=title))
+    for path in files:
+        click.echo(str(path))

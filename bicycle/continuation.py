@@ -65,7 +65,7 @@ class Curve:
         Tangent and curvature at a point are those of the parabola through it and the two before; a step turns by
         SHARPEST at most.
         """
-        length, bend, last = 0.5 * self.longest, 0.0, 0.0
+        length, bend, last, before = 0.5 * self.longest, 0.0, 0.0, along
         while length > self.shortest:
             guess = turned(along, np.clip(0.5 * bend * length, -SHARPEST, SHARPEST))
             new = self.step(x, guess, length)

@@ -23,16 +23,16 @@ def loads(solution: Any) -> dict[str, np.ndarray]:
     return {wheel: solution.reaction(f"{wheel} contact").force[:, 2] for wheel in WHEELS}
 
 
-def check_start(parameters: Parameters, start: Ride, limit: float) -> None:
+def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bool) -> None:
     """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
     what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
     if tilt >= limit:
         raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
     for wheel, load in loads(start.solution).items():
-        if load[0] <= 0.0 < parameters.g:
+        if load[0] <= 0.0 < parameters.g and not held_down:
             raise ValueError(
                 f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); give a "
-                "slower or more upright start"
+                "slower or more upright start, or held_down=True (--held-down) for a ground that can pull"
             )
 
 

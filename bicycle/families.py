@@ -77,7 +77,7 @@ class Search:
                 values.append(np.nan)
         for k in np.flatnonzero(np.array(values[:-1]) * np.array(values[1:]) < 0.0):
             x = np.array([brentq(misfit, *LEANS[k : k + 2], xtol=1e-12), steer])
-            if self.square(x) > 0.0 and self.turn(x).load > 0.0:
+            if self.square(x) > 0.0 and self.pressed(x) > 0.0:
                 found.append(x)
         return found
 
@@ -102,12 +102,24 @@ class Search:
                 limit = straight + sign * STRAIGHT
                 return name, self.curve.locate(before, new, lambda x, limit=limit: x[1] - limit)
         if self.square(new) < 0.0:
-            return "at rest", self.curve.locate(before, new, self.square)
+            x = self.curve.locate(before, new, self.square)
+            if x is None or abs(self.square(x)) < self.fast:
+                return "at rest", x
+            return "a wheel lifts", self.curve.locate(before, x, self.pressed)  # long before the speed is infinite
         if abs(new[0]) > LYING:
             return "nearly lying", self.curve.locate(before, new, lambda x: abs(x[0]) - LYING)
-        if self.turn(new).load < 0.0:
-            return "a wheel lifts", self.curve.locate(before, new, lambda x: self.turn(x).load)
+        if self.pressed(new) < 0.0:
+            return "a wheel lifts", self.curve.locate(before, new, self.pressed)
         return None
+
+    @property
+    def fast(self) -> float:
+        """A square of the scale that no bicycle reaches [m^2/s^2]."""
+        return 1e4 * self.turner.p.g * self.turner.p.w
+
+    def pressed(self, x: np.ndarray) -> float:
+        """Load of the wheel that is pressed least [N]; below zero too where the speed has no bound."""
+        return self.turn(x).load if 0.0 <= self.square(x) < self.fast else -1.0
 
 
 def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:

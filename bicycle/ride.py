@@ -36,6 +36,7 @@ def run(
     torque: Signal | float = 0.0,
     push: Signal | float = 0.0,
     fallen: float = FALLEN,
+    held_down: bool = False,
     rtol: float = 1e-8,
     output: int | Sequence[float] | None = None,
     progress: bool | None = None,
@@ -55,6 +56,9 @@ def run(
         Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
     fallen : float
         Tilt of the frame that ends the ride [rad], 0 < fallen < pi/2.
+    held_down : bool
+        Go on where the ground would have to pull at a wheel, as if it ran on a rail: the two-mass skate has its weight
+        in front of both wheels.
     rtol, output, progress
         As in `mbsd3d.simulate`.
 
@@ -85,15 +89,15 @@ def run(
         parameters, torque, push, speed=speed, lean=lean, steer=steer, lean_rate=lean_rate, steer_rate=steer_rate
     )
     start, upward = system.state(), elevation(system)
-    check_start(parameters, Ride(parameters, accelerations(system, start)), limit)
+    check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
     settings = {"state": start, "rtol": rtol, "output": output, "progress": progress}
     try:
         found = simulate(system, t_end, stop_when=upward < 0.5 * np.pi - limit, **settings)
     except IntegrationError as error:
         found = error.solution  # an ideal wheel that is held down may lead anywhere
-        if unloading(found) is None:
+        if held_down or unloading(found) is None:
             raise
-    event = unloading(found)
+    event = None if held_down else unloading(found)
     if event is None:
         stopped = (found.record.stopped_by or "").startswith(upward.label)
         return Ride(parameters, found, Event("fallen", float(found.final.t)) if stopped else None)
@@ -111,11 +115,12 @@ def run(
 @click.option("--speed", type=float, help="At the start [m/s]; default: that of the manoeuvre.")
 @click.option("--t-end", type=float, help="End of the ride [s]; default: that of the manoeuvre.")
 @click.option("--fallen", type=float, default=np.degrees(FALLEN), show_default="60", help="Tilt that ends it [°].")
+@click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
 @out_option
 def command(
     parameters: Parameters, manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
-    viewed: bool, out: str,
+    held_down: bool, viewed: bool, out: str,
 ) -> None:  # fmt: skip
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
@@ -135,7 +140,7 @@ def command(
     target = ready_folder(out) / f"{parameters.name}_{manoeuvre}"
     try:
         samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
-        found = run(parameters, fallen=np.radians(fallen), output=samples, **arguments)
+        found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

@@ -11,12 +11,12 @@ one as well. The rear contact is the origin, its track heads along x.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import Linearization, State, accelerations, linearize, measures
+from mbsd3d import Linearization, State, accelerations, linearize, measures, simulate
 
 from .kinematics import Pose, X, Y, Z, foot, placed, pose_of, steer_axis
 from .loads import steer_torque
@@ -202,6 +202,18 @@ class Turn:
     def moment(self) -> Ride:
         """One sample of this turn: ``.contacts`` are the forces of the ground, ``.friction`` what they need."""
         return Ride(self.parameters, accelerations(self.system, self.state))
+
+    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
+        """Let it go on from here, for one round unless told otherwise [s]; settings as in `mbsd3d.simulate`."""
+        if t_end is None and not self.yaw_rate:
+            raise ValueError(f"bicycle '{self.parameters.name}': this turn is at rest, a round never ends; give t_end")
+        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
+        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction that keeps both wheels from slipping."""
+        return self.moment.friction
 
     @property
     def load(self) -> float:
