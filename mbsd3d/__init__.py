@@ -19,7 +19,7 @@ _HOME = {
     "contacts": ("KnifeEdge", "RollingDisc"),
     "drivers": ("AngleDriver", "Driver", "PositionDriver", "SlideDriver", "SpeedDriver"),
     "forces": ("AeroDrag", "Bushing", "Force", "JointFriction", "SpringDamper", "TorsionSpring", "Torque"),
-    "signals": ("Constant", "Polynomial", "Ramp", "Signal", "Sine", "Table"),
+    "signals": ("Constant", "Polynomial", "Pulse", "Ramp", "Signal", "Sine", "Table"),
     "simulation": ("accelerations", "simulate"),
     "linearization": ("Linearization", "linearize"),
     "modes": ("Mode",),
