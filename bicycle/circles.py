@@ -168,7 +168,7 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
         left = rest + square * motion
         return float(left[0] * torque[1] - left[1] * torque[0])
 
-    grid = np.radians(np.linspace(-60.0, 60.0, 81))
+    grid = np.radians(np.linspace(-60.0, 60.0, 25))
     change = np.flatnonzero(np.diff(np.signbit([tip(lean) for lean in grid])))
     if not change.size:
         raise ValueError(f"circles.pivot: no lean below 60 degrees balances {rate:g} rad/s; give another rate")
