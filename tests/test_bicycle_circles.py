@@ -235,13 +235,26 @@ def height_of_front(p, hub, pitch):
 
 @pytest.mark.slow
 def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
-    monkeypatch.setattr(circles, "families", lambda parameters: found)
+    monkeypatch.setattr(circles, "families", lambda parameters, keep: keep.extend(found))
     answer = CliRunner().invoke(main, ["bicycle", "circles", "--speed", "5", "--out", str(tmp_path)])
     assert answer.exit_code == 0, answer.output
     assert "largest lean" in answer.output and "24.069" in answer.output
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
     header, *rows = (tmp_path / "Meijaard2007_circles.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
+
+
+@pytest.mark.slow
+def test_interrupted_command_keeps_what_was_found(found, tmp_path, monkeypatch):
+    def interrupted(parameters, keep):
+        keep.append(found[0])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(circles, "families", interrupted)
+    answer = CliRunner().invoke(main, ["bicycle", "circles", "--out", str(tmp_path)])
+    assert answer.exit_code == 130 and "interrupted; what was found until then is kept" in answer.output
+    rows = (tmp_path / "Meijaard2007_circles.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 1 + len(found[0].turns)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from bicycle import Meijaard2007, circles, ride
 from bicycle.equations import canonical
 from bicycle.manoeuvres import MANOEUVRES
-from bicycle.parameters import library, named
+from bicycle.parameters import library, named, names
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
 from mbsd3d.signals import Pulse
@@ -165,6 +165,14 @@ def test_two_mass_skate_rides_on_massless_wheels():
     assert far.event is None and np.abs(far.lean).max() > 0.01
     assert np.abs(far.lean[-5:]).max() < 1e-3 * np.abs(far.lean).max()
     assert far.energy_drift < 1e-8 and far.solution.certificate.passed
+
+
+@pytest.mark.slow
+def test_all_published_bicycles_ride():
+    for name in names():
+        found = ride.run(named(name, unphysical=True), 3.0, speed=5.0, lean_rate=0.1, held_down=name == "Tms")
+        assert found.solution.certificate.passed, name
+        assert found.energy_drift < 1e-8, name
 
 
 @pytest.mark.parametrize(
