@@ -11,6 +11,7 @@ from mbsd3d.files import write_atomically
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
 
+from .circle_table import summary, table
 from .families import SECTIONS, Family, Search, follow_all, special_points
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
@@ -18,11 +19,6 @@ from .turning import Turn, Turner, course
 
 LEANS = np.radians([1.0, 3.0, *np.arange(5.0, 41.0, 5.0)])
 """Of the turns with steer torque that the command makes [rad]."""
-COLUMNS = {
-    "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
-    "friction": "-", "growth": "1/s",
-}  # fmt: skip
-"""Of the table: quantities of a turn with their units."""
 
 
 def families(
@@ -89,7 +85,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     >>> from bicycle import Meijaard2007, circles
     >>> leaning = circles.turn(Meijaard2007(), 0.3, 0.2)
     >>> round(leaning.speed, 6), round(leaning.torque, 6)
-    (4.037785, -0.330445)
+    (4.037783, -0.330445)
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
     if np.sin(steer) == 0.0:
@@ -179,28 +175,6 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
     k = change[np.argmin(np.abs(grid[change]))]
     lean = brentq(tip, grid[k], grid[k + 1], xtol=1e-14)
     return turner.turn(lean, steer_of(lean))
-
-
-def table(found: Sequence[Family], turns: Sequence[Turn] = ()) -> str:
-    """CSV of all turns: the family it belongs to (0 = held by a steer torque), then `COLUMNS`."""
-    rows = [(k, turn) for k, family in enumerate(found, 1) for turn in family.turns] + [(0, turn) for turn in turns]
-    lines = [",".join(["family", *(f"{name} [{unit}]" for name, unit in COLUMNS.items())])]
-    lines += [",".join([str(k), *(repr(float(getattr(turn, name))) for name in COLUMNS)]) for k, turn in rows]
-    return "\n".join(lines) + "\n"
-
-
-def summary(found: Sequence[Family]) -> str:
-    """What a person wants to know of the families, one line per end and special turn."""
-    lines = []
-    for k, family in enumerate(found, 1):
-        lines.append(f"family {k}: from {family.ends[0]} to {family.ends[1]}, {len(family.turns)} circles")
-        first, last = family.turns[0], family.turns[-1]
-        for name, turn in ((family.ends[0], first), *family.special, (family.ends[1], last)):
-            lines.append(
-                f"  {name:28} lean {np.degrees(turn.lean):7.3f}°  steer {np.degrees(turn.steer):7.3f}°  speed "
-                f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {turn.friction:6.3f}"
-            )
-    return "\n".join(lines) or "no hands-free circles on the sections that were searched"
 
 
 def held_if_possible(parameters: Parameters, speeds: Sequence[float], found: list[list[Turn]]) -> None:

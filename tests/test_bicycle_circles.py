@@ -1,5 +1,6 @@
 """Steady turns of the general model against Newton and Euler by hand, closed forms, and runs that go on turning."""
 
+import doctest
 from dataclasses import replace
 
 import matplotlib
@@ -273,3 +274,8 @@ def test_interrupted_command_keeps_what_was_found(found, tmp_path, monkeypatch):
 def test_bad_input_names_what_is_wrong(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_examples():
+    result = doctest.testmod(circles)
+    assert result.attempted and not result.failed

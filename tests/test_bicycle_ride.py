@@ -1,5 +1,6 @@
 """Rides: published point values, closed forms of small motions, laws of conservation, events, bad input."""
 
+import doctest
 import json
 from dataclasses import replace
 
@@ -249,3 +250,8 @@ def test_every_manoeuvre_has_its_own_numbers():
     for name, numbers in known.items():
         assert MANOEUVRES[name].speed == numbers["v0"]
         assert MANOEUVRES[name].start == {"lean_rate": numbers["roll_rate0"]}
+
+
+def test_examples():
+    result = doctest.testmod(ride)
+    assert result.attempted and not result.failed
