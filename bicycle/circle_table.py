@@ -29,8 +29,9 @@ def summary(found: Sequence[Family]) -> str:
         lines.append(f"family {k}: from {family.ends[0]} to {family.ends[1]}, {len(family.turns)} circles")
         first, last = family.turns[0], family.turns[-1]
         for name, turn in ((family.ends[0], first), *family.special, (family.ends[1], last)):
+            friction = f"{turn.friction:.3f}" if turn.friction < 10.0 else "above 10"
             lines.append(
                 f"  {name:28} lean {np.degrees(turn.lean):7.3f}°  steer {np.degrees(turn.steer):7.3f}°  speed "
-                f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {turn.friction:6.3f}"
+                f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {friction}"
             )
     return "\n".join(lines) or "no hands-free circles on the sections that were searched"
