@@ -6,26 +6,24 @@ import click
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d.commands import can_view, ready_folder
+from mbsd3d.commands import INTERRUPTED, can_view, ready_folder
 from mbsd3d.files import write_atomically
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
 
-from .families import Family, follow_all, special_points
+from .circle_table import summary, table
+from .families import SECTIONS, Family, Search, follow_all, special_points
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .turning import Turn, Turner, course
 
 LEANS = np.radians([1.0, 3.0, *np.arange(5.0, 41.0, 5.0)])
 """Of the turns with steer torque that the command makes [rad]."""
-COLUMNS = {
-    "lean": "rad", "steer": "rad", "speed": "m/s", "yaw_rate": "rad/s", "radius": "m", "torque": "N m", "load": "N",
-    "friction": "-", "growth": "1/s",
-}  # fmt: skip
-"""Of the table: quantities of a turn with their units."""
 
 
-def families(parameters: Parameters, *, longest: float = 0.1, progress: bool | None = None) -> list[Family]:
+def families(
+    parameters: Parameters, *, longest: float = 0.1, progress: bool | None = None, keep: list[Family] | None = None
+) -> list[Family]:
     """All hands-free circles with a steer angle to the right; those to the left are their mirror images.
 
     Parameters
@@ -35,6 +33,8 @@ def families(parameters: Parameters, *, longest: float = 0.1, progress: bool | N
         Longest step in the plane of lean and steer [rad].
     progress : bool or None
         Show a progress bar; None = on a terminal, after two seconds.
+    keep : list or None
+        Filled with the families as they are found, so that Ctrl-C leaves them there.
 
     Returns
     -------
@@ -50,15 +50,15 @@ def families(parameters: Parameters, *, longest: float = 0.1, progress: bool | N
     """
     if parameters.g == 0.0:
         raise ValueError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
-    search, curves, ends = follow_all(parameters, longest, progress)
-    found, total = [], sum(map(len, curves))
-    with Progress("circles: stability", 0.0, total, progress) as bar:
-        for points, names in zip(curves, ends, strict=True):
-            turns = [search.turn(x) for x in points]
-            for turn in turns:
-                turn.growth  # noqa: B018 -- the costly part, kept by the turn
-                bar.update(bar.start + 1)
-            found.append(Family(tuple(turns), names, tuple(special_points(search, points, turns))))
+    search, found = Search.of(parameters, longest), [] if keep is None else keep
+    with Progress("circles: families", 0.0, len(SECTIONS), progress) as bar:
+        for done, points, ends in follow_all(search):
+            turns = []
+            for k, x in enumerate(points):
+                turns.append(search.turn(x))
+                turns[-1].eigenvalues  # noqa: B018 -- the costly part, kept by the turn
+                bar.update(done + k / len(points))
+            found.append(Family(tuple(turns), ends, tuple(special_points(search, points, turns))))
     return found
 
 
@@ -85,7 +85,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     >>> from bicycle import Meijaard2007, circles
     >>> leaning = circles.turn(Meijaard2007(), 0.3, 0.2)
     >>> round(leaning.speed, 6), round(leaning.torque, 6)
-    (4.037785, -0.330445)
+    (4.037783, -0.330445)
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
     if np.sin(steer) == 0.0:
@@ -168,7 +168,7 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
         left = rest + square * motion
         return float(left[0] * torque[1] - left[1] * torque[0])
 
-    grid = np.radians(np.linspace(-60.0, 60.0, 81))
+    grid = np.radians(np.linspace(-60.0, 60.0, 25))
     change = np.flatnonzero(np.diff(np.signbit([tip(lean) for lean in grid])))
     if not change.size:
         raise ValueError(f"circles.pivot: no lean below 60 degrees balances {rate:g} rad/s; give another rate")
@@ -177,31 +177,8 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
     return turner.turn(lean, steer_of(lean))
 
 
-def table(found: Sequence[Family], turns: Sequence[Turn] = ()) -> str:
-    """CSV of all turns: the family it belongs to (0 = held by a steer torque), then `COLUMNS`."""
-    rows = [(k, turn) for k, family in enumerate(found, 1) for turn in family.turns] + [(0, turn) for turn in turns]
-    lines = [",".join(["family", *(f"{name} [{unit}]" for name, unit in COLUMNS.items())])]
-    lines += [",".join([str(k), *(repr(float(getattr(turn, name))) for name in COLUMNS)]) for k, turn in rows]
-    return "\n".join(lines) + "\n"
-
-
-def summary(found: Sequence[Family]) -> str:
-    """What a person wants to know of the families, one line per end and special turn."""
-    lines = []
-    for k, family in enumerate(found, 1):
-        lines.append(f"family {k}: from {family.ends[0]} to {family.ends[1]}, {len(family.turns)} circles")
-        first, last = family.turns[0], family.turns[-1]
-        for name, turn in ((family.ends[0], first), *family.special, (family.ends[1], last)):
-            lines.append(
-                f"  {name:28} lean {np.degrees(turn.lean):7.3f}°  steer {np.degrees(turn.steer):7.3f}°  speed "
-                f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {turn.friction:6.3f}"
-            )
-    return "\n".join(lines) or "no hands-free circles on the sections that were searched"
-
-
-def held_if_possible(parameters: Parameters, speeds: Sequence[float]) -> list[list[Turn]]:
-    """Turns with steer torque by speed; a lean that no turn of this speed has ends its list."""
-    found = []
+def held_if_possible(parameters: Parameters, speeds: Sequence[float], found: list[list[Turn]]) -> None:
+    """Fill ``found`` with turns with steer torque by speed; a lean that no turn of this speed has ends its list."""
     for speed in speeds:
         found.append([])
         for lean in LEANS:
@@ -210,7 +187,6 @@ def held_if_possible(parameters: Parameters, speeds: Sequence[float]) -> list[li
             except ValueError as error:
                 click.echo(f"mbsd3d: {error}", err=True)
                 break
-    return found
 
 
 @click.command()
@@ -233,12 +209,21 @@ def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out
 
     can_view(needed=viewed)
     target = ready_folder(out) / f"{parameters.name}_circles"
-    found, turns = families(parameters), held_if_possible(parameters, speeds)
+    found: list[Family] = []
+    turns: list[list[Turn]] = []
+    try:
+        families(parameters, keep=found)
+        held_if_possible(parameters, speeds, turns)
+    except KeyboardInterrupt:
+        click.echo("mbsd3d: interrupted; what was found until then is kept", err=True)
+        interrupted = True
+    else:
+        interrupted = False
     click.echo(summary(found))
     held_turns = [turn for group in turns for turn in group]
     files = [write_atomically(target.with_suffix(".csv"), table(found, held_turns).encode())]
     files += save_figure(plot(parameters, found, turns), target)
-    if viewed and found:
+    if viewed and found and not interrupted:
         from .ride import view
 
         shown = max((turn for name, turn in found[0].special or [("", found[0].turns[0])]), key=lambda turn: turn.speed)
@@ -246,3 +231,5 @@ def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out
         files.append(view(shown.ride(output=400), target, title=title))
     for path in files:
         click.echo(str(path))
+    if interrupted:
+        raise click.exceptions.Exit(INTERRUPTED)

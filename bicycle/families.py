@@ -1,12 +1,10 @@
 """Families of hands-free circles: found on sections of constant steer angle, followed as curves of lean and steer."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
-
-from mbsd3d.progress import Progress
 
 from .continuation import Curve
 from .parameters import Parameters
@@ -135,25 +133,18 @@ def beside(x: np.ndarray, families: Sequence[list[np.ndarray]]) -> bool:
     return False
 
 
-def follow_all(parameters: Parameters, longest: float, progress: bool | None) -> tuple[Search, list, list]:
-    """(search, points of all families, their ends)."""
-    search, families, ends = Search.of(parameters, longest), [], []
-    with Progress("circles: follow families", 0.0, len(SECTIONS), progress) as bar:
-        for k, steer in enumerate(SECTIONS):
-            for x in search.seeds(steer):
-                if beside(x, families):
-                    continue
-                along = search.curve.direction(x)
-                back, first = search.follow(x, -along)
-                if first == "closed":
-                    families.append([*back, back[0]])
-                    ends.append((first, first))
-                    continue
-                on, last = search.follow(x, along)
-                families.append([*reversed(back), x, *on])
-                ends.append((first, last))
-            bar.update(k + 1)
-    return search, families, ends
+def follow_all(search: Search) -> Iterator[tuple[int, list[np.ndarray], tuple[str, str]]]:
+    """(number of sections done, points of a family, its ends), one family after the other."""
+    families: list[list[np.ndarray]] = []
+    for k, steer in enumerate(SECTIONS):
+        for x in search.seeds(steer):
+            if beside(x, families):
+                continue
+            along = search.curve.direction(x)
+            back, first = search.follow(x, -along)
+            on, last = ([x], first) if first == "closed" else search.follow(x, along)
+            families.append([*reversed(back), x, *on] if first != "closed" else [x, *back, x])
+            yield k, families[-1], (first, last)
 
 
 def special_points(search: Search, points: list[np.ndarray], turns: Sequence[Turn]) -> list[tuple[str, Turn]]:

@@ -1,5 +1,6 @@
 """Rides: published point values, closed forms of small motions, laws of conservation, events, bad input."""
 
+import doctest
 import json
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from click.testing import CliRunner
 from bicycle import Meijaard2007, circles, ride
 from bicycle.equations import canonical
 from bicycle.manoeuvres import MANOEUVRES
-from bicycle.parameters import library, named
+from bicycle.parameters import library, named, names
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
 from mbsd3d.signals import Pulse
@@ -167,6 +168,14 @@ def test_two_mass_skate_rides_on_massless_wheels():
     assert far.energy_drift < 1e-8 and far.solution.certificate.passed
 
 
+@pytest.mark.slow
+def test_all_published_bicycles_ride():
+    for name in names():
+        found = ride.run(named(name, unphysical=True), 3.0, speed=5.0, lean_rate=0.1, held_down=name == "Tms")
+        assert found.solution.certificate.passed, name
+        assert found.energy_drift < 1e-8, name
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -241,3 +250,8 @@ def test_every_manoeuvre_has_its_own_numbers():
     for name, numbers in known.items():
         assert MANOEUVRES[name].speed == numbers["v0"]
         assert MANOEUVRES[name].start == {"lean_rate": numbers["roll_rate0"]}
+
+
+def test_examples():
+    result = doctest.testmod(ride)
+    assert result.attempted and not result.failed

@@ -1,0 +1,281 @@
+"""Steady turns of the general model against Newton and Euler by hand, closed forms, and runs that go on turning."""
+
+import doctest
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.optimize import brentq
+
+from bicycle import Meijaard2007, circles
+from bicycle.continuation import Curve
+from bicycle.equations import canonical
+from bicycle.loads import steer_torque
+from bicycle.parameters import library, named
+from bicycle.turning import Turner
+from mbsd3d.cli import main
+from mbsd3d.signals import Pulse
+from validation.theory.steady_turn import steady_turn
+
+matplotlib.use("Agg")
+BENCHMARK = Meijaard2007()
+TYRES = replace(BENCHMARK, tR=0.04, tF=0.07, rF=0.31, IHxz=-0.01, name="tyres")
+CAPSIZE = float(library()["critical_speeds"]["capsize"]["printed"])
+
+
+def by_hand(p, lean, steer):
+    return steady_turn(p, lean, steer, (p.tR, p.tF))
+
+
+@pytest.mark.parametrize("p", [BENCHMARK, TYRES, named("Browserins")], ids=lambda p: p.name)
+@pytest.mark.parametrize(("lean", "steer"), [(0.3, 0.2), (0.55, 0.1), (0.17, 0.4), (-0.7, 2.9), (0.02, 0.006)])
+def test_turns_are_those_of_newton_and_euler(p, lean, steer):
+    known, found = by_hand(p, lean, steer), circles.turn(p, lean, steer)
+    weight = p.g * (p.mR + p.mB + p.mH + p.mF)
+    assert known.residual < 1e-13  # nine equations, eight unknowns
+    assert found.square == pytest.approx(known.square, rel=1e-10)
+    assert found.torque == pytest.approx(known.torque, abs=1e-11 * weight)
+    sign = np.sign(known.direction[0])
+    assert np.array(found.direction) == pytest.approx(sign * known.direction, abs=1e-12)
+    for wheel, force in (("rear", known.rear), ("front", known.front)):  # theirs: x along the rear track, y right, down
+        assert found.moment.contacts[wheel].force[0] == pytest.approx(force * [1, -1, -1], abs=1e-10 * weight)
+    assert found.moment.lean[0] == pytest.approx(lean, abs=1e-14)
+    assert found.moment.yaw_rate[0] == pytest.approx(found.yaw_rate, rel=1e-12)
+
+
+def on_the_family(turner, steer):
+    """(lean, speed) of the hands-free circle near straight running."""
+    lean = brentq(lambda lean: turner.free(lean, steer)[0], 1.5 * steer, 6.0 * steer, xtol=1e-16)
+    return lean, turner.turn(lean, steer, square=turner.free(lean, steer)[1]).speed
+
+
+def test_hands_free_circles_begin_at_the_capsize_speed():
+    turner = Turner(BENCHMARK)
+    (a, v_a), (b, v_b) = (on_the_family(turner, steer) for steer in (0.003, 0.0015))
+    limit = (v_b * a**2 - v_a * b**2) / (a**2 - b**2)  # speed = limit + const lean^2 + O(lean^4), lean 0.01
+    assert limit == pytest.approx(CAPSIZE, rel=1e-8)
+    linear = canonical(BENCHMARK)
+    ratio = linear.K0 * linear.g + limit**2 * linear.K2
+    assert b / 0.0015 == pytest.approx(-ratio[0, 1] / ratio[0, 0], rel=1e-4)  # terms of second order
+
+
+def test_nearly_straight_turn_is_as_stable_as_straight_running():
+    turn = circles.turn(BENCHMARK, 1e-4, 4e-5)
+    expected = canonical(BENCHMARK).eigenvalues([turn.speed])[0]
+    miss = np.abs(turn.eigenvalues[:, None] - expected).min(axis=1)
+    assert miss.max() < 1e-6  # terms of second order in a lean of 1e-4, times rates of 13
+
+
+def misfit(t, signal, eigenvalues):
+    """What is left of a signal after the best combination of exponentials, over its size."""
+    waves = np.exp(np.outer(t, eigenvalues))
+    basis = np.hstack([waves.real, waves.imag])
+    left = signal - basis @ np.linalg.lstsq(basis, signal, rcond=None)[0]
+    return np.abs(left).max() / np.abs(signal).max()
+
+
+@pytest.mark.parametrize(("lean", "steer"), [(0.1, 0.05), (0.2, 0.12), (0.35, 0.3)])
+def test_turn_that_is_disturbed_comes_back_or_leaves_by_its_eigenvalues(lean, steer):
+    """In a steady turn the rates of lean and steer are zero; after a pulse they are sums of exp(eigenvalue t)."""
+    turn = circles.turn(BENCHMARK, lean, steer)
+    torques = steer_torque(turn.system, BENCHMARK, turn.torque + Pulse(1e-5, 0.0, 0.05, 0.1))
+    found = replace(turn, system=replace(turn.system, forces=torques)).ride(1.6, rtol=1e-13, output=161)
+    after = found.t >= 0.1
+    for signal in (found.lean_rate[after], found.steer_rate[after]):
+        # the motion is 1e-5 of the turn, so is what is nonlinear in it; the ablation shifts the eigenvalues by a tenth
+        assert misfit(found.t[after], signal, turn.eigenvalues) < 1e-5
+        assert misfit(found.t[after], signal, 1.1 * turn.eigenvalues) > 1e-2
+
+
+def test_a_turn_goes_on_for_a_round():
+    turn = circles.turn(BENCHMARK, 0.25, 0.15)
+    found = turn.ride(rtol=1e-11, output=73)
+    assert np.degrees(found.heading[-1]) == pytest.approx(360.0, abs=1e-5)
+    assert np.diff(found.heading) == pytest.approx(np.full(72, 2 * np.pi / 72), abs=1e-8)
+    centre = np.array([0.0, -turn.radius])
+    distance = np.linalg.norm(found.contacts["rear"].point[:, :2] - centre, axis=1)
+    assert distance == pytest.approx(np.full(73, turn.radius), abs=1e-7)
+    assert found.lean == pytest.approx(np.full(73, 0.25), abs=1e-8)
+    assert found.solution.certificate.passed
+
+
+def test_mirrored_turn_is_the_mirror_image():
+    right, left = circles.turn(TYRES, 0.31, 0.22), circles.turn(TYRES, -0.31, -0.22)
+    assert left.speed == pytest.approx(right.speed, rel=1e-12)
+    assert left.torque == pytest.approx(-right.torque, rel=1e-9)
+    assert left.yaw_rate == pytest.approx(-right.yaw_rate, rel=1e-12)
+    assert left.radius == pytest.approx(-right.radius, rel=1e-12)
+    assert np.sort_complex(left.eigenvalues) == pytest.approx(np.sort_complex(right.eigenvalues), abs=1e-8)
+
+
+def test_turns_held_at_a_speed():
+    for turn in circles.held(BENCHMARK, 5.0, [0.05, -0.3]):
+        assert turn.speed == pytest.approx(5.0, rel=1e-10)
+        known = by_hand(BENCHMARK, turn.lean, turn.steer)
+        assert turn.torque == pytest.approx(known.torque, abs=1e-9)
+        assert np.sign(turn.steer) == np.sign(turn.lean) == np.sign(turn.radius)
+
+
+def test_pivoting_about_the_rear_contact():
+    turn = circles.pivot(BENCHMARK, 1.5)
+    known = by_hand(BENCHMARK, turn.lean, turn.steer)
+    assert abs(turn.radius) < 1e-12 and abs(turn.speed) < 1e-12
+    assert turn.yaw_rate == pytest.approx(1.5, rel=1e-9)
+    # at rest and in motion the accelerations vanish at nearly the same lean: a condition of 1e3
+    assert turn.square == pytest.approx(known.square, rel=1e-8) and turn.torque == pytest.approx(known.torque, abs=1e-8)
+    found = turn.ride(1.0, rtol=1e-10)
+    assert np.ptp(found.contacts["rear"].point, axis=0).max() < 1e-6
+    assert np.ptp(found.contacts["front"].point, axis=0).max() > 1.0
+
+
+def test_curve_follows_a_circle_and_finds_its_top():
+    curve = Curve(lambda x: x @ x - 0.25, longest=0.1)
+    points = [start := np.array([0.5, 0.0])]
+    for x in curve.follow(start, np.array([0.0, 1.0])):
+        points.append(x)
+        if len(points) > 34:
+            break
+    points = np.array(points)
+    assert np.abs(np.linalg.norm(points, axis=1) - 0.5).max() < 1e-12
+    turns = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
+    assert (np.diff(turns) > 0.0).all() and turns[-1] > 2.0 * np.pi  # all the way round, never back
+    top = curve.locate(*points[np.flatnonzero(np.diff(points[:, 1]) < 0)[0] + np.array([-1, 1])], lambda x: x[0])
+    assert top == pytest.approx([0.0, 0.5], abs=1e-8)
+
+
+def test_curve_ends_where_its_function_does():
+    def f(x):
+        if x[0] > 1.0:
+            raise ValueError("no such place")
+        return x[1] - x[0] ** 2
+
+    points = list(Curve(f).follow(np.zeros(2), np.array([1.0, 0.0])))
+    assert 0.99 < points[-1][0] <= 1.0
+
+
+@pytest.fixture(scope="module")
+def found():
+    return circles.families(BENCHMARK, longest=0.15)
+
+
+@pytest.mark.slow
+def test_families_of_the_benchmark(found):
+    ends = {frozenset(family.ends) for family in found}
+    assert frozenset({"at rest", "straight ahead"}) in ends
+    assert any("straight, front end reversed" in family.ends for family in found)
+    for family in found:
+        for turn in family.turns[1:-1:3]:
+            known = by_hand(BENCHMARK, turn.lean, turn.steer)
+            assert abs(known.torque) < 1e-6 * max(1.0, known.square)  # corrected to 1e-9 of lean and steer, steep there
+            assert turn.square == pytest.approx(known.square, rel=1e-6) and turn.load > 0.0
+            assert turn.torque == 0.0
+
+
+@pytest.mark.slow
+def test_largest_lean_is_one_and_lies_on_its_family(found):
+    first = next(family for family in found if "at rest" in family.ends)
+    top = dict(first.special)["largest lean"]
+    assert top.lean >= first.values("lean").max()
+
+    def lean(steer):
+        return brentq(lambda x: by_hand(BENCHMARK, x, steer).torque, 0.35, 0.45, xtol=1e-14)
+
+    h = 0.01
+    assert lean(top.steer) == pytest.approx(top.lean, abs=1e-8)
+    assert abs(lean(top.steer + h) - lean(top.steer - h)) < 1e-4  # h^3 times the third derivative: the top is flat
+    assert lean(top.steer) > max(lean(top.steer + h), lean(top.steer - h))
+
+
+@pytest.mark.slow
+def test_static_limit_stands_and_reversed_family_begins_at_its_capsize_speed(found):
+    first = next(family for family in found if "at rest" in family.ends)
+    still = first.turns[0] if first.ends[0] == "at rest" else first.turns[-1]
+    known = by_hand(BENCHMARK, still.lean, still.steer)
+    assert abs(known.square) < 1e-6 and abs(known.torque) < 1e-6 and still.speed < 1e-3
+    reversed_ = next(family for family in found if "straight, front end reversed" in family.ends)
+    last = reversed_.turns[-1] if "straight" in reversed_.ends[1] else reversed_.turns[0]
+    assert last.speed == pytest.approx(reversed_capsize(), rel=1e-4)  # steer 1e-3 from straight
+
+
+def reversed_capsize():
+    """Capsize speed of the bicycle with its front part turned by half a turn about the steer axis, as parameters."""
+    p = BENCHMARK
+    axis = np.array([np.sin(p.lam), 0.0, np.cos(p.lam)])
+    half = 2.0 * np.outer(axis, axis) - np.eye(3)
+    on_axis = np.array([p.w + p.c, 0.0, 0.0])
+    hub = on_axis + half @ ([p.w, 0.0, -p.rF] - on_axis)
+    G = on_axis + half @ ([p.xH, 0.0, p.zH] - on_axis)
+    pitch = brentq(lambda x: height_of_front(p, hub, x), -0.3, 0.3, xtol=1e-15)
+    R = np.array([[np.cos(pitch), 0, np.sin(pitch)], [0, 1.0, 0], [-np.sin(pitch), 0, np.cos(pitch)]])
+    rear = np.array([0.0, 0.0, -p.rR])
+    moved = lambda point: rear + R @ (np.asarray(point) - rear)  # noqa: E731
+    front, head, axis = moved(hub), moved(on_axis), R @ axis
+    ground = head - axis * head[2] / axis[2]
+    H, B = R @ half @ inertia(p, "H") @ half.T @ R.T, R @ inertia(p, "B") @ R.T
+    G, GB = moved(G), moved([p.xB, 0.0, p.zB])
+    turned = replace(
+        p, w=front[0], c=ground[0] - front[0], lam=np.arctan2(axis[0], axis[2]), xH=G[0], zH=G[2], xB=GB[0], zB=GB[2],
+        IHxx=H[0, 0], IHzz=H[2, 2], IHxz=H[0, 2], IBxx=B[0, 0], IBzz=B[2, 2], IBxz=B[0, 2], unphysical=True,
+    )  # fmt: skip
+    linear = canonical(turned)
+    K0, K2 = linear.g * linear.K0, linear.K2
+    return np.sqrt(-np.linalg.det(K0) / (K0[0, 0] * K2[1, 1] - K0[1, 0] * K2[0, 1]))  # det(g K0 + v^2 K2) = 0
+
+
+def inertia(p, part):
+    return p.inertia(part)
+
+
+def height_of_front(p, hub, pitch):
+    rear = np.array([0.0, 0.0, -p.rR])
+    arm = hub - rear
+    return rear[2] - np.sin(pitch) * arm[0] + np.cos(pitch) * arm[2] + p.rF
+
+
+@pytest.mark.slow
+def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
+    monkeypatch.setattr(circles, "families", lambda parameters, keep: keep.extend(found))
+    answer = CliRunner().invoke(main, ["bicycle", "circles", "--speed", "5", "--out", str(tmp_path)])
+    assert answer.exit_code == 0, answer.output
+    assert "largest lean" in answer.output and "24.069" in answer.output
+    assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
+    header, *rows = (tmp_path / "Meijaard2007_circles.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
+
+
+@pytest.mark.slow
+def test_interrupted_command_keeps_what_was_found(found, tmp_path, monkeypatch):
+    def interrupted(parameters, keep):
+        keep.append(found[0])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(circles, "families", interrupted)
+    answer = CliRunner().invoke(main, ["bicycle", "circles", "--out", str(tmp_path)])
+    assert answer.exit_code == 130 and "interrupted; what was found until then is kept" in answer.output
+    rows = (tmp_path / "Meijaard2007_circles.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 1 + len(found[0].turns)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: circles.turn(BENCHMARK, 0.1, 0.0), "steer = 0: a straight wheel makes no turn"),
+        (lambda: circles.turn(BENCHMARK, 0.3, -0.25), "no speed makes a steady turn"),
+        (lambda: circles.turn(BENCHMARK, 1.7, 0.1), "lies on the ground"),
+        (lambda: circles.held(BENCHMARK, 0.0, [0.1]), "circles.held: speed"),
+        (lambda: circles.held(BENCHMARK, 5.0, [0.0]), "an upright bicycle goes straight"),
+        (lambda: circles.held(BENCHMARK, 0.2, [0.6]), "no steady turn of 0.2 m/s at lean 34.38"),
+        (lambda: circles.pivot(BENCHMARK, 0.0), "circles.pivot: yaw_rate"),
+        (lambda: circles.families(replace(BENCHMARK, g=0.0)), "without gravity there are no steady turns"),
+    ],
+)
+def test_bad_input_names_what_is_wrong(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_examples():
+    result = doctest.testmod(circles)
+    assert result.attempted and not result.failed
