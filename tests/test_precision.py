@@ -13,10 +13,11 @@ from mbsd3d import DOP853, simulate
 from mbsd3d.plots import save_figure
 from validation.benchmark import candidates, goals, ladders, store, tables
 from validation.benchmark.cli import main
+from validation.benchmark.ends import Poses, poses
 from validation.benchmark.figure import front, work_precision
 from validation.benchmark.ladders import Climb, Point, Reached
 from validation.benchmark.precision import Row, measure
-from validation.benchmark.problems import PROBLEMS, Poses, four_bar_poses, poses
+from validation.benchmark.problems import PROBLEMS, four_bar_poses
 
 SMALL = [name for name in PROBLEMS if name.split()[-1] not in ("30", "40", "100", "150", "300", "1000")]
 

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 from mbsd3d import System
 
 from . import cases, mechanisms
-from .benchmark.problems import four_bar_poses, poses, whole
+from .benchmark.ends import poses, whole
+from .benchmark.problems import four_bar_poses
 from .engines.base import NotComparable
 
 WINDOWS = (2, 10, 40)  # of the N-four-bars counted beside the cases

@@ -63,7 +63,7 @@ def constraint_rows(system: Any, state: Any) -> tuple[Array, Array, list[slice],
     n = len(system.bodies)
     unit = np.concatenate([np.eye(6 * n), np.zeros((1, 6 * n))]).reshape(-1, n, 6)
     basis, motion = Motion(system, state, unit), Motion(system, state, state.v.reshape(1, n, 6))
-    J, gamma, spans, residual, rate = [], [], [], 0.0, 0.0
+    J, gamma, spans, residual, rate = [np.zeros((0, 6 * n))], [np.zeros(0)], [], 0.0, 0.0
     for joint in system.joints:
         kind = type(joint).__name__
         order, law = (1, GEOMETRY[kind]) if kind in GEOMETRY else (0, VELOCITY[kind])
@@ -93,7 +93,9 @@ def mass_and_force(system: Any, state: Any) -> tuple[Array, Array]:
         F[part][3:] -= np.cross(w, inertia @ w)
     for spring in system.forces:
         if not isinstance(spring, SpringDamper):
-            raise ValueError(f"reference_point: {type(spring).__name__} '{spring.name}' is not formulated; use springs")
+            raise ValueError(
+                f"reference_point: {type(spring).__name__} '{system.name(spring)}' is not formulated; use springs"
+            )
         ends = [(body, now.point(body, at)) for body, at in ((spring.a, spring.at_a), (spring.b, spring.at_b))]
         gap = ends[1][1] - ends[0][1]
         length = sqrt(dot(gap, gap))
@@ -136,7 +138,7 @@ def solve(system: Any, state: Any) -> Reference:
     M, F = mass_and_force(system, state)
     J, gamma, spans, residual, rate = constraint_rows(system, state)
     U, s, Vt = np.linalg.svd(J)
-    rank = int((s > RANK * s[0]).sum())
+    rank = int((s > RANK * s.max(initial=0.0)).sum())
     fixed = Vt[:rank].T @ ((U[:, :rank].T @ gamma) / s[:rank])
     N = Vt[rank:].T
     v_dot = fixed + N @ np.linalg.solve(N.T @ M @ N, N.T @ (F - M @ fixed))
@@ -147,4 +149,5 @@ def solve(system: Any, state: Any) -> Reference:
         if i is not None:
             wrench[id(joint)] = (held[span] @ J[span])[6 * i : 6 * i + 6]
     spread = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(M), J.T), compute_uv=False)[:rank]
-    return Reference(v_dot.reshape(-1, 6), wrench, residual, rate, rank, float((spread[0] / spread[-1]) ** 2))
+    condition = float((spread[0] / spread[-1]) ** 2) if rank else 1.0
+    return Reference(v_dot.reshape(-1, 6), wrench, residual, rate, rank, condition)

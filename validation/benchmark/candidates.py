@@ -18,7 +18,8 @@ from mbsd3d import DOP853
 from mbsd3d.rotations import matrix
 
 from ..engines.base import NotComparable
-from .problems import PLANAR_CUTS, Poses, Problem, poses, whole
+from .ends import Poses, poses, whole
+from .problems import PLANAR_CUTS, Problem
 
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))

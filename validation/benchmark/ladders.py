@@ -11,7 +11,7 @@ from mbsd3d import IntegrationError
 
 from ..engines.base import NotComparable
 from .candidates import Candidate, Run
-from .problems import Poses
+from .ends import Poses
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # errors: distances over the length of the model, and angles in radians
 DOMINATED, CLIMBED = (

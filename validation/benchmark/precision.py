@@ -15,7 +15,8 @@ from .ladders import TARGETS, Climb, Point, Reached, around, best, climb, retime
 from .problems import Problem
 
 LEAST, MOST = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
-PATIENCE = 210.0  # the same in times of ours to the middle error; a run of half of that is tried: a ratio of 100
+PATIENCE = 210.0  # the same in times of ours to the middle error; half of that is tried for sure: a ratio of 100
+PATIENCE_ON_CHAINS = 20.0  # where peers are as fast
 TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what they may take altogether
 
 
@@ -80,7 +81,8 @@ def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) ->
         own.start()(own.ladder[0])  # its kernels are compiled before anything is timed
         found = [climb(own, truth, length, 60.0)]
         middle = best([found[0][0]], TARGETS[1])
-        limit = float(np.clip(PATIENCE * (middle.seconds if middle else 0.0), LEAST, MOST))
+        patience = PATIENCE_ON_CHAINS if problem.family == "chain" else PATIENCE
+        limit = float(np.clip(patience * (middle.seconds if middle else 0.0), LEAST, MOST))
         for peer in PEERS:
             rivals: dict[bool, list[Point]] = {True: [], False: []}  # constraints compete with constraints
             for candidate in of_peer(problem, peer):

@@ -1,4 +1,4 @@
-"""The mechanisms of the benchmark, and how far an end pose is from the truth.
+"""The mechanisms of the benchmark, and where each of them ends.
 
 Loops come in two forms with the same motion: all hinges, as one would build it, and with weaker joints where loops are
 cut, so that no row repeats another. A peer is measured in the form that suits it best.
@@ -7,7 +7,7 @@ cut, so that no row repeats another. A peer is measured in the form that suits i
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,31 +22,17 @@ from mbsd3d import (
     Spherical,
     System,
     Universal,
-    simulate,
 )
 from mbsd3d.rotations import matrix
 
 from .. import cases, mechanisms
 from ..theory.pendulum import pendulum_motion
 from ..theory.torque_free import free_body
+from .ends import Poses, poses, whole
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
 POINT_CUTS = "point cuts"  # a row of each still repeats others
 TRUTH = 1e-12  # rtol of our own run where there is no closed form
-
-
-class Poses(NamedTuple):
-    """All bodies at the end of a run: reference points (bodies, 3) [m], rotations (bodies, 3, 3)."""
-
-    position: np.ndarray
-    rotation: np.ndarray
-
-    def distance(self, other: "Poses", length: float) -> float:
-        """Greatest distance of a reference point over ``length``, or angle between rotations [rad]."""
-        shift = np.linalg.norm(self.position - other.position, axis=1) / length
-        # |R - R'| = 2 sqrt(2) sin(angle / 2), which is exact where arccos of the trace is not
-        chord = np.linalg.norm(self.rotation - other.rotation, axis=(1, 2)) / np.sqrt(8.0)
-        return float(max(shift.max(), (2.0 * np.arcsin(np.minimum(chord, 1.0))).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,23 +80,6 @@ class Problem:
         if self.exact:
             return self.exact()
         return poses(whole(self.system, self.t_end, rtol=TRUTH))
-
-
-def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
-    """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
-    solution = simulate(system, t_end, output=output, progress=False, **options)
-    if solution.record.stopped_by:
-        raise KeyboardInterrupt(solution.record.stopped_by)
-    return solution
-
-
-def poses(solution: Any) -> Poses:
-    """End of a solution."""
-    bodies = solution.system.bodies
-    return Poses(
-        np.array([solution.position(body)[-1] for body in bodies]),
-        np.array([solution.rotation(body)[-1] for body in bodies]),
-    )
 
 
 def cut(system: System, kind: Callable[[Joint], Joint], names: tuple[str, ...]) -> System:

@@ -77,6 +77,8 @@ def convergence_figure(check: CrossCheck, dark: bool = False) -> Any:
 
 def draw(axes: Any, engine: Compared, look: Theme) -> None:
     """Curves of an engine."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     dress(axes, look)
     shown = [curve for curve in engine.curves if curve.quantity in SHOWN]
     for i, curve in enumerate(shown):
@@ -88,6 +90,10 @@ def draw(axes: Any, engine: Compared, look: Theme) -> None:
         coarse, first = shown[0].steps[0], max(curve.differences[0] for curve in shown)
         slope = [2.0 * first * (h / coarse) ** engine.order for h in shown[0].steps]
         axes.loglog(shown[0].steps, slope, "--", color=look.muted, linewidth=2 * THIN, label=f"order {engine.order:g}")
+    for axis in (axes.xaxis, axes.yaxis):  # mathtext is off in house style: names may have dollars in them
+        axis.set_major_locator(LogLocator(numticks=6))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))
+        axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("step [s]")
     axes.set_title(engine.engine)
     axes.legend(fontsize=8, frameon=False, labelcolor=look.ink)

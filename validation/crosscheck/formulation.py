@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State, accelerations, simulate
+from mbsd3d import State, accelerations
 from validation import definitions, reference_point
 from validation.engines.base import Array, NotExpressible
 
-from .ours import TIGHT
+from .ours import TIGHT, whole_run
 from .quantities import Sizes, largest
 from .verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
 
@@ -34,7 +34,7 @@ def compare_definitions(system: Any, state: State, t_end: float | None, size: Si
     if t_end is None:
         solution = accelerations(system, state)
     else:
-        solution = simulate(system, t_end, state=state, rtol=TIGHT, output=SAMPLES)
+        solution = whole_run(system, t_end, state, TIGHT, SAMPLES)
     found: dict[str, list[tuple[float, str, float, float]]] = {}
     for k in range(solution.t.size):
         for name, difference, part, limit in at_state(solution, k, size):

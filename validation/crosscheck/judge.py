@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .ladder import Ladder
-from .limits import LEAST_ORDER, Limit, best_limit
+from .limits import Limit, best_limit
 from .ours import Ours
 from .quantities import Quantity, quantities
 from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Attribution, Curve, Finding
@@ -40,7 +40,7 @@ class Runs:
 
     def limit(self, name: str, span: int | None) -> Limit:
         """Of a quantity, its order observed up to sample ``span``."""
-        return best_limit(self.values[name], self.ladder.twin.order, span)
+        return best_limit(self.values[name], self.ladder.twin.order, span, beginning(name))
 
 
 def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, Quantity]:
@@ -118,11 +118,12 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
     gaps, first = differences(runs, name, span), first_sample(runs, name, limit)
     if first > max(SURE * unsure, tolerance):
         found["attributions"] = (Attribution("first sample", "leaving the start out", first, difference),)
-    scattered = limit.order is not None and limit.order < LEAST_ORDER and min(gaps) <= tolerance
+    converging = gaps[-1] <= HALVED * gaps[-2]
+    scattered = not converging and min(gaps) <= tolerance  # the runs themselves agree, down to their rounding
     if limit.order is None or limit.order >= order - SLACK or scattered:
         return Finding(engine, name, EXPLAINED if "attributions" in found else AGREES, **found)
     text = f"of order {limit.order:.1f} in the step where {order:g} is expected"
-    if gaps[-1] > HALVED * gaps[-2]:
+    if not converging:
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s runs scatter by {unsure:.0e}, {text}")
     halved = Attribution(f"error of {engine}'s step", "halving it", gaps[-2], gaps[-1])
     found["attributions"] = (*found.get("attributions", ()), halved)

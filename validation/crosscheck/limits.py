@@ -51,12 +51,12 @@ def observed_order(gaps: Sequence[float]) -> float | None:
     return None
 
 
-def limit_of(runs: Sequence[Array], expected: float, span: int | None = None) -> Limit:
+def limit_of(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
     """Limit of three or more runs (n, parts, k), each with half the step of the one before; relative numbers.
 
-    The order is observed up to sample ``span`` (None: all), and used for the extrapolation: with gaps d and order p
-    the limit lies d / (2^p - 1) beyond the finest run. Three runs carry two such limits; their distance is the error,
-    together with what the ``expected`` order would change: an order fitted to two gaps makes their limits agree.
+    The order is observed from sample ``first`` up to ``span`` (None: all), and used for the extrapolation: with gaps d
+    and order p the limit lies d / (2^p - 1) beyond the finest run. Three runs carry two such limits; their distance is
+    the error, with what the ``expected`` order would change: an order fitted to two gaps makes their limits agree.
 
     Raises
     ------
@@ -66,22 +66,24 @@ def limit_of(runs: Sequence[Array], expected: float, span: int | None = None) ->
     if len(runs) < 3:
         raise ValueError(f"limit_of: {len(runs)} runs; give three or more with halved steps")
     moves = [fine - coarse for coarse, fine in zip(runs[:-1], runs[1:], strict=True)]
-    gaps = tuple(float(np.abs(move[:span]).max(initial=0.0)) for move in moves)
-    order, last = observed_order(gaps), running_max(moves[-1])
+    counts = (np.arange(len(runs[0])) >= first)[:, None, None]
+    gaps = tuple(float(np.abs(move[first:span]).max(initial=0.0)) for move in moves)
+    order, last = observed_order(gaps), running_max(moves[-1] * counts)
     if order is None:
         return Limit(runs[-1], last + ROUNDING, None, gaps)
     if order < LEAST_ORDER:
-        return Limit(runs[-1], last + running_max(moves[-2]), order, gaps)
+        return Limit(runs[-1], last + running_max(moves[-2] * counts), order, gaps)
     beyond, usual = (1.0 / (2.0**p - 1.0) for p in (order, expected))
     coarser, finer = (run + beyond * move for run, move in zip(runs[-2:], moves[-2:], strict=True))
-    return Limit(finer, running_max(finer - coarser) + abs(beyond - usual) * last + ROUNDING, order, gaps)
+    error = running_max((finer - coarser) * counts) + abs(beyond - usual) * last + ROUNDING
+    return Limit(finer, error, order, gaps)
 
 
-def best_limit(runs: Sequence[Array], expected: float, span: int | None = None) -> Limit:
+def best_limit(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
     """The limit of the first runs, as many as give the smallest error: finer ones may only add rounding.
 
     An implicit engine divides the errors of its iterations by the step, or by its square in multipliers.
     """
     last = -1 if span is None else span - 1
-    found = [limit_of(runs[:count], expected, span) for count in range(FEWEST, len(runs) + 1)]
+    found = [limit_of(runs[:count], expected, span, first) for count in range(FEWEST, len(runs) + 1)]
     return min(found, key=lambda limit: limit.error[last])

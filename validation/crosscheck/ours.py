@@ -62,6 +62,14 @@ def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
     return Motion(t=solution.t, reactions=loads, seconds=solution.record.seconds, **stack), rest
 
 
+def whole_run(system: Any, t_end: float, state: State, rtol: float, output: Any) -> Any:
+    """A solution up to t_end; KeyboardInterrupt if Ctrl-C ended it before."""
+    solution = simulate(system, t_end, state=state, rtol=rtol, output=output)
+    if (solution.record.stopped_by or "").startswith("interrupted"):
+        raise KeyboardInterrupt
+    return solution
+
+
 def neighbour(system: Any, state: State, size: Sizes) -> State:
     """The start with general velocities added, NUDGE of the run's speeds, that all joints allow."""
     J = constraint_rows(system, state)[0] if system.joints else np.zeros((0, state.v.size))
@@ -76,7 +84,7 @@ def neighbour(system: Any, state: State, size: Sizes) -> State:
 def ours_at(system: Any, state: State, times: Array) -> Ours:
     """Our motion at the times, by a tight run; its error by a looser one, its sensitivity by a neighbouring one."""
     t_end = float(times[-1])
-    tight, loose = (simulate(system, t_end, state=state, rtol=rtol, output=times) for rtol in (TIGHT, LOOSE))
+    tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
     motion, rest = motion_of(tight)
     size = sizes(system, motion, float(tight.compiled.model.length))
     joints = tuple(motion.reactions)
@@ -88,7 +96,7 @@ def ours_at(system: Any, state: State, times: Array) -> Ours:
     less = quantities(system, less, size, tuple(name for name in joints if name in less.reactions))
     error = {name: parted(x, less[name]) for name, x in found.items() if name in less}
     start = neighbour(system, state, size)
-    beside = simulate(system, t_end, state=start, rtol=LOOSE, output=times)
+    beside = whole_run(system, t_end, start, LOOSE, times)
     beside = quantities(system, motion_of(beside)[0], size)
     poses = ("position", "rotation", "velocity", "angular velocity")
     away = np.max([parted(found[name], beside[name]) for name in poses], axis=0)
