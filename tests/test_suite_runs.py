@@ -197,9 +197,9 @@ MISTAKEN = """
 import mutations
 from mbsd3d.cli import main
 from mbsd3d.kernels import rows
-from validation.suite import cli
+from validation.suite import references
 
-cli.BUDGETS[True] = 0.01  # the file and the certificate see it already
+references.LONG["exudyn_rollingCoinTest"] = "without the compiler it takes minutes"
 mutations.put("roll", mutations.wrong_rows(rows.roll, mutations.one_per_cent_of_gamma))
 main(["validate", "--case", "exudyn_rollingCoinTest", "--quick", "--out", {out!r}])
 """
