@@ -110,7 +110,9 @@ def cross_check(
                 break
     own = max((float(ours.error[name][-1]) for name in POSES if name in ours.error), default=0.0)
     end = float(ours.motion.t[-1])
-    return CrossCheck(end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, notes(ours))
+    return CrossCheck(
+        end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, t_end is None, notes(ours)
+    )
 
 
 def check_input(

@@ -32,9 +32,11 @@ def summary(check: CrossCheck) -> str:
         return "interrupted: what stands above was compared"
     if check.failures:
         return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
+    partly = [name for name in check.compared if name not in (*check.followed, "definitions")]
+    rest = f"; of {', '.join(partly)} only the start was compared" if partly else ""
     if not check.passed:
-        return "nothing was compared with another engine"
-    return f"agrees with {', '.join(check.compared)}"
+        return f"no motion was compared{rest}" if partly else "nothing was compared with another engine"
+    return f"agrees with {', '.join(x for x in check.compared if x not in partly)}{rest}"
 
 
 def row(finding: Finding) -> str:

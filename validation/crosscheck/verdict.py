@@ -105,6 +105,8 @@ class CrossCheck:
         Estimated error of our own poses and velocities at t_end, relative.
     interrupted : bool
         Ctrl-C ended it; what was found until then stands.
+    start_only : bool
+        Only mass matrix and accelerations were asked for.
     """
 
     t_end: float
@@ -113,6 +115,7 @@ class CrossCheck:
     growth: float = float("nan")
     own_error: float = float("nan")
     interrupted: bool = False
+    start_only: bool = False
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -136,9 +139,19 @@ class CrossCheck:
         return tuple(x.engine for x in self.engines if any(f.status != SKIPPED for f in x.findings))
 
     @property
+    def followed(self) -> tuple[str, ...]:
+        """Engines whose motion was compared, or whose start where only that was asked for; definitions are none."""
+        return tuple(
+            x.engine
+            for x in self.engines
+            if x.engine != "definitions"
+            and any(f.status != SKIPPED and (self.start_only or f.uncertainty is not None) for f in x.findings)
+        )
+
+    @property
     def passed(self) -> bool:
-        """Something was compared with another engine, to the end, and nothing differs without a proven cause."""
-        return not self.failures and not self.interrupted and bool(set(self.compared) - {"definitions"})
+        """The motion was compared with another engine, and nothing differs without a proven cause."""
+        return not self.failures and not self.interrupted and bool(self.followed)
 
     def of(self, engine: str) -> Compared:
         """What was found with an engine; ValueError for one that was not asked for."""
@@ -166,7 +179,8 @@ class CrossCheck:
         """For JSON: plain numbers (None where there is none), texts and lists."""
         plain = {
             "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
-            "passed": self.passed, "interrupted": self.interrupted, "failures": list(self.failures),
+            "passed": self.passed, "interrupted": self.interrupted, "start_only": self.start_only,
+            "failures": list(self.failures),
             "notes": list(self.notes), "engines": [],
         }  # fmt: skip
         for engine in self.engines:
