@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from models import consistent_state
+from models import consistent_state, random_body
 
-from mbsd3d import IntegrationError, accelerations, simulate
+from mbsd3d import IntegrationError, System, accelerations, simulate
 from validation import definitions, reference_point
 from validation.examples import EXAMPLES
 from validation.random_systems import mechanism, rows_of
@@ -88,3 +88,8 @@ def test_ablation_the_second_formulation_sees_a_millionth_of_an_offset():
     changed = reference_point.solve(system, state).acceleration
     apart = np.abs(found.arrays["acceleration"][0] - changed).max() / np.abs(changed).max()
     assert clean < LIMIT and apart > 10 * LIMIT
+
+
+def test_the_second_formulation_knows_bodies_that_fly():
+    system = System([random_body(np.random.default_rng(6), omega=(1.1, -2.3, 0.7))])
+    assert differences(system, system.state())[0] < 1e-13  # rounding

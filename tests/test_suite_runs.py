@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from browser import visit
@@ -190,3 +191,24 @@ def test_the_page_in_a_browser(chromium, tmp_path):
             assert seen.run("document.documentElement.scrollWidth") <= 1200
             assert seen.run("[...document.images].every(image => image.complete && image.naturalWidth > 300)")
             assert seen.run("document.querySelectorAll('section.case').length") == len(FAST)
+
+
+MISTAKEN = """
+import mutations
+from mbsd3d.cli import main
+from mbsd3d.kernels import rows
+from validation.suite import references
+
+references.LONG["exudyn_rollingCoinTest"] = "without the compiler it takes minutes"
+mutations.put("roll", mutations.wrong_rows(rows.roll, mutations.one_per_cent_of_gamma))
+main(["validate", "--case", "exudyn_rollingCoinTest", "--quick", "--out", {out!r}])
+"""
+
+
+@pytest.mark.slow
+def test_a_wrong_row_kernel_makes_the_run_fail(tmp_path):
+    """One per cent of J_dot v of a rolling disc, in a process without the compiler."""
+    command = [sys.executable, "-c", MISTAKEN.format(out=str(tmp_path))]
+    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "exudyn_rollingCoinTest differ" in done.stderr and "reference: 10 columns" in done.stdout

@@ -75,7 +75,8 @@ def constraint_rows(system: Any, state: Any) -> tuple[Array, Array, list[slice],
         rate = max(rate, np.abs(column(along, order, 1)).max())
         first = spans[-1].stop if spans else 0
         spans.append(slice(first, first + gamma[-1].size))
-    return np.concatenate(J), np.concatenate(gamma), spans, residual, rate
+    none = np.zeros((0, 6 * n))  # a body that flies has no rows
+    return np.concatenate([none, *J]), np.concatenate([none[:, 0], *gamma]), spans, residual, rate
 
 
 def mass_and_force(system: Any, state: Any) -> tuple[Array, Array]:

@@ -30,6 +30,7 @@ TREES = ("rk44", "dopri5", "rk67")
 IMPLICIT = ("index2", "generalized-alpha")
 ROTATIONS = ("rotation vector", "euler parameters")
 ALPHA = 0.9  # spectral radius, Exudyn's own default
+LARGEST_TREE = 200  # links: at 300 a step of Exudyn takes half a second, and it grows with the cube
 LONGEST = 5.0  # s, of one run of ours
 NEWTON = 1e-8  # tolerance, likewise; tighter ones cost a tenth more and stop where masses are tiny
 
@@ -134,6 +135,9 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
             yield stepped("Exudyn", f"rotation vector, {solver}", problem, problem.system, {"solver": solver})
         yield adaptive(problem, problem.system, {})
         return
+    if problem.tree is not None and len(problem.tree.bodies) > LARGEST_TREE:
+        yield untried("Exudyn", "kinematic tree", f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+        return
     if problem.tree is not None:
         tree = {"formulation": "kinematic tree"}
         for solver in TREES:
@@ -156,6 +160,15 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
         yield stepped(
             "Exudyn", f"as built, {CONSTRAINTS}, full pivoting, generalized-alpha", problem, problem.system, settings
         )
+
+
+def untried(engine: str, label: str, why: str) -> Candidate:
+    """A candidate that is not run, and says why."""
+
+    def start() -> Callable[[float], Run]:
+        raise NotComparable(why)
+
+    return Candidate(engine, label, (), start)
 
 
 def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:

@@ -27,7 +27,8 @@ def validate_all(
     budget = BUDGETS[quick]
     suite = Suite(everything, Ledger(folder, identity(budget=budget), fresh), quick, budget)
     if suite.records:
-        click.echo(f"mbsd3d: {len(suite.records)} of {len(everything)} cases are in {suite.ledger.path}", err=True)
+        kept = f"{len(suite.records)} of {len(everything)} cases are in {suite.ledger.path}"
+        click.echo(f"mbsd3d: {kept}; --fresh forgets them", err=True)
     try:
         suite.run()
     except KeyboardInterrupt:

@@ -1,5 +1,6 @@
 """The twin of a tree in its hinge coordinates; takes the explicit solvers too."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -137,9 +138,10 @@ class TreeTwin:
 
     def start(self) -> None:
         """Hinge rates of the start: those whose velocities of the bodies are the given ones."""
-        self.map = self.rates()
-        rates = np.linalg.lstsq(self.map, self.state.v, rcond=None)[0]
-        off = np.abs(self.map @ rates - self.state.v).max()
+        rates, off = np.zeros(len(self.model.links)), 0.0
+        if self.state.v.any():
+            rates = np.linalg.lstsq(self.map, self.state.v, rcond=None)[0]
+            off = np.abs(self.map @ rates - self.state.v).max()
         if off > 1e-8 * max(1.0, float(np.abs(self.state.v).max())):  # consistent starts are exact to 1e-12
             raise NotExpressible(f"the velocities at the start miss the joints by {off:.2g}; assemble the state first")
         for configuration in (self.module.ConfigurationType.Initial, self.module.ConfigurationType.Current):
@@ -150,13 +152,16 @@ class TreeTwin:
         pairs = [[self.mbs.GetSensorValues(k) for k in own] for own in zip(*sensors, strict=True)]
         return np.array(pairs, float).ravel()
 
-    def rates(self) -> Array:
-        """(6 bodies, m): (r_dot, w) of the bodies at the start by hinge rates."""
+    @cached_property
+    def map(self) -> Array:
+        """(6 bodies, m): (r_dot, w) of the bodies at the start by hinge rates; slow for hundreds of links."""
         now, n = self.module.ConfigurationType.Current, len(self.model.links)
+        before = np.array(self.mbs.systemData.GetODE2Coordinates_t(now))
         out = np.empty((6 * len(self.system.bodies), n))
         for k, unit in enumerate(np.eye(n)):
             self.mbs.systemData.SetODE2Coordinates_t(unit, now)
             out[:, k] = self.values(self.sensors["Velocity"], self.sensors["AngularVelocity"])
+        self.mbs.systemData.SetODE2Coordinates_t(before, now)
         return out
 
     def solver(self) -> Any:
