@@ -81,6 +81,7 @@ def climb(
         except (NotComparable, IntegrationError) as error:
             failed, note = failed + 1, str(error)
             if time.perf_counter() - began > limit / 2:
+                note += f"; given up, that took {time.perf_counter() - began:.1f} s"
                 break
             continue
         points.append(Point(float(setting), seconds, end.distance(truth, length)))

@@ -121,7 +121,7 @@ def show(title: str, head: str, rows: list[str]) -> None:
 
 def main() -> None:
     """Measure and print."""
-    print(machine("numpy", "numba", "mujoco"))
+    print(machine("numpy", "numba", "mujoco-core"))
     simulate(chain(2), 0.01, method=RK4(STEP))  # compiled before anything is timed
     rows = per_evaluation()
     lines = [f"{n:6} {ours:8.2f} {theirs:8.2f} {theirs / ours:8.2f}" for n, ours, theirs in rows]
