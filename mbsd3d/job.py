@@ -80,7 +80,7 @@ class Job:
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
         stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
         terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(16), np.zeros(12, np.int64)
+        clock, count = np.zeros(17), np.zeros(12, np.int64)
         clock[base.T] = clock[base.T_START] = t
         clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
         clock[base.SMALLEST] = 1.0

@@ -17,12 +17,14 @@ NOT_CONVERGED, STIFF = 9, 10
 
 # places in Run.clock and Run.count
 T, STEP, T_START, T_END, SPEED, TURN, MIN_STEP, MAX_STEP = range(8)
-RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP = range(8, 16)
+RESIDUAL, RTOL, TOLERANCE, PIVOT, STOP, SIGN, SMALLEST, NORMAL_STEP, USUAL = range(8, 17)
 STEPS, REJECTED, EVALUATIONS, WRITTEN, NEXT, FRESH, CONDITION, EVERY, ON_MANIFOLD = range(9)
 STIFF_TESTS, CALM_TESTS = 9, 10
 RETRIED = 11  # the step at hand has been rejected before: it may not grow
 
-NEARLY_SINGULAR = 1e-2  # pivot / diagonal of S below which a rejected step switches to stages on the manifold
+# A rejected step switches to stages on the manifold where the smallest pivot / diagonal of S is below this share of the
+# largest that the run has seen, and always below the second number: some mechanisms never have more than 1e-3.
+NEARLY_SINGULAR, SINGULAR = 0.1, 1e-5
 
 
 class Run(NamedTuple):
@@ -37,7 +39,7 @@ class Run(NamedTuple):
     trial_carry: np.ndarray  # (ny,)
     K: np.ndarray  # (stages, ny) stage rates; K[n_stages] is the rate at the end of the step
     F: np.ndarray  # (terms, ny) dense output of the last step
-    clock: np.ndarray  # (16,) see T ... NORMAL_STEP
+    clock: np.ndarray  # (17,) see T ... USUAL
     count: np.ndarray  # (12,) see STEPS ... RETRIED
     times: np.ndarray  # (requested,) output times
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
@@ -126,12 +128,19 @@ def sample(m, d, s, run, t_old, h, t):
 
 
 @inner_kernel
+def nearly_singular(run):
+    """True where the chosen rows were close to depending on each other at the end of the last step."""
+    return run.clock[SMALLEST] < max(SINGULAR, NEARLY_SINGULAR * run.clock[USUAL])
+
+
+@inner_kernel
 def rows_hold(m, d, s, run):
     """True while the chosen rows are well independent and the skipped ones are satisfied."""
     run.clock[RESIDUAL] = 0.0
     if m.singular == 0:
         run.clock[SMALLEST] = smallest_pivot(s)
-        if run.clock[SMALLEST] > NEARLY_SINGULAR:
+        run.clock[USUAL] = max(run.clock[USUAL], run.clock[SMALLEST])
+        if not nearly_singular(run):
             run.count[ON_MANIFOLD] = 0
         if run.clock[SMALLEST] < run.clock[PIVOT]:
             return False

@@ -19,7 +19,6 @@ from .base import (
     FULL,
     MAX_STEP,
     MIN_STEP,
-    NEARLY_SINGULAR,
     NEXT,
     NO_SOLUTION,
     NORMAL_STEP,
@@ -30,7 +29,6 @@ from .base import (
     RETRIED,
     RTOL,
     RUNNING,
-    SMALLEST,
     STEP,
     STEP_TOO_SMALL,
     STEPS,
@@ -41,6 +39,7 @@ from .base import (
     T,
     hermite,
     interpolate,
+    nearly_singular,
     rows_hold,
     sample,
     start,
@@ -238,7 +237,7 @@ def step(m, d, s, table, run):
             run.clock[STEP] = max(h * factor, 0.999 * floor) if judged else h * factor
             run.count[REJECTED] += 1
             run.count[RETRIED] = 1
-            if run.clock[SMALLEST] < NEARLY_SINGULAR:
+            if nearly_singular(run):
                 run.count[ON_MANIFOLD] = 1
             continue
         status, result = arrive(m, d, s, t_new, run.trial, run.K[n], NEAR - run.count[ON_MANIFOLD])
@@ -267,7 +266,7 @@ def step(m, d, s, table, run):
     was_near = run.count[ON_MANIFOLD] == 1
     if not rows_hold(m, d, s, run):
         return CHOOSE_ROWS
-    if run.clock[SMALLEST] >= NEARLY_SINGULAR:
+    if not nearly_singular(run):
         run.clock[NORMAL_STEP] = h
     if table.steps == 0 and table.patience < np.inf and is_stiff(m, table, run, h):
         return STIFF
