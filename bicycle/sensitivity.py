@@ -8,6 +8,7 @@ import numpy as np
 
 from .models import whipple
 from .options import bicycle_argument, out_option
+from .parameter_files import is_file, read_values
 from .parameters import Parameters
 from .slopes import Derivatives, derivatives
 from .stable_maps import StableMap, checked_axes, plot_map, stable_map
@@ -131,8 +132,6 @@ def deviations_of(parameters: Parameters, given: tuple[str, ...]) -> dict[str, f
         found = {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
         return checked_deviations(parameters, found)
     asked = click.get_current_context().params["bicycle"]
-    if Path(asked).suffix in (".txt", ".yml", ".yaml"):
-        from .parameter_files import read_values
-
+    if is_file(asked):
         return {key: std for key, std in read_values(asked)[1].items() if std}
     return published_deviations(parameters)
