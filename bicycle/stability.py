@@ -9,12 +9,14 @@ import click
 import numpy as np
 
 from mbsd3d.modes import Mode
+from mbsd3d.parts import number
 
 from .equations import canonical
 from .general import Build, checked_speeds, eigenvalues, linear_equations, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
+from .sheet import write_table
 from .speeds import CriticalSpeeds, critical_speeds, speeds_of
 from .stability_figure import draw
 from .tracking import MODES, NAMES, follow
@@ -78,13 +80,8 @@ class Stability:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
-        from mbsd3d.files import write_atomically
-
         head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in self.names for part in ("Re", "Im")]
-        numbers = np.column_stack([self.speeds, self.values.view(float)])
-        lines = [",".join(f'"{x}"' if "," in x else x for x in head)]
-        lines += [",".join(map(repr, row)) for row in numbers.tolist()]
-        return write_atomically(Path(path).with_suffix(".csv"), ("\n".join(lines) + "\n").encode())
+        return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
 
 
 def check_mode(name: str) -> None:
@@ -153,10 +150,11 @@ def command(
     from mbsd3d.commands import Failure, can_view, ready_folder
     from mbsd3d.plots import save_figure
 
-    if not first < last:
-        raise Failure(f"--from {first:g} is not below --to {last:g}")
+    if not -np.inf < first < last < np.inf:
+        raise Failure(f"--from {first:g} is not below --to {last:g}; give two finite speeds in m/s")
     if shown:
         check_mode(shown)
+        number(speed, "--speed")
         can_view(needed=True)
     folder = ready_folder(out)
     found = study(parameters, np.linspace(first, last, count))

@@ -237,6 +237,19 @@ def test_table(tmp_path):
     assert np.array_equal(read[:, 0], found.speeds) and np.array_equal(read[:, 1::2] + 1j * read[:, 2::2], found.values)
 
 
+def test_tables_keep_names_with_a_point(tmp_path):
+    found = stability.study(BENCHMARK, [5.0])
+    assert found.to_csv(tmp_path / "bike.v2").name == "bike.v2.csv"
+
+
+def test_names_of_close_critical_speeds_stand_beside_each_other():
+    found = stability.study(named("Browserins"), np.linspace(0.0, 10.0, 21))
+    figure = found.figure()
+    figure.draw_without_rendering()
+    low, high = (text.get_window_extent() for text in figure.axes[0].texts)
+    assert low.x1 < high.x0
+
+
 def run(*arguments):
     return CliRunner().invoke(main, ["bicycle", "stability", *arguments])
 
@@ -256,6 +269,8 @@ def test_command(tmp_path):
         (["Brows"], "did you mean"),
         (["nowhere.txt"], "nowhere.txt"),
         (["--from", "5", "--to", "5"], "--from 5 is not below --to 5"),
+        (["--from", "-inf"], "give two finite speeds in m/s"),
+        (["--mode", "weave", "--speed", "nan"], "--speed: not finite"),
         (["--mode", "wobble"], "give weave, capsize or castering"),
     ],
 )
