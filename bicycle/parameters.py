@@ -129,7 +129,9 @@ class Parameters:
 
 AXES = ("xx", "yy", "zz", "xz")
 BODIES = {"R": "rear wheel", "B": "frame and rider", "H": "fork and handlebar", "F": "front wheel"}
-MEANING = {x.name: x.metadata["meaning"] for x in fields(Parameters) if x.metadata}
+SYMBOL, UNIT, MEANING = (
+    {x.name: x.metadata[key] for x in fields(Parameters) if x.metadata} for key in ("symbol", "unit", "meaning")
+)
 TYRES = ("tR", "tF")
 SYMBOLS = tuple(key for key in MEANING if key not in TYRES)
 """The 25 parameters of the paper and g."""

@@ -277,6 +277,20 @@ def test_a_map_keeps_what_was_computed_before_ctrl_c():
     assert np.isnan(found.low[done:]).all()
 
 
+def test_endless_ranges_of_a_map_are_no_blanks():
+    found = sensitivity.stable_map(two_mass_skate(), {"c": [0.0, 0.01], "zB": [-1.2, -1.0, 0.3]})
+    assert np.isinf(found.high).any() and np.isnan(found.high).any()
+    for axes in sensitivity.plot_map(found).axes[:2]:
+        shown = np.ma.getmaskarray(axes.collections[0].get_array()).reshape(3, 2)
+        assert np.array_equal(shown, np.isnan(found.low.T))
+
+
+def test_sets_that_are_left_out_share_one_line():
+    found, left_out = compare.chosen([], unphysical=False)
+    assert len(found) == 1 + 47 - 8 and len(left_out) == 1 and "Browser, HC_Yellow" in left_out[0]
+    assert compare.chosen([], unphysical=True)[1] == []
+
+
 @pytest.mark.parametrize(
     ("axes", "message"),
     [
@@ -517,10 +531,13 @@ def test_deviations_of_a_file_are_used(tmp_path):
         (["sensitivity", "--map", "c=0:0.1:3"], "--map is given 1 times"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "lam=0:1"], "write SYMBOL=FROM:TO:COUNT"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "tR=0:0.1:3"], "give build=bicycle.whipple (--model)"),
+        (["sensitivity", "--map", "c=0:0.1:3", "--map", "c=0:1:3"], "--map c is given twice"),
+        (["sensitivity", "--deviation", "c=1", "--deviation", "c=2"], "--deviation c is given twice"),
         (["sensitivity", "HC_Optimal10"], "has neither weave nor capsize speed"),
         (["frequency", "--from", "3", "--to", "1"], "0 < from < to"),
         (["why", "Brower"], "did you mean Browser"),
         (["compare", "Browser"], "--unphysical"),
+        (["compare", "Tms", "Tms"], "two bicycles are called 'Tms'"),
     ],
 )
 def test_bad_input_ends_with_one_line_and_exit_code_2(arguments, message, tmp_path):
