@@ -39,7 +39,7 @@ def draw(found: Any, dark: bool) -> Any:
         for axes in panels[-1]:
             axes.set_xlabel("frequency ω [rad/s]")
         handles, names = panels[0, 0].get_legend_handles_labels()
-        legend = {"loc": "outside upper center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
+        legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
         figure.legend(handles, names, **legend)
         figure.suptitle(f"{found.parameters.name}: response of lean and steer to torques")
         figure.align_ylabels(panels[:, 0])

@@ -186,6 +186,22 @@ def test_double_roots_are_where_the_number_of_real_modes_changes(name):
         assert nearest[1] < 1e-5 * abs(s)  # a double eigenvalue is known to the root of rounding, as a number s to all
 
 
+def test_double_roots_far_from_each_other_are_all_found():
+    """The powers of the discriminant are of very different size where c(w) vanishes at a low speed."""
+    far = replace(
+        BENCHMARK, w=0.49, c=0.146, lam=0.023, g=13.0, rR=0.29, mR=3.4, IRxx=0.11, IRyy=0.21, xB=0.64, zB=-1.25, mB=78,
+        IBxx=15.7, IByy=9.9, IBzz=3.7, IBxz=-2.26, xH=1.21, zH=-1.16, mH=4.4, IHxz=-0.0185, rF=0.61, mF=2.6, IFxx=0.23,
+        IFyy=0.21, unphysical=True, name="short",
+    )  # fmt: skip
+    linear = canonical(far)
+    grid = np.linspace(0.01, 30.0, 3000)
+    real = np.sum(np.abs(linear.eigenvalues(grid).imag) < 1e-9, axis=1)
+    (changes,) = np.nonzero(np.diff(real))
+    found = [x.speed for x in stability.critical_speeds(far).double_roots]
+    assert len(found) == len(changes) == 2 and found[1] > 6.0 * found[0]
+    assert all(grid[k] < v < grid[k + 1] for k, v in zip(changes, found, strict=True))
+
+
 def test_mode_that_moves():
     found = stability.study(BENCHMARK, np.linspace(0.0, 8.0, 41))
     assert found.difference < 1e-11
