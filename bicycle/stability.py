@@ -24,6 +24,10 @@ from .tracking import MODES, NAMES, follow
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
 
 
+TYPICAL = 5.0
+"""[m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits."""
+
+
 @dataclass(frozen=True, eq=False)
 class Stability:
     """Modes of a bicycle over the speed, as `study` finds them.
@@ -113,7 +117,7 @@ def study(parameters: Parameters, speeds: Any = None, build: Build = whipple) ->
     [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
     """
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
-    linear = linear_equations(build, parameters, float(np.abs(speeds).max()) or 5.0)
+    linear = linear_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
     if linear is None:
         raise ValueError(
             f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion; modes are "

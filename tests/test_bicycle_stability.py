@@ -60,6 +60,13 @@ def test_critical_speeds(build):
     assert "stable    4.292383 ... 6.024262 m/s" in str(found)
 
 
+def test_critical_speeds_do_not_depend_on_the_speeds_shown():
+    for speeds in ([0.0, 1e-4], [-0.01, 0.02], [0.0, 300.0]):
+        found = stability.study(BENCHMARK, speeds).critical
+        assert found.weave == pytest.approx(float(CRITICAL["weave"]["computed"]), abs=1e-10)
+        assert found.capsize == pytest.approx(float(CRITICAL["capsize"]["computed"]), abs=1e-10)
+
+
 # --- the general model ------------------------------------------------------------------------------------------------
 
 ROUND = replace(BENCHMARK, tR=0.05, tF=0.03, rF=0.42, name="round tyres")

@@ -48,19 +48,30 @@ def test_critical_speeds_are_the_published_ones():
     assert abs(critical.weave_rate(q, stable.low) - float(PUBLISHED["weave"]["omega_computed"])) < 5e-14
 
 
-def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
-    rng = np.random.default_rng(4)
-    half = rng.normal(size=(3000, 2, 2))
+def random_equations(count, seed):
+    """M, C1, K0, K2 of random linear equations, some of them stable; the first column of K2 is zero."""
+    rng = np.random.default_rng(seed)
+    half = rng.normal(size=(count, 2, 2))
     M = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(2)
-    C1, K0, K2 = rng.normal(size=(3, 3000, 2, 2)) + np.array([[1.0, 0.3], [-0.3, 1.0]])  # so that some are stable
+    C1, K0, K2 = rng.normal(size=(3, count, 2, 2)) + np.array([[1.0, 0.3], [-0.3, 1.0]])
     K2[..., 0] = 0.0
-    q, v = critical.quartic(M, C1, K0, K2), rng.uniform(0.1, 6.0, (3000, 1))
-    by_conditions = critical.decays(q, v)[:, 0]
-    A = np.zeros((3000, 4, 4))
+    return M, C1, K0, K2
+
+
+def spectra(M, C1, K0, K2, v):
+    """(n, 4) eigenvalues at the speeds v (n,) by an eigenvalue solver."""
+    A, v = np.zeros((len(v), 4, 4)), v[:, None, None]
     A[:, :2, 2:] = np.eye(2)
-    A[:, 2:, :2] = -np.linalg.solve(M, K0 + v[..., None] ** 2 * K2)
-    A[:, 2:, 2:] = -np.linalg.solve(M, v[..., None] * C1)
-    fastest = np.linalg.eigvals(A).real.max(axis=1)
+    A[:, 2:, :2] = -np.linalg.solve(M, K0 + v**2 * K2)
+    A[:, 2:, 2:] = -np.linalg.solve(M, v * C1)
+    return np.linalg.eigvals(A)
+
+
+def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
+    equations = random_equations(3000, seed=4)
+    q, v = critical.quartic(*equations), np.random.default_rng(5).uniform(0.1, 6.0, (3000, 1))
+    by_conditions = critical.decays(q, v)[:, 0]
+    fastest = spectra(*equations, v[:, 0]).real.max(axis=1)
     clear = np.abs(fastest) > 1e-9  # closer to the border rounding decides
     assert 50 < by_conditions.sum() < 2900 and np.array_equal(by_conditions[clear], fastest[clear] < 0.0)
     first = np.transpose(critical.first_range(q))
@@ -68,6 +79,17 @@ def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
         found = critical.ranges(critical.Quartic(*(x[k] for x in q)))
         assert any(part.low < v[k, 0] < part.high for part in found) == by_conditions[k]
         assert np.array_equal(first[k], found[0] if found else (np.nan, np.nan), equal_nan=True)
+
+
+def test_weave_speeds_of_random_equations_have_an_imaginary_pair():
+    equations = random_equations(2000, seed=8)
+    q = critical.quartic(*equations)
+    v, rate = critical.weave(q), critical.weave_rate(q, critical.weave(q))
+    exist = np.isfinite(v)
+    assert 300 < exist.sum() < 1700
+    values = spectra(*(x[exist] for x in equations), v[exist])
+    away = np.abs(values - 1j * rate[exist, None]).min(axis=1)
+    assert np.all(away < 1e-7 * np.abs(values).max(axis=1))  # rounding; its root where two pairs meet
 
 
 @pytest.mark.parametrize("name", names())
