@@ -11,8 +11,8 @@ import numpy as np
 from mbsd3d.modes import Mode
 from mbsd3d.parts import number
 
-from .equations import canonical
-from .general import Build, checked_speeds, eigenvalues, linear_equations, linearization
+from .equations import canonical, checked_speeds
+from .general import Build, eigenvalues, linear_equations, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters

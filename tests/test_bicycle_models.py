@@ -383,6 +383,11 @@ def test_impossible_motions(motion, message):
         whipple(BENCHMARK, **motion)
 
 
+def test_a_name_is_no_parameters():
+    with pytest.raises(ValueError, match="parameters = 'Browserins'; give a set, e.g. bicycle.named"):
+        whipple("Browserins", 5.0)
+
+
 def test_no_pose_and_no_motion():
     high = replace(BENCHMARK, rF=3.0, c=2.0, name="high")  # its fork does not reach the ground when turned aside
     with pytest.raises(ValueError, match="bicycle 'high': at lean 1.3 rad and steer .* cannot stand on the ground"):

@@ -45,6 +45,8 @@ def test_general_model_at_all_speeds_from_two():
     assert found == pytest.approx(np.array([expected(row) for row in TABLE]), abs=1e-11)
     with pytest.raises(ValueError, match="finite speeds in m/s"):
         stability.eigenvalues(whipple, BENCHMARK, [1.0, np.inf])
+    with pytest.raises(ValueError, match="finite speeds in m/s"):
+        canonical(BENCHMARK).eigenvalues([np.nan])
 
 
 @pytest.mark.parametrize("build", [None, whipple], ids=["closed form", "general model"])
