@@ -71,7 +71,21 @@ class Entry:
     @property
     def file(self) -> str:
         """Name of its own page."""
-        return re.sub(r"[^A-Za-z0-9_.+-]+", "-", self.parameters.name).strip(".") + ".html"
+        return file_of(self.parameters.name)
+
+
+def check_names(bicycles: Sequence[Parameters]) -> None:
+    """Refuse two bicycles of one name, whose pages would be one file."""
+    known: set[str] = set()
+    for parameters in bicycles:
+        if file_of(parameters.name).lower() in known:  # some file systems take "a" for "A"
+            raise ValueError(f"compare: two bicycles are called '{parameters.name}'; rename one")
+        known.add(file_of(parameters.name).lower())
+
+
+def file_of(name: str) -> str:
+    """Name of the page of a bicycle."""
+    return re.sub(r"[^A-Za-z0-9_.+-]+", "-", name).strip(".") + ".html"
 
 
 def entry(parameters: Parameters) -> Entry:
@@ -99,7 +113,7 @@ def entries(bicycles: Sequence[Parameters], *, progress: bool | None = None) -> 
 def table(found: Sequence[Entry]) -> str:
     """Critical speeds as text."""
     wide = max(len(x.parameters.name) for x in found)
-    lines = [f"{'':{wide}}  weave     capsize   self-stable [m/s]"]
+    lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]"]
     for x in found:
         speeds = "  ".join(f"{v:8.4f}" if v > 0.0 else f"{'-':>8}" for v in (x.critical.weave, x.critical.capsize))
         doubt = "  NOT CONFIRMED by the general model" if x.difference > AGREES else ""
@@ -128,9 +142,10 @@ def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], l
     for name in names():
         try:
             found.append(named(name, unphysical=unphysical))
-        except ValueError as error:
-            left_out.append(str(error))
-    return found, left_out
+        except ValueError:
+            left_out.append(name)  # all others are what they were published as
+    why = "moments of inertia that no body has; --unphysical takes them in"
+    return found, [f"{', '.join(left_out)}: {why}"] if left_out else []
 
 
 @click.command()
@@ -156,6 +171,7 @@ def command(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     can_view(needed=views > 0)
     folder = ready_folder(str(Path(out) / "compare"))
     wanted, left_out = chosen(bicycles, unphysical)
+    check_names(wanted)
     for reason in left_out:
         click.echo(f"mbsd3d: left out: {reason}", err=True)
     found = entries(wanted)

@@ -16,7 +16,7 @@ from mbsd3d.report.wording import digits
 from mbsd3d.style import DARK, LIGHT, LINE, THIN, dress, house
 
 from . import critical, stability
-from .compare import AGREES, Entry
+from .compare import AGREES, Entry, check_names
 from .range_figure import plot_ranges
 from .sketches import side_view
 
@@ -52,11 +52,9 @@ def write_page(
     ValueError
         For no bicycles, two of one name, or a folder that cannot be written.
     """
-    files = [x.file.lower() for x in found]
-    twice = [x.parameters.name for x in found if files.count(x.file.lower()) > 1]
-    if not found or twice:
-        what = f"two bicycles are called '{twice[0]}'; rename one" if twice else "no bicycles; give at least one"
-        raise ValueError(f"compare: {what}")
+    if not found:
+        raise ValueError("compare: no bicycles; give at least one")
+    check_names([x.parameters for x in found])
     folder, cards, shown = Path(folder), [], set()
     with Progress(f"page of {len(found)} bicycles", 0, len(found) + 4 * views, progress) as bar:
         try:
@@ -74,6 +72,7 @@ def write_page(
     page = template().render(
         cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out,
         difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
+        once=[x.parameters.name for x in found if np.isnan(x.difference)],
     )  # fmt: skip
     return write_atomically(folder / "index.html", page.encode())
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from .critical import Quartic
+from .critical import FASTEST, Quartic
 
 
 class DoubleRoot(NamedTuple):
@@ -46,8 +46,8 @@ def double_roots(q: Quartic) -> list[DoubleRoot]:
     scaled = discriminant(q._replace(b=q.b * scale, c=grown(q.c, scale), d=grown(q.d, scale) * scale,
                                      e=grown(q.e, scale)))  # fmt: skip
     found = []
-    for w in scaled.trim(1e-14 * np.abs(scaled.coef).max()).roots():
-        if w.real > 0.0 and abs(w.imag) < 1e-4 * abs(w):
+    for w in scaled.trim().roots():  # what rounding leaves of higher powers adds starts only
+        if 0.0 < w.real < (FASTEST / scale) ** 2 and abs(w.imag) < 1e-4 * abs(w):
             found += [x for x in [meeting(q, scale * np.sqrt(w.real))] if x]
     distinct = []
     for x in sorted(found):

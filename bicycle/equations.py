@@ -43,7 +43,18 @@ class Canonical:
 
     def eigenvalues(self, speeds: np.ndarray) -> np.ndarray:
         """(n, 4) eigenvalues [1/s] at n speeds [m/s], each row by real part, conjugates together."""
-        return np.sort_complex(np.linalg.eigvals(self.A(np.atleast_1d(speeds))))
+        return np.sort_complex(np.linalg.eigvals(self.A(checked_speeds(speeds))))
+
+
+def checked_speeds(speeds: np.ndarray) -> np.ndarray:
+    """(n,) finite speeds, or a ValueError."""
+    try:
+        found = np.atleast_1d(np.asarray(speeds, dtype=float))
+    except (TypeError, ValueError):
+        raise ValueError(f"speeds: {speeds!r} are no numbers; give speeds in m/s") from None
+    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+        raise ValueError("speeds: give one or more finite speeds in m/s")
+    return found
 
 
 def canonical(p: Parameters) -> Canonical:

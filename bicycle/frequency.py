@@ -16,8 +16,8 @@ import numpy as np
 
 from mbsd3d import System, Torque, accelerations
 
-from .equations import canonical
-from .general import Build, checked_speeds, linearization
+from .equations import canonical, checked_speeds
+from .general import Build, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters

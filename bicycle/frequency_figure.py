@@ -39,8 +39,9 @@ def draw(found: Any, dark: bool) -> Any:
         for axes in panels[-1]:
             axes.set_xlabel("frequency ω [rad/s]")
         handles, names = panels[0, 0].get_legend_handles_labels()
-        legend = {"loc": "outside upper center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
+        legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
         figure.legend(handles, names, **legend)
+        figure.suptitle(f"{found.parameters.name}: response of lean and steer to torques")
         figure.align_ylabels(panels[:, 0])
     return figure
 
@@ -52,7 +53,8 @@ def draw_lines(size: Any, phase: Any, found: Any, H: np.ndarray, look: Any) -> N
         style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": LINE}
         size.loglog(found.frequencies, np.abs(H[k]), label=f"{v:g} m/s{', falls' if falls else ''}", **style)
         degrees = np.degrees(np.unwrap(np.angle(H[k])))
-        phase.semilogx(found.frequencies, degrees - 360.0 * np.round(degrees[0] / 360.0), **style)
+        turns = np.round((degrees[0] - 10.0) / 360.0)  # begins in -170 ... 190: against the torque is 180 on both sides
+        phase.semilogx(found.frequencies, degrees - 360.0 * turns, **style)
     decades(size.yaxis)
     decades(size.xaxis)
     phase.yaxis.set_major_locator(MultipleLocator(90.0))

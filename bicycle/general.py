@@ -17,7 +17,7 @@ import numpy as np
 from mbsd3d import Linearization, System, linearize
 from mbsd3d.parts import number
 
-from .equations import Canonical
+from .equations import Canonical, checked_speeds
 from .models import outputs
 from .parameters import Parameters
 from .straight import output_matrices
@@ -113,14 +113,3 @@ def eigenvalues(build: Build, parameters: Parameters, speeds: np.ndarray) -> np.
         if found is not None:
             return found.eigenvalues(speeds)
     return np.array([np.sort_complex(linearization(build, parameters, v).eigenvalues) for v in speeds])
-
-
-def checked_speeds(speeds: np.ndarray) -> np.ndarray:
-    """(n,) finite speeds, or a ValueError."""
-    try:
-        found = np.atleast_1d(np.asarray(speeds, dtype=float))
-    except (TypeError, ValueError):
-        raise ValueError(f"speeds: {speeds!r} are no numbers; give speeds in m/s") from None
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
-        raise ValueError("speeds: give one or more finite speeds in m/s")
-    return found

@@ -67,7 +67,8 @@ def whipple(
     Raises
     ------
     ValueError
-        If there is no pose in which both wheels stand on the ground, or no velocities with which both roll.
+        If the parameters are none, there is no pose in which both wheels stand on the ground, or no velocities with
+        which both roll.
 
     Examples
     --------
@@ -76,6 +77,8 @@ def whipple(
     >>> found.configuration_freedom, found.velocity_freedom
     (7, 3)
     """
+    if not isinstance(parameters, Parameters):
+        raise ValueError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
     place = pose_of(parameters, lean, steer)
     motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it

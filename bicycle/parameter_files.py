@@ -1,12 +1,16 @@
 """The text and YAML formats in which BicycleParameters keeps parameter sets."""
 
 import re
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from .parameters import SYMBOLS, TYRES
 
+FORMATS = (".txt", ".yml", ".yaml")
 LARGEST = 1_000_000  # bytes: a parameter file has some hundred
+POWER_OF_TEN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
+DECIMAL_COMMA = re.compile(r"(?<![.\d])\d+,\d")  # which would be read as two measurements
 UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
 
 
@@ -31,16 +35,16 @@ def read_values(path: str | Path) -> tuple[dict[str, float], dict[str, float]]:
         Naming the file and the line or entry: a symbol unknown, missing or given twice, or a text that is no number.
     """
     path = Path(path)
-    readers = {".txt": text_entries, ".yml": yaml_entries, ".yaml": yaml_entries}
-    if path.suffix not in readers:
+    if not is_file(path):
         raise ValueError(f"'{path}': parameter files end in .txt, .yml or .yaml")
     if path.stat().st_size > LARGEST:
         raise ValueError(f"'{path}': larger than {LARGEST} bytes, so it is no parameter file")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
     except UnicodeDecodeError:
         raise ValueError(f"'{path}': not a text; give a parameter file of BicycleParameters") from None
-    values, deviations = readers[path.suffix](path, text)
+    entries = text_entries if path.suffix.lower() == ".txt" else yaml_entries
+    values, deviations = entries(path, text)
     values.pop("v", None)
     deviations.pop("v", None)
     unknown = [key for key in values if key not in (*SYMBOLS, *TYRES)]
@@ -50,6 +54,11 @@ def read_values(path: str | Path) -> tuple[dict[str, float], dict[str, float]]:
     if missing:
         raise ValueError(f"'{path}': {', '.join(missing)} missing; a bicycle needs all of {' '.join(SYMBOLS)}")
     return values, deviations
+
+
+def is_file(path: str | Path) -> bool:
+    """Whether a name is that of a parameter file, by its ending."""
+    return Path(path).suffix.lower() in FORMATS
 
 
 def text_entries(path: Path, text: str) -> tuple[dict[str, float], dict[str, float]]:
@@ -65,6 +74,8 @@ def text_entries(path: Path, text: str) -> tuple[dict[str, float], dict[str, flo
             raise ValueError(f"{where}: '{content}' is no 'symbol = value'")
         if key in values:
             raise ValueError(f"{where}: {key} stands twice; give it once")
+        if DECIMAL_COMMA.search(right):
+            raise ValueError(f"{where}: {key} = '{right}': write a decimal point, or a blank between two measurements")
         pairs = [value_and_deviation(part.strip(), f"{where}: {key}") for part in right.split(",")]
         values[key] = sum(value for value, _ in pairs) / len(pairs)
         if any(spread is not None for _, spread in pairs):  # of the mean of independent measurements
@@ -80,6 +91,8 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
         value, *spread = map(float, parts)
     except ValueError:
         raise ValueError(f"{what} = '{text}' is no number; write e.g. 0.35 or 0.35 +/- 0.01") from None
+    if spread and not 0.0 <= spread[0] < inf:
+        raise ValueError(f"{what} = '{text}': the deviation is not a finite number >= 0; give one, or none")
     return value, spread[0] if spread else None
 
 
@@ -90,14 +103,30 @@ def yaml_entries(path: Path, text: str) -> tuple[dict[str, float], dict[str, flo
     try:
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
             raise ValueError(f"'{path}': references (*name) are not read; write the numbers out")
+        twice = repeated(yaml.compose(text))
         content: Any = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ValueError(f"'{path}': no YAML: {error}") from None
+    if twice:
+        raise ValueError(f"'{path}': {', '.join(twice)} stands twice; give it once")
     kind = content.get("parameterization", "benchmark") if isinstance(content, dict) else None
     values = content.get("values") if isinstance(content, dict) else None
     if kind != "benchmark" or not isinstance(values, dict):
         raise ValueError(f"'{path}': give 'parameterization: benchmark' and the numbers below 'values:'")
-    for key, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"'{path}': {key} = {value!r} is no number; write e.g. 0.35")
-    return {key: float(value) for key, value in values.items()}, {}
+    return {key: plain_number(value, f"'{path}': {key}") for key, value in values.items()}, {}
+
+
+def repeated(node: Any) -> list[str]:
+    """Keys that stand twice in a mapping of a YAML tree; the loader would keep the last."""
+    if getattr(node, "id", "") != "mapping":
+        return []
+    keys = [key.value for key, _ in node.value]
+    here = sorted({key for key in keys if keys.count(key) > 1})
+    return here + [key for _, below in node.value for key in repeated(below)]
+
+
+def plain_number(value: Any, what: str) -> float:
+    """A number of a YAML file, which takes 7e-3, without a point, for a text."""
+    if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
+        return float(value)
+    raise ValueError(f"{what} = {value!r} is no number; write e.g. 0.35")

@@ -129,7 +129,9 @@ class Parameters:
 
 AXES = ("xx", "yy", "zz", "xz")
 BODIES = {"R": "rear wheel", "B": "frame and rider", "H": "fork and handlebar", "F": "front wheel"}
-MEANING = {x.name: x.metadata["meaning"] for x in fields(Parameters) if x.metadata}
+SYMBOL, UNIT, MEANING = (
+    {x.name: x.metadata[key] for x in fields(Parameters) if x.metadata} for key in ("symbol", "unit", "meaning")
+)
 TYRES = ("tR", "tF")
 SYMBOLS = tuple(key for key in MEANING if key not in TYRES)
 """The 25 parameters of the paper and g."""
@@ -179,8 +181,10 @@ def entry_of(name: str) -> dict[str, Any]:
     entries = {entry["name"]: entry for entry in library()["bicycles"]["sets"]}
     if name in entries:
         return entries[name]
-    near = get_close_matches(str(name), entries, 3, 0.5)
-    hint = f"did you mean {', '.join(near)}?" if near else "mbsd3d bicycle compare --list shows them"
+    lower = {known.lower(): known for known in ("Meijaard2007", *entries)}
+    near = [lower[text] for text in get_close_matches(str(name).lower(), lower, 3, 0.6)]
+    known = "mbsd3d bicycle compare --list shows all, and parameter files end in .txt, .yml or .yaml"
+    hint = f"did you mean {', '.join(near)}?" if near else known
     raise ValueError(f"there is no bicycle '{name}'; {hint}")
 
 
@@ -229,6 +233,6 @@ def deviations(name: str) -> dict[str, float]:
 
 def find(text: str, *, unphysical: bool = False) -> Parameters:
     """What a user of the command line calls a bicycle: the name of a set, or a parameter file."""
-    if Path(text).suffix in (".txt", ".yml", ".yaml"):
-        return Parameters.from_file(text, unphysical=unphysical)
-    return named(text, unphysical=unphysical)
+    from .parameter_files import is_file
+
+    return Parameters.from_file(text, unphysical=unphysical) if is_file(text) else named(text, unphysical=unphysical)

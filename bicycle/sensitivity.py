@@ -1,5 +1,6 @@
 """How the critical speeds of a bicycle depend on its parameters: exact derivatives, Monte Carlo, maps."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from .models import whipple
 from .options import bicycle_argument, out_option
+from .parameter_files import is_file, read_values
 from .parameters import Parameters
 from .slopes import Derivatives, derivatives
 from .stable_maps import StableMap, checked_axes, plot_map, stable_map
@@ -64,7 +66,7 @@ def command(
 
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
-    wanted, spread = dict(map(grid_of, axes)), deviations_of(parameters, given)
+    wanted, spread = once(map(grid_of, axes), "--map"), deviations_of(parameters, given)
     build = whipple if general else None
     if wanted:
         checked_axes(parameters, wanted, build)
@@ -115,6 +117,16 @@ def number_of(text: str, what: str) -> float:
         raise ValueError(f"{what}: '{text}' is no number; write e.g. 0.08 (SI units)") from None
 
 
+def once(pairs: Iterable[tuple[str, Any]], what: str) -> dict[str, Any]:
+    """A mapping, with every symbol given once."""
+    found = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"{what} {key} is given twice; give it once")
+        found[key] = value
+    return found
+
+
 def grid_of(text: str) -> tuple[str, np.ndarray]:
     """``c=0:0.2:81`` as a symbol and its values."""
     key, _, right = text.partition("=")
@@ -128,11 +140,9 @@ def deviations_of(parameters: Parameters, given: tuple[str, ...]) -> dict[str, f
     """As on the command line, else those of the file or of the published set."""
     if given:
         pairs = [text.partition("=") for text in given]
-        found = {key: number_of(right, f"--deviation {key}") for key, _, right in pairs}
-        return checked_deviations(parameters, found)
+        found = [(key, number_of(right, f"--deviation {key}")) for key, _, right in pairs]
+        return checked_deviations(parameters, once(found, "--deviation"))
     asked = click.get_current_context().params["bicycle"]
-    if Path(asked).suffix in (".txt", ".yml", ".yaml"):
-        from .parameter_files import read_values
-
+    if is_file(asked):
         return {key: std for key, std in read_values(asked)[1].items() if std}
     return published_deviations(parameters)

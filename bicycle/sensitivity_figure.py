@@ -7,10 +7,9 @@ from matplotlib.figure import Figure
 
 from mbsd3d.style import LINE, dress, house, theme
 
-from .parameters import Parameters
+from .parameters import SYMBOL
 
 SHOWN = 14  # parameters of a figure: those that matter most
-SYMBOL = {key: about.metadata.get("symbol", key) for key, about in Parameters.__dataclass_fields__.items()}
 
 
 def draw_derivatives(found: Any, dark: bool) -> Any:

@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 from .parameters import Parameters
 
 SCALE = 80.0  # units of the drawing per metre: all bicycles of a page have one scale
-LEFT, WIDTH, HEIGHT = 0.7, 2.5, 1.75  # [m] behind the rear contact, of all, above the ground
+LEFT, WIDTH, HEIGHT = 0.7, 2.5, 1.9  # [m] behind the rear contact, of all, above the ground
 MARGIN = 8.0  # below the ground
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from . import characteristic, critical
 from .double_roots import double_roots
 from .general import Build
-from .parameters import MEANING, NOT_NEGATIVE, SYMBOLS, TYRES, Parameters
+from .parameters import MEANING, NOT_NEGATIVE, SYMBOLS, TYRES, UNIT, Parameters
 from .sheet import write_table
 
 DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
@@ -61,18 +61,18 @@ class Derivatives:
 
     def to_csv(self, path: str | Path) -> Path:
         """One row per parameter; returns the file."""
-        head = ["parameter", "value [SI]", *(f"d {name} [m/s per SI unit]" for name in self.speeds)]
+        head = ["parameter", "value [SI]", *(f"d {name} [m/s per SI unit]" for name in self.speeds), "SI unit"]
         keys = next(iter(self.by.values()))
-        rows = [[key, getattr(self.parameters, key), *(x[key] for x in self.by.values())] for key in keys]
+        rows = [[key, getattr(self.parameters, key), *(x[key] for x in self.by.values()), UNIT[key]] for key in keys]
         return write_table(path, head, rows)
 
     def __str__(self) -> str:
         head = "  ".join(f"{f'd {name}':>14}" for name in self.speeds)
         lines = [f"{self.parameters.name}: " + ", ".join(f"{name} {v:.6f} m/s" for name, v in self.speeds.items())]
-        lines.append(f"{'':5}{'value':>12}  {head}   [m/s per unit]")
+        lines.append(f"{'':5}{'value':>12} {'unit':7}  {head}   [m/s per unit]")
         for key in next(iter(self.by.values())):
             row = "  ".join(f"{self.by[name][key]:14.6g}" for name in self.speeds)
-            lines.append(f"{key:5}{getattr(self.parameters, key):12.6g}  {row}   {MEANING[key]}")
+            lines.append(f"{key:5}{getattr(self.parameters, key):12.6g} {UNIT[key]:7}  {row}   {MEANING[key]}")
         return "\n".join(lines)
 
 

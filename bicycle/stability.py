@@ -9,17 +9,23 @@ import click
 import numpy as np
 
 from mbsd3d.modes import Mode
+from mbsd3d.parts import number
 
-from .equations import canonical
-from .general import Build, checked_speeds, eigenvalues, linear_equations, linearization
+from .equations import canonical, checked_speeds
+from .general import Build, eigenvalues, linear_equations, linearization
 from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
+from .sheet import write_table
 from .speeds import CriticalSpeeds, critical_speeds, speeds_of
 from .stability_figure import draw
 from .tracking import MODES, NAMES, follow
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
+
+
+TYPICAL = 5.0
+"""[m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +84,8 @@ class Stability:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
-        from mbsd3d.files import write_atomically
-
         head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in self.names for part in ("Re", "Im")]
-        numbers = np.column_stack([self.speeds, self.values.view(float)])
-        lines = [",".join(f'"{x}"' if "," in x else x for x in head)]
-        lines += [",".join(map(repr, row)) for row in numbers.tolist()]
-        return write_atomically(Path(path).with_suffix(".csv"), ("\n".join(lines) + "\n").encode())
+        return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
 
 
 def check_mode(name: str) -> None:
@@ -116,7 +117,7 @@ def study(parameters: Parameters, speeds: Any = None, build: Build = whipple) ->
     [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
     """
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
-    linear = linear_equations(build, parameters, float(np.abs(speeds).max()) or 5.0)
+    linear = linear_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
     if linear is None:
         raise ValueError(
             f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion; modes are "
@@ -153,10 +154,11 @@ def command(
     from mbsd3d.commands import Failure, can_view, ready_folder
     from mbsd3d.plots import save_figure
 
-    if not first < last:
-        raise Failure(f"--from {first:g} is not below --to {last:g}")
+    if not -np.inf < first < last < np.inf:
+        raise Failure(f"--from {first:g} is not below --to {last:g}; give two finite speeds in m/s")
     if shown:
         check_mode(shown)
+        number(speed, "--speed")
         can_view(needed=True)
     folder = ready_folder(out)
     found = study(parameters, np.linspace(first, last, count))

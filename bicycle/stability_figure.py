@@ -86,11 +86,14 @@ def lines(axes: Any, found: Any, look: Theme, part: Any) -> None:
 
 
 def mark(axes: Any, found: Any, look: Theme) -> None:
-    """Weave and capsize speed, where they are in the frame."""
-    for speed, name in ((found.critical.weave, "weave"), (found.critical.capsize, "capsize")):
+    """Weave and capsize speed, where they are in the frame; the lower has its name on the left, to be read beside."""
+    speeds = {"weave": found.critical.weave, "capsize": found.critical.capsize}
+    for name, speed in speeds.items():
         if found.speeds.min() < speed < found.speeds.max():
+            side = -1 if speed == np.nanmin([*speeds.values()]) else 1
             axes.axvline(speed, color=look.muted, linewidth=THIN, linestyle="--")
             axes.annotate(
                 f"{name} {speed:.4g} m/s", (speed, 0.99), xycoords=("data", "axes fraction"), rotation=90.0,
-                ha="right", va="top", fontsize=8.5, color=look.muted, xytext=(-2, 0), textcoords="offset points",
+                ha="right" if side < 0 else "left", va="top", fontsize=8.5, color=look.muted, xytext=(2 * side, 0),
+                textcoords="offset points",
             )  # fmt: skip

@@ -13,7 +13,7 @@ from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
 from .general import Build
-from .parameters import MEANING, TYRES, Parameters
+from .parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters
 from .sheet import write_table
 from .uncertainty import variants
 
@@ -45,8 +45,7 @@ class StableMap:
 
     def to_csv(self, path: str | Path) -> Path:
         """One row per cell; returns the file."""
-        units = [Parameters.__dataclass_fields__[key].metadata["unit"] for key in self.names]
-        head = [*(f"{key} [{unit}]" for key, unit in zip(self.names, units, strict=True)), "low [m/s]", "high [m/s]"]
+        head = [*(f"{key} [{UNIT[key]}]" for key in self.names), "low [m/s]", "high [m/s]"]
         x, y = (axis.ravel() for axis in np.meshgrid(*self.values, indexing="ij"))
         return write_table(path, head, zip(x, y, self.low.ravel(), self.high.ravel(), strict=True))
 
@@ -132,7 +131,7 @@ def checked_axes(
 
 
 def plot_map(found: StableMap, *, dark: bool = False) -> Any:
-    """Figure of the lowest self-stable speed and of the width of the range.
+    """Figure of the lowest self-stable speed and of the width of the range, blank where no speed is self-stable.
 
     Parameters
     ----------
@@ -159,20 +158,21 @@ def plot_map(found: StableMap, *, dark: bool = False) -> Any:
             axes.set_title(title)
             draw(figure, axes, found, values, look)
         panels[0].set_ylabel(label(found.names[1]))
+        figure.suptitle(f"{found.parameters.name}: blank where it is self-stable at no speed", x=0.01, ha="left")
     return figure
 
 
 def label(key: str) -> str:
     """Meaning, symbol and unit of a parameter."""
-    about = Parameters.__dataclass_fields__[key].metadata
-    return f"{about['meaning']} {about['symbol']} [{about['unit']}]"
+    return f"{MEANING[key]} {SYMBOL[key]} [{UNIT[key]}]"
 
 
 def draw(figure: Any, axes: Any, found: StableMap, values: np.ndarray, look: Any) -> None:
-    """One panel: colours up to the 95th percentile, so that a few long ranges do not hide the others."""
+    """One panel: colours up to the 95th percentile, so that a few long or endless ranges do not hide the others."""
     finite = values[np.isfinite(values)]
-    top = float(np.quantile(finite, 0.95)) if finite.size else 1.0
-    mesh = axes.pcolormesh(*found.values, values.T, cmap="viridis", vmin=0.0, vmax=top or 1.0, shading="nearest")
+    top = (float(np.quantile(finite, 0.95)) if finite.size else 0.0) or 1.0
+    shown = np.where(np.isposinf(values), 2.0 * top, values).T  # infinite ones would be left blank
+    mesh = axes.pcolormesh(*found.values, shown, cmap="viridis", vmin=0.0, vmax=top, shading="nearest")
     bar = figure.colorbar(mesh, ax=axes, extend="max")
     bar.set_label("[m/s]", color=look.ink)
     bar.ax.tick_params(colors=look.ink)

@@ -150,9 +150,10 @@ def to_csv(found: Ablations, path: str | Path) -> Path:
         "high [m/s]",
         f"growth at {found.speed!r} m/s [1/s]",
         "difference of the model [m/s]",
+        "not possible",
     ]
     rows = [
-        [row.name, low, high, row.growth, row.difference]
+        [row.name, low, high, row.growth, row.difference, row.problem]
         for row in found.rows
         for low, high in row.ranges or [(float("nan"), float("nan"))]
     ]

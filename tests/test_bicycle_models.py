@@ -52,6 +52,10 @@ def test_a_typo_is_an_error():
         replace(BENCHMARK, mb=3.0)
     with pytest.raises(ValueError, match="'Brower'; did you mean Browser"):
         named("Brower")
+    with pytest.raises(ValueError, match="'meijaard2008'; did you mean Meijaard2007"):
+        named("meijaard2008")
+    with pytest.raises(ValueError, match="'mine.json'; .*--list shows all, and parameter files end in .txt"):
+        parameters.find("mine.json")
 
 
 @pytest.mark.parametrize(
@@ -130,6 +134,16 @@ def test_yaml_files(tmp_path):
     assert replace(Parameters.from_file(path), name="Meijaard2007") == BENCHMARK  # the speed v is no part of it
 
 
+def test_files_of_other_editors_and_programs(tmp_path):
+    marked, upper, powers = tmp_path / "marked.txt", tmp_path / "UPPER.TXT", tmp_path / "powers.yml"
+    marked.write_text(lines(), encoding="utf-8-sig")  # a mark at the beginning
+    upper.write_text(lines("mH") + "\nmH = 3.5,4.5", newline="\r\n")
+    powers.write_text("values:\n  " + lines("IHzz").replace(" = ", ": ").replace("\n", "\n  ") + "\n  IHzz: 7e-3\n")
+    assert Parameters.from_file(marked).values() == BENCHMARK.values()
+    assert parameters.find(str(upper)).values() == BENCHMARK.values()
+    assert Parameters.from_file(powers).IHzz == 7e-3  # which YAML takes for a text
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
@@ -139,11 +153,17 @@ def test_yaml_files(tmp_path):
         ("a.txt", lines(w="wide"), "line 1: w = ''wide'' is no number"),
         ("a.txt", "w 1.0", "line 1: 'w 1.0' is no 'symbol = value'"),
         ("a.txt", lines(rR=0.0), "rR: 0.0 is not positive"),
+        ("a.txt", lines("w") + "\nw = 1,02", "line 26: w = '1,02': write a decimal point"),
+        ("a.txt", lines("w") + "\nw = 1,02 +/- 0,01", "write a decimal point"),
+        ("a.txt", lines("w") + "\nw = 1.02 +/- -0.1", "deviation is not a finite number >= 0"),
+        ("a.txt", lines("w") + "\nw = 1.02 +/- nan", "deviation is not a finite number >= 0"),
         ("a.csv", lines(), "end in .txt, .yml or .yaml"),
         ("a.yml", "parameterization: principal\nvalues: {}", "parameterization: benchmark"),
         ("a.yml", "values: {w: true}", "w = True is no number"),
         ("a.yml", "a: &a [1]\nb: *a", "references"),
         ("a.yml", "a: [", "no YAML"),
+        ("a.yml", "values: {w: 1.0, c: 0.1, w: 1.1}", "w stands twice"),
+        ("a.yml", "values: {lam: pi/10}", "lam = 'pi/10' is no number"),
     ],
 )
 def test_faulty_files_are_refused_with_their_place(tmp_path, name, text, message):
@@ -361,6 +381,11 @@ def test_the_start_stays_with_variants_and_files(tmp_path):
 def test_impossible_motions(motion, message):
     with pytest.raises(ValueError, match=f"bicycle 'Meijaard2007': {message}"):
         whipple(BENCHMARK, **motion)
+
+
+def test_a_name_is_no_parameters():
+    with pytest.raises(ValueError, match="parameters = 'Browserins'; give a set, e.g. bicycle.named"):
+        whipple("Browserins", 5.0)
 
 
 def test_no_pose_and_no_motion():

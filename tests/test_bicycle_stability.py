@@ -45,6 +45,8 @@ def test_general_model_at_all_speeds_from_two():
     assert found == pytest.approx(np.array([expected(row) for row in TABLE]), abs=1e-11)
     with pytest.raises(ValueError, match="finite speeds in m/s"):
         stability.eigenvalues(whipple, BENCHMARK, [1.0, np.inf])
+    with pytest.raises(ValueError, match="finite speeds in m/s"):
+        canonical(BENCHMARK).eigenvalues([np.nan])
 
 
 @pytest.mark.parametrize("build", [None, whipple], ids=["closed form", "general model"])
@@ -58,6 +60,13 @@ def test_critical_speeds(build):
     assert meeting.eigenvalue == pytest.approx(float(CRITICAL["double_real_root"]["printed_eig"]), abs=1e-10)
     assert found.stable == [(found.weave, found.capsize)]
     assert "stable    4.292383 ... 6.024262 m/s" in str(found)
+
+
+def test_critical_speeds_do_not_depend_on_the_speeds_shown():
+    for speeds in ([0.0, 1e-4], [-0.01, 0.02], [0.0, 300.0]):
+        found = stability.study(BENCHMARK, speeds).critical
+        assert found.weave == pytest.approx(float(CRITICAL["weave"]["computed"]), abs=1e-10)
+        assert found.capsize == pytest.approx(float(CRITICAL["capsize"]["computed"]), abs=1e-10)
 
 
 # --- the general model ------------------------------------------------------------------------------------------------
@@ -186,6 +195,22 @@ def test_double_roots_are_where_the_number_of_real_modes_changes(name):
         assert nearest[1] < 1e-5 * abs(s)  # a double eigenvalue is known to the root of rounding, as a number s to all
 
 
+def test_double_roots_far_from_each_other_are_all_found():
+    """The powers of the discriminant are of very different size where c(w) vanishes at a low speed."""
+    far = replace(
+        BENCHMARK, w=0.49, c=0.146, lam=0.023, g=13.0, rR=0.29, mR=3.4, IRxx=0.11, IRyy=0.21, xB=0.64, zB=-1.25, mB=78,
+        IBxx=15.7, IByy=9.9, IBzz=3.7, IBxz=-2.26, xH=1.21, zH=-1.16, mH=4.4, IHxz=-0.0185, rF=0.61, mF=2.6, IFxx=0.23,
+        IFyy=0.21, unphysical=True, name="short",
+    )  # fmt: skip
+    linear = canonical(far)
+    grid = np.linspace(0.01, 30.0, 3000)
+    real = np.sum(np.abs(linear.eigenvalues(grid).imag) < 1e-9, axis=1)
+    (changes,) = np.nonzero(np.diff(real))
+    found = [x.speed for x in stability.critical_speeds(far).double_roots]
+    assert len(found) == len(changes) == 2 and found[1] > 6.0 * found[0]
+    assert all(grid[k] < v < grid[k + 1] for k, v in zip(changes, found, strict=True))
+
+
 def test_mode_that_moves():
     found = stability.study(BENCHMARK, np.linspace(0.0, 8.0, 41))
     assert found.difference < 1e-11
@@ -237,6 +262,19 @@ def test_table(tmp_path):
     assert np.array_equal(read[:, 0], found.speeds) and np.array_equal(read[:, 1::2] + 1j * read[:, 2::2], found.values)
 
 
+def test_tables_keep_names_with_a_point(tmp_path):
+    found = stability.study(BENCHMARK, [5.0])
+    assert found.to_csv(tmp_path / "bike.v2").name == "bike.v2.csv"
+
+
+def test_names_of_close_critical_speeds_stand_beside_each_other():
+    found = stability.study(named("Browserins"), np.linspace(0.0, 10.0, 21))
+    figure = found.figure()
+    figure.draw_without_rendering()
+    low, high = (text.get_window_extent() for text in figure.axes[0].texts)
+    assert low.x1 < high.x0
+
+
 def run(*arguments):
     return CliRunner().invoke(main, ["bicycle", "stability", *arguments])
 
@@ -256,6 +294,8 @@ def test_command(tmp_path):
         (["Brows"], "did you mean"),
         (["nowhere.txt"], "nowhere.txt"),
         (["--from", "5", "--to", "5"], "--from 5 is not below --to 5"),
+        (["--from", "-inf"], "give two finite speeds in m/s"),
+        (["--mode", "weave", "--speed", "nan"], "--speed: not finite"),
         (["--mode", "wobble"], "give weave, capsize or castering"),
     ],
 )

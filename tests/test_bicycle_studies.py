@@ -48,19 +48,30 @@ def test_critical_speeds_are_the_published_ones():
     assert abs(critical.weave_rate(q, stable.low) - float(PUBLISHED["weave"]["omega_computed"])) < 5e-14
 
 
-def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
-    rng = np.random.default_rng(4)
-    half = rng.normal(size=(3000, 2, 2))
+def random_equations(count, seed):
+    """M, C1, K0, K2 of random linear equations, some of them stable; the first column of K2 is zero."""
+    rng = np.random.default_rng(seed)
+    half = rng.normal(size=(count, 2, 2))
     M = half @ half.transpose(0, 2, 1) + 0.1 * np.eye(2)
-    C1, K0, K2 = rng.normal(size=(3, 3000, 2, 2)) + np.array([[1.0, 0.3], [-0.3, 1.0]])  # so that some are stable
+    C1, K0, K2 = rng.normal(size=(3, count, 2, 2)) + np.array([[1.0, 0.3], [-0.3, 1.0]])
     K2[..., 0] = 0.0
-    q, v = critical.quartic(M, C1, K0, K2), rng.uniform(0.1, 6.0, (3000, 1))
-    by_conditions = critical.decays(q, v)[:, 0]
-    A = np.zeros((3000, 4, 4))
+    return M, C1, K0, K2
+
+
+def spectra(M, C1, K0, K2, v):
+    """(n, 4) eigenvalues at the speeds v (n,) by an eigenvalue solver."""
+    A, v = np.zeros((len(v), 4, 4)), v[:, None, None]
     A[:, :2, 2:] = np.eye(2)
-    A[:, 2:, :2] = -np.linalg.solve(M, K0 + v[..., None] ** 2 * K2)
-    A[:, 2:, 2:] = -np.linalg.solve(M, v[..., None] * C1)
-    fastest = np.linalg.eigvals(A).real.max(axis=1)
+    A[:, 2:, :2] = -np.linalg.solve(M, K0 + v**2 * K2)
+    A[:, 2:, 2:] = -np.linalg.solve(M, v * C1)
+    return np.linalg.eigvals(A)
+
+
+def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
+    equations = random_equations(3000, seed=4)
+    q, v = critical.quartic(*equations), np.random.default_rng(5).uniform(0.1, 6.0, (3000, 1))
+    by_conditions = critical.decays(q, v)[:, 0]
+    fastest = spectra(*equations, v[:, 0]).real.max(axis=1)
     clear = np.abs(fastest) > 1e-9  # closer to the border rounding decides
     assert 50 < by_conditions.sum() < 2900 and np.array_equal(by_conditions[clear], fastest[clear] < 0.0)
     first = np.transpose(critical.first_range(q))
@@ -68,6 +79,17 @@ def test_conditions_of_hurwitz_agree_with_eigenvalues_of_random_equations():
         found = critical.ranges(critical.Quartic(*(x[k] for x in q)))
         assert any(part.low < v[k, 0] < part.high for part in found) == by_conditions[k]
         assert np.array_equal(first[k], found[0] if found else (np.nan, np.nan), equal_nan=True)
+
+
+def test_weave_speeds_of_random_equations_have_an_imaginary_pair():
+    equations = random_equations(2000, seed=8)
+    q = critical.quartic(*equations)
+    v, rate = critical.weave(q), critical.weave_rate(q, critical.weave(q))
+    exist = np.isfinite(v)
+    assert 300 < exist.sum() < 1700
+    values = spectra(*(x[exist] for x in equations), v[exist])
+    away = np.abs(values - 1j * rate[exist, None]).min(axis=1)
+    assert np.all(away < 1e-7 * np.abs(values).max(axis=1))  # rounding; its root where two pairs meet
 
 
 @pytest.mark.parametrize("name", names())
@@ -275,6 +297,20 @@ def test_a_map_keeps_what_was_computed_before_ctrl_c():
     done = 4 - found.missing
     assert 1 <= done < 4 and np.allclose(found.low[:done], whole.low[:done], rtol=0, atol=1e-10)
     assert np.isnan(found.low[done:]).all()
+
+
+def test_endless_ranges_of_a_map_are_no_blanks():
+    found = sensitivity.stable_map(two_mass_skate(), {"c": [0.0, 0.01], "zB": [-1.2, -1.0, 0.3]})
+    assert np.isinf(found.high).any() and np.isnan(found.high).any()
+    for axes in sensitivity.plot_map(found).axes[:2]:
+        shown = np.ma.getmaskarray(axes.collections[0].get_array()).reshape(3, 2)
+        assert np.array_equal(shown, np.isnan(found.low.T))
+
+
+def test_sets_that_are_left_out_share_one_line():
+    found, left_out = compare.chosen([], unphysical=False)
+    assert len(found) == 1 + 47 - 8 and len(left_out) == 1 and "Browser, HC_Yellow" in left_out[0]
+    assert compare.chosen([], unphysical=True)[1] == []
 
 
 @pytest.mark.parametrize(
@@ -517,10 +553,13 @@ def test_deviations_of_a_file_are_used(tmp_path):
         (["sensitivity", "--map", "c=0:0.1:3"], "--map is given 1 times"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "lam=0:1"], "write SYMBOL=FROM:TO:COUNT"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "tR=0:0.1:3"], "give build=bicycle.whipple (--model)"),
+        (["sensitivity", "--map", "c=0:0.1:3", "--map", "c=0:1:3"], "--map c is given twice"),
+        (["sensitivity", "--deviation", "c=1", "--deviation", "c=2"], "--deviation c is given twice"),
         (["sensitivity", "HC_Optimal10"], "has neither weave nor capsize speed"),
         (["frequency", "--from", "3", "--to", "1"], "0 < from < to"),
         (["why", "Brower"], "did you mean Browser"),
         (["compare", "Browser"], "--unphysical"),
+        (["compare", "Tms", "Tms"], "two bicycles are called 'Tms'"),
     ],
 )
 def test_bad_input_ends_with_one_line_and_exit_code_2(arguments, message, tmp_path):
