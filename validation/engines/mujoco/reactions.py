@@ -134,7 +134,10 @@ class Reactions:
         return force, moment
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
-        """On body b of the joint it acts through: along or about the axis of that coordinate."""
-        x, factor = coupling.coordinates[-1]
-        load = factor * self.tension(data, coupling.equality) * self.axis(data, x.a, x.axis)
-        return (load, np.zeros(3)) if x.kind == "slide" else (np.zeros(3), load)
+        """On body b of the joint it acts through, by every coordinate in the row that this body has a part in."""
+        tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
+        for x, factor in coupling.coordinates:
+            sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)
+            load = sense * factor * tension * self.axis(data, x.a, x.axis)
+            force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
+        return force, moment
