@@ -86,6 +86,8 @@ def test_a_planet_counts_from_its_carrier():
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(SETTLED)
     assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < 1e-6
+    assert set(pair.twin.run(0.4, 8, 4).reactions) == {pair.system.name(joint) for joint in pair.system.joints}
+    assert fine[2] < 1e-5  # a couple instead of the tooth force has the bearings wrong by 3 N
 
 
 @pytest.mark.parametrize("cls", [Spherical, Revolute, Universal, Cylindrical, Screw])
@@ -135,15 +137,18 @@ def test_forces():
         ),
         lambda bodies, joints: AngleDriver(joints[0], Polynomial((0.0, 1.0, 0.3, -0.5))),
         lambda bodies, joints: SlideDriver(joints[1], Sine(0.2, 0.8) + Ramp(0.3)),
+        lambda bodies, joints: AngleDriver(joints[0], Sine(0.2, -0.8, 0.3, -0.2 * np.sin(0.3))),
+        lambda bodies, joints: Gear(joints[0], joints[1], ratio=-0.7),  # body b of the one is that of the other
+        lambda bodies, joints: RackPinion(joints[0], joints[1], radius=0.2),
     ],
-    ids=["speed", "angle", "slide"],
+    ids=["speed", "angle", "slide", "backwards", "gear", "rack"],
 )
-def test_drivers_under_load(make):
+def test_drivers_and_couplings_under_load(make):
     system = loaded(make)
     pair = Pair(system)
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(256)
-    assert np.all(np.abs(orders[:2] - 2.0) < 0.4) and fine[0] < 1e-3
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.4) and fine[0] < 1e-3 and fine[2] < 0.1
 
 
 def test_a_speed_driver_begins_where_the_state_is_and_when():
@@ -196,6 +201,16 @@ def test_turns_of_the_state_are_counted():
     assert turned.coordinates[0] > 2 * np.pi
     pair = Pair(system, turned, t_end=turned.t + 0.4)
     assert instant(pair)[1] < 1e-10
+
+
+@pytest.mark.parametrize("counts", [True, False])
+def test_turns_of_a_driver_are_counted(counts):
+    rng, (first, *_) = bodies_of(2)
+    hinge = Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng))
+    system = System([first], [hinge, AngleDriver(hinge, Ramp(2.0, 20.0))], gravity=GRAVITY)
+    state = system.assemble()
+    pair = Pair(system, state if counts else State(state.t, state.q, state.v))
+    assert pair.errors(512)[0] < 1e-5
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])

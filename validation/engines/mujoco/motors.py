@@ -77,7 +77,9 @@ class Motors:
             elif term.kind == POLYNOMIAL:
                 polynomial = added(polynomial, term.data, integrated)
             else:
-                raise NotExpressible(f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials")
+                raise NotExpressible(
+                    f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials"
+                )
         if polynomial.size > HIGHEST + 1:
             raise NotExpressible(
                 f"{shown}: its signal is a polynomial of degree {polynomial.size - 1}; MuJoCo's equalities have "
