@@ -14,9 +14,11 @@ from mbsd3d import (
     Bushing,
     ConstantVelocity,
     Driver,
+    Force,
     Joint,
     JointFriction,
     KnifeEdge,
+    Parallel,
     Polynomial,
     Revolute,
     RollingDisc,
@@ -26,7 +28,9 @@ from mbsd3d import (
     System,
     Table,
     TorsionSpring,
+    rotation,
 )
+from mbsd3d.rotations import matrix, multiply
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
 from validation.engines.mujoco import EXPRESSES, twin
 
@@ -104,8 +108,47 @@ def test_settings_and_states_out_of_range():
     ready = twin(system)
     with pytest.raises(ValueError, match="3 samples do not divide 64 steps"):
         ready.run(1.0, 64, 3)
-    with pytest.raises(ValueError, match="not after the start"):
-        ready.run(0.0, 64, 4)
+    for t_end in (0.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="not after the start"):
+            ready.run(t_end, 64, 4)
+    for steps, samples in ((0, 1), (-4, 2), (64.0, 4), (64, 0), (True, 1)):
+        with pytest.raises(ValueError, match="give a whole number >= 1"):
+            ready.run(1.0, steps, samples)
+
+
+def test_states_that_are_none_of_the_system():
+    system = tree(Revolute)
+    with pytest.raises(ValueError, match="MuJoCo: state 'start' is not a State"):
+        twin(system, state="start")
+    with pytest.raises(ValueError, match="3 bodies, the system has 2"):
+        twin(system, state=start(loop(Spherical)))
+
+
+def test_what_closes_loops_and_drives_must_be_met_at_the_start():
+    rng, (first, *_) = bodies_of(4)
+    hinge = Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng))
+    system = System([first], [hinge, AngleDriver(hinge, Polynomial((0.1, 0.0, 3.0)), name="motor")])
+    later = system.assemble(t=0.2)
+    with pytest.raises(ValueError, match="joint 'motor' .AngleDriver. is off by 0.12 m or rad"):
+        twin(system, state=State(0.0, later.q, later.v))
+    with pytest.raises(ValueError, match="joint 'motor' .AngleDriver. is off by 1.2 m/s or rad/s"):
+        twin(system, state=State(0.2, later.q, 0 * later.v))
+    for cls in (Revolute, Parallel):  # closed by equalities, and by a piece of a body
+        system = loop(cls)
+        state = start(system)
+        turned = state.q.reshape(-1, 7).copy()
+        turn, ball = rotation((1, 2, 3), 0.1), np.array([1.3, 0.1, 0.1])
+        turned[2, :3] = ball + matrix(turn) @ (turned[2, :3] - ball)
+        turned[2, 3:] = multiply(turn, turned[2, 3:])
+        with pytest.raises(ValueError, match="state: (joint|body) '.* off"):
+            twin(system, state=State(0.0, turned.ravel(), 0 * state.v))
+
+
+def test_tables_must_reach_the_end():
+    rng, (first, *_) = bodies_of(4)
+    push = Force(first, (Table([0, 0.1, 0.2, 0.3], [0, 1, 3, 2]), 0, 0), name="push")
+    with pytest.raises(ValueError, match="'push': the table covers 0 s to 0.3 s"):
+        twin(System([first], [], [push])).run(1.0, 8, 4)
 
 
 def test_divergence_names_the_time(tmp_path, monkeypatch):

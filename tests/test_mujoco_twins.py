@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import across, direction, middle, random_loops
+from models import EXAMPLES, across, direction, middle, random_loops
 from mujoco_pairs import GRAVITY, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
 
 from mbsd3d import (
@@ -31,6 +31,7 @@ from mbsd3d import (
     SlideDriver,
     SpeedDriver,
     Spherical,
+    SpringDamper,
     State,
     System,
     TorsionSpring,
@@ -86,6 +87,8 @@ def test_a_planet_counts_from_its_carrier():
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(SETTLED)
     assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < 1e-6
+    assert set(pair.twin.run(0.4, 8, 4).reactions) == {pair.system.name(joint) for joint in pair.system.joints}
+    assert fine[2] < 1e-5  # a couple instead of the tooth force has the bearings wrong by 3 N
 
 
 @pytest.mark.parametrize("cls", [Spherical, Revolute, Universal, Cylindrical, Screw])
@@ -127,6 +130,17 @@ def test_forces():
     assert np.all(np.abs(orders - 4.0) < 0.4) and fine[2] < 1e-6
 
 
+def test_springs_push():
+    rng, (first, *_) = bodies_of(3)
+    springs = [
+        SpringDamper(first, GROUND, at_a=first.position + 0.1, at_b=at, stiffness=20.0, length=length)
+        for at, length in (((0.3, 1.0, 2.0), 4.0), ((-0.5, 1.0, 0.3), 0.0))
+    ]
+    pair = Pair(System([first], [], springs, gravity=GRAVITY))
+    assert instant(pair)[1] < 1e-10
+    assert pair.errors(128).max() < 1e-6
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -135,15 +149,20 @@ def test_forces():
         ),
         lambda bodies, joints: AngleDriver(joints[0], Polynomial((0.0, 1.0, 0.3, -0.5))),
         lambda bodies, joints: SlideDriver(joints[1], Sine(0.2, 0.8) + Ramp(0.3)),
+        lambda bodies, joints: AngleDriver(
+            joints[0], Sine(0.2, -0.8, 0.3, -0.2 * np.sin(0.3)) + Sine(0.1, 0.0, 0.5, -0.1 * np.sin(0.5))
+        ),
+        lambda bodies, joints: Gear(joints[0], joints[1], ratio=-0.7),  # body b of the one is that of the other
+        lambda bodies, joints: RackPinion(joints[0], joints[1], radius=0.2),
     ],
-    ids=["speed", "angle", "slide"],
+    ids=["speed", "angle", "slide", "backwards", "gear", "rack"],
 )
-def test_drivers_under_load(make):
+def test_drivers_and_couplings_under_load(make):
     system = loaded(make)
     pair = Pair(system)
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(256)
-    assert np.all(np.abs(orders[:2] - 2.0) < 0.4) and fine[0] < 1e-3
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.4) and fine[0] < 1e-3 and fine[2] < 0.1
 
 
 def test_a_speed_driver_begins_where_the_state_is_and_when():
@@ -179,6 +198,62 @@ def test_parts_built_otherwise_and_assembled():
     assert np.all(np.abs(orders - 4.0) < 0.4) and fine.max() < 1e-6
 
 
+@pytest.mark.parametrize("cls", [Revolute, Spherical])
+def test_a_loop_closed_by_parts_built_otherwise(cls):
+    """Crosses span the tree before hinges and balls do."""
+    rng, (first, second, third, _) = bodies_of(1)
+    pairs = ((GROUND, first), (first, second), (second, third))
+    crosses = [joint for a, b in pairs for joint in EXAMPLES[Universal](rng, a, b, None, None)]
+    at, u = middle(rng, third, GROUND), direction(rng)
+    axes = {"axis": u, "axis_b": u + 0.05 * across(rng, u)} if cls is Revolute else {}
+    closing = cls(third, GROUND, at=at, at_b=at - 0.05 * direction(rng), **axes)
+    system = System([first, second, third], [*crosses, closing], gravity=GRAVITY)
+    pair = Pair(system, system.assemble())
+    assert pair.twin.made.layout.closing == [closing]
+    assert instant(pair)[1] < 1e-10
+    orders, fine = pair.orders(SETTLED)
+    assert abs(orders[0] - 2.0) < 0.2 and fine[0] < 2e-6 and fine[2] < 1e-3
+
+
+@pytest.mark.parametrize("cls", [Fixed, Prismatic])
+def test_a_speed_goes_through_what_does_not_turn(cls):
+    rng, (first, second, third, _) = bodies_of(3)
+    axis = direction(rng)
+    joints = [
+        Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=axis),
+        *EXAMPLES[cls](rng, second, first, None, None),
+        Revolute(third, second, at=middle(rng, second, third), axis=-axis),
+        SpeedDriver(GROUND, third, axis=axis, speed=Ramp(0.4, 1.0)),
+    ]
+    pair = Pair(System([first, second, third], joints, gravity=GRAVITY))
+    assert instant(pair)[1] < 1e-10
+    orders, fine = pair.orders(SETTLED)
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < 1e-6
+
+
+def test_a_gear_between_hinges_one_behind_the_other():
+    rng, (first, second, *_) = bodies_of(3)
+    hinges = [
+        Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng)),
+        Revolute(first, second, at=middle(rng, first, second), axis=direction(rng)),
+    ]
+    system = System([first, second], [*hinges, Gear(hinges[1], hinges[0], ratio=-0.7)], gravity=GRAVITY)
+    orders, fine = Pair(system).orders(SETTLED)
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[2] < 1e-5
+
+
+def test_helical_gears_that_both_slide():
+    rng, (first, second, *_) = bodies_of(3)
+    axis, at = direction(rng), np.zeros(3)
+    out = across(rng, axis)
+    hinges = [Cylindrical(GROUND, first, at=at, axis=axis), Cylindrical(second, GROUND, at=at + 0.9 * out, axis=-axis)]
+    mesh = GearMesh(*hinges, at=at + 0.35 * out, helix_angle=0.4)
+    pair = Pair(System([first, second], [*hinges, mesh], gravity=GRAVITY))
+    assert instant(pair)[1] < 1e-10
+    orders, fine = pair.orders(SETTLED)
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[2] < 1e-5
+
+
 def test_a_point_mass_has_the_least_inertia():
     point = Body("point", 1.3, (0, 0, 0), com=(0.3, 0.2, -0.1), position=(0.1, 0.2, 0.3))
     pair = Pair(System([point], [Revolute(GROUND, point, at=(0, 0, 0), axis=(0.3, 0.5, 1.0))], gravity=GRAVITY))
@@ -196,6 +271,16 @@ def test_turns_of_the_state_are_counted():
     assert turned.coordinates[0] > 2 * np.pi
     pair = Pair(system, turned, t_end=turned.t + 0.4)
     assert instant(pair)[1] < 1e-10
+
+
+@pytest.mark.parametrize("counts", [True, False])
+def test_turns_of_a_driver_are_counted(counts):
+    rng, (first, *_) = bodies_of(2)
+    hinge = Revolute(GROUND, first, at=middle(rng, GROUND, first), axis=direction(rng))
+    system = System([first], [hinge, AngleDriver(hinge, Ramp(2.0, 20.0))], gravity=GRAVITY)
+    state = system.assemble()
+    pair = Pair(system, state if counts else State(state.t, state.q, state.v))
+    assert pair.errors(512)[0] < 1e-5
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
@@ -219,8 +304,17 @@ def test_rods_as_tendons():
     pair = Pair(system, rods="tendons")
     assert pair.twin.model.neq == 1 and pair.twin.order == 2.0
     assert instant(pair)[1] < 1e-10
-    orders, _ = pair.orders(512)
-    assert orders[0] > 1.5
+    orders, fine = pair.orders(512)
+    assert orders[0] > 1.5 and fine[2] < 0.1  # the error of their missing J_dot v; the rod pulls with 20 N
+
+
+def test_a_rod_of_another_length_as_a_tendon():
+    rng, (first, *_) = bodies_of(3)
+    rod = Distance(GROUND, first, at_a=(0, 0.3, 0.1), at_b=first.position + 0.3 * direction(rng), length=0.9)
+    system = System([first], [rod], gravity=GRAVITY)
+    pair = Pair(system, system.assemble(), rods="tendons")
+    assert instant(pair)[1] < 1e-10
+    assert pair.orders(512)[0][0] > 1.5
 
 
 def test_a_rod_along_its_first_hinge_is_said():

@@ -36,6 +36,7 @@ from mbsd3d import (
 from mbsd3d.parts import number
 
 from ..base import NotExpressible
+from ..inputs import start_of
 from .build import sketch
 from .couplings import couple
 from .layout import lay_out
@@ -63,7 +64,7 @@ EXPRESSES: dict[type, str] = {
     Distance: "two hinges at one end and a ball at the other, or a spatial tendon held at its length",
     Gear: "sum of joint coordinates held at zero",
     RackPinion: "sum of joint coordinates held at zero",
-    GearMesh: "sum of joint coordinates held at zero: motion, not the tooth force",
+    GearMesh: "sum of joint coordinates held at zero, its force as that of the teeth",
     AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
     SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
     PositionDriver: "three slides and a ball, the slides tied to a clock and oscillators; no Table",
@@ -131,6 +132,7 @@ def twin(
     if rods not in ("joints", "tendons"):
         raise ValueError(f"MuJoCo: rods {rods!r} is unknown; give 'joints' or 'tendons'")
     refuse(system)
+    start = start_of(system, state, "MuJoCo")
     dense = version(mujoco) == SPARSE_BUG
     made = sketch(mujoco, system, lay_out(system, rods == "joints"), integrator, dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
@@ -143,7 +145,7 @@ def twin(
     thin = f", inertia 1e-14 m L^2 or kg m^2 where it is less ({', '.join(made.raised)})" if made.raised else ""
     solver = ", dense Jacobian (4.0.0 factors sparse ones wrongly)" if dense else ""
     return MujocoTwin(
-        made, model, mujoco.MjData(model), state or system.state(), reactions, loads, couplings, motors, softness,
+        made, model, mujoco.MjData(model), start, reactions, loads, couplings, motors, softness,
         dampratio, f"MuJoCo {mujoco.__version__}: {method}{soft}{solver}{thin}", order_of(method, model.neq),
     )  # fmt: skip
 

@@ -39,6 +39,8 @@ class Sketch:
         Bodies whose moments of inertia were below `LEAST`.
     sites : int
         How many there are.
+    held : dict
+        Equality -> the joint it is of.
     """
 
     mujoco: Any
@@ -50,6 +52,7 @@ class Sketch:
     closures: dict[int, list[str]] = field(default_factory=dict)
     raised: list[str] = field(default_factory=list)
     sites: int = 0
+    held: dict[str, Any] = field(default_factory=dict)
 
     def body(self, body: Any) -> Any:
         """The MuJoCo body that stands for a body of the system."""
@@ -60,13 +63,14 @@ class Sketch:
         self.sites += 1
         return self.body(body).add_site(name=f"site {self.sites}", pos=body.local_point(point)).name
 
-    def equality(self, kind: str, name: str, objects: tuple[str, str], of: str, data: tuple = ()) -> str:
-        """An equality between two objects of a kind."""
+    def equality(self, kind: str, part: Any, name: str, objects: tuple[str, str], of: str, data: tuple = ()) -> str:
+        """An equality of a joint, between two objects of a kind."""
         made = self.spec.add_equality(name=name, name1=objects[0], name2=objects[1])
         made.type = getattr(self.mujoco.mjtEq, f"mjEQ_{kind}")
         made.objtype = getattr(self.mujoco.mjtObj, f"mjOBJ_{of}")
         made.solimp[:] = LOCKED
         made.data[: len(data)] = data
+        self.held[name] = part
         return name
 
 
@@ -87,7 +91,7 @@ def sketch(mujoco: Any, system: System, layout: Layout, integrator: str, dense: 
             spec.body(name).add_site(name=f"{name} of {piece.name}").name
             for name in (layout.main[id(piece.body)].name, piece.name)
         )
-        made.equality("WELD", f"whole {piece.number}", halves, "SITE", data=(0.0,) * 10 + (1.0,))
+        made.equality("WELD", piece.joint, f"whole {piece.number}", halves, "SITE", data=(0.0,) * 10 + (1.0,))
     for joint in layout.closing:
         made.closures[id(joint)] = close(made, joint)
     return made
@@ -192,5 +196,5 @@ def close(made: Sketch, joint: Any) -> list[str]:
             made.site(joint.b, joint.at_b + (x * joint.axis_b if x else 0.0)),
             made.site(joint.a, joint.at + (x * joint.axis if x else 0.0)),
         )
-        found.append(made.equality("CONNECT", f"closing {name} {k}", sites, "SITE"))
+        found.append(made.equality("CONNECT", joint, f"closing {name} {k}", sites, "SITE"))
     return found

@@ -83,7 +83,8 @@ def hold_tendon(
     generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
     tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
     clock = motors.clock() if len(polynomial) > 1 else ""
-    equality = made.equality("TENDON", f"held {name}", (tendon, clock), "TENDON", (*polynomial, 0, 0, 0, 0, 0)[:5])
+    data = (*polynomial, 0, 0, 0, 0, 0)[:5]
+    equality = made.equality("TENDON", joint, f"held {name}", (tendon, clock), "TENDON", data)
     return Coupling(joint, tendon, equality, terms, adrift=adrift)
 
 

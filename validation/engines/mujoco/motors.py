@@ -71,13 +71,15 @@ class Motors:
                 amplitude, omega, phase = term.data
                 if integrated:
                     amplitude, phase = amplitude / omega, phase - np.pi / 2
-                sines[self.add(amplitude, abs(omega), phase)] = 1.0
+                sines[self.add(amplitude, omega, phase)] = 1.0
             elif term.kind == SINE:
                 polynomial = added(polynomial, np.array([term.data[0] * np.sin(term.data[2])]), integrated)
             elif term.kind == POLYNOMIAL:
                 polynomial = added(polynomial, term.data, integrated)
             else:
-                raise NotExpressible(f"{shown}: its signal is a Table; MuJoCo moves only by sines and polynomials")
+                raise NotExpressible(
+                    f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials"
+                )
         if polynomial.size > HIGHEST + 1:
             raise NotExpressible(
                 f"{shown}: its signal is a polynomial of degree {polynomial.size - 1}; MuJoCo's equalities have "

@@ -26,14 +26,16 @@ class Reactions:
     def __init__(
         self, made: Sketch, loads: Loads, couplings: list[Coupling], tendons: list, mujoco: Any, model: Any
     ) -> None:
-        self.made, self.loads, self.couplings, self.tendons = made, loads, couplings, tendons
+        self.made, self.loads, self.tendons = made, loads, tendons
         self.mujoco, self.model = mujoco, model
-        meshed = {id(hinge) for j in made.system.joints if isinstance(j, GearMesh) for hinge in (j.hinge_a, j.hinge_b)}
-        self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in meshed]
-        self.held = [c for c in couplings if not loads_of(c.part) and not isinstance(c.part, GearMesh)]
+        self.meshes = [c for c in couplings if isinstance(c.part, GearMesh)]
+        welded = {id(piece.joint) for piece in made.layout.extra}
+        split = {id(h) for c in self.meshes for h in (c.part.hinge_a, c.part.hinge_b) if id(h) in welded}
+        self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in split]
+        self.held = [c for c in couplings if not loads_of(c.part) and c not in self.meshes]
 
     def all(self, data: Any) -> dict[str, Wrench]:
-        """Joint name -> (force, moment). A tooth force loads bearings, a torque does not: GearMesh is left out."""
+        """Joint name -> (force, moment)."""
         self.tell_applied(data)
         self.mujoco.mj_rnePostConstraint(self.model, data)
         data.xfrc_applied[:] = 0.0
@@ -42,6 +44,7 @@ class Reactions:
         found = {name(piece.joint): self.of_piece(data, piece, along) for piece in self.tree}
         found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
         found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
+        found |= {name(mesh): (force, np.zeros(3)) for mesh, force in self.tooth_forces(data)}
         for rod, _, equality in self.tendons:
             found[name(rod)] = self.pull(data, rod, self.tension(data, equality)), np.zeros(3)
         return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
@@ -77,7 +80,7 @@ class Reactions:
 
     def tell_applied(self, data: Any) -> None:
         """Applied loads as external ones at the centres of mass, for the sum only."""
-        for body, at, force, moment in self.applied(data):
+        for body, at, force, moment in (*self.applied(data), *self.on_teeth(data)):
             if body is not GROUND:
                 k = self.model.body(self.made.layout.main[id(body)].name).id
                 data.xfrc_applied[k, :3] += force
@@ -94,10 +97,23 @@ class Reactions:
             at = part.body.position if isinstance(part, Torque) else part.at
             yield part.body, self.point(data, part.body, at), linear, turning
 
+    def on_teeth(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
+        """(gear, pitch point, force, no moment) where the couplings turn the gears: the same motion, other bearings."""
+        for mesh, force in self.tooth_forces(data):
+            at = self.point(data, mesh.support(), mesh.at)
+            for gear, sign in ((mesh.a, -1.0), (mesh.b, 1.0)):
+                yield gear, at, sign * force, np.zeros(3)
+
+    def tooth_forces(self, data: Any) -> Iterator[tuple[GearMesh, np.ndarray]]:
+        """(mesh, force on gear b): its row is the work of a unit force along the line of action."""
+        for coupling in self.meshes:
+            mesh = coupling.part
+            yield mesh, self.tension(data, coupling.equality) * self.axis(data, mesh.support(), mesh.direction())
+
     def along_coordinates(self, data: Any) -> dict[str, float]:
         """What springs and couplings do along each joint coordinate [N or N m]."""
         total: dict[str, float] = {}
-        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.couplings if not loads_of(c.part)]
+        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.held]
         for tendon, terms, stiffness, damping in self.loads.turning:
             k = self.model.tendon(tendon).id
             rest = self.model.tendon_lengthspring[k, 0]
@@ -134,10 +150,10 @@ class Reactions:
         return force, moment
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
-        """On body b of the joint it acts through: along or about the axes of its coordinates that move this body."""
+        """On body b of the joint it acts through, by every coordinate in the row that this body has a part in."""
         tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
         for x, factor in coupling.coordinates:
-            sense = (x.b is coupling.part.b) - (x.a is coupling.part.b)  # both hinges of a gear may stand on it
+            sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)
             load = sense * factor * tension * self.axis(data, x.a, x.axis)
             force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
         return force, moment

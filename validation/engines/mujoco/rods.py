@@ -89,7 +89,8 @@ def add_tendons(made: Any) -> list[tuple[Any, str, str]]:
             tendon = made.spec.add_tendon(name=f"rod {made.system.name(joint)}")
             for body, at in ((joint.a, joint.at_a), (joint.b, joint.at_b)):
                 tendon.wrap_site(made.site(body, at))
-            found.append((joint, tendon.name, made.equality("TENDON", tendon.name, (tendon.name, ""), "TENDON")))
+            objects = tendon.name, ""
+            found.append((joint, tendon.name, made.equality("TENDON", joint, tendon.name, objects, "TENDON")))
     return found
 
 

@@ -13,6 +13,7 @@ from mbsd3d.rotations import matrix
 from mbsd3d.terms import evaluate
 
 from ..base import EngineFailed, Kinetic, Load, Motion
+from ..inputs import check_run
 from .build import Sketch
 from .couplings import Coupling
 from .instant import mass_matrix, start_accelerations
@@ -66,6 +67,7 @@ class MujocoTwin:
             self.qpos[joint.qposadr[0]], self.qvel[joint.dofadr[0]] = generator.start(self.state.t)
         self.check_pose()
         self.place_drifters()
+        self.check_rows()
 
     def check_pose(self) -> None:
         """The tree must meet the state; a ValueError names the body that is off."""
@@ -88,6 +90,19 @@ class MujocoTwin:
                 row = self.model.equality(coupling.equality).id
                 later = self.model.eq_data[row, 1:5] @ self.state.t ** np.arange(1, 5)
                 self.model.eq_data[row, 0] = self.data.ten_length[self.model.tendon(coupling.tendon).id] - later
+
+    def check_rows(self) -> None:
+        """Equalities must be met at the start, also by the velocities; a ValueError names the joint that is not."""
+        self.begin()
+        d, q, v = self.data, self.state.q.reshape(-1, 7), self.state.v
+        for residual, unit, size in ((d.efc_pos, "m or rad", q[:, :3]), (d.efc_vel, "m/s or rad/s", v)):
+            worst = int(np.argmax(np.abs(residual))) if residual.size else 0
+            if residual.size and abs(residual[worst]) > FITS * max(1.0, np.abs(size).max()):
+                part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
+                raise ValueError(
+                    f"state: joint '{self.made.system.name(part)}' ({type(part).__name__}) is off by "
+                    f"{abs(residual[worst]):.3g} {unit}; start from system.state() or system.assemble()"
+                )
 
     def begin(self) -> None:
         """The data at the start, evaluated."""
@@ -143,14 +158,11 @@ class MujocoTwin:
         Raises
         ------
         ValueError
-            If ``samples`` does not divide ``steps``, or t_end is not after the start.
+            If ``samples`` does not divide ``steps``, t_end is not after the start, or a Table ends before.
         EngineFailed
             If MuJoCo warns of numbers that are not finite or too large.
         """
-        if samples < 1 or steps % samples:
-            raise ValueError(f"MuJoCo: {samples} samples do not divide {steps} steps; give a multiple")
-        if t_end <= self.state.t:
-            raise ValueError(f"MuJoCo: t_end {t_end:g} s is not after the start at {self.state.t:g} s")
+        check_run(self.engine, self.made.system, self.state.t, t_end, steps, samples)
         m, d = self.model, self.data
         m.opt.timestep = (t_end - self.state.t) / steps
         m.eq_solref[:] = self.softness * m.opt.timestep, self.dampratio

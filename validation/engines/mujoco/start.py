@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance, State
+from mbsd3d.evaluation import driven_coordinates
+from mbsd3d.lowering import key_of
 from mbsd3d.rotations import matrix, quaternion_from_matrix
 
 from . import rods
@@ -68,16 +70,12 @@ def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.
 
 
 def counted(made: Sketch, joint: Any, state: State, angles: tuple) -> tuple:
-    """The angle of a hinge with the turns that the state has counted."""
-    own = joint.angle()
-    if own is None or state.coordinates is None or len(angles) != 1:
+    """The angle of a hinge with the turns that the state has counted, or else its driver."""
+    own, lowered = joint.angle(), made.system.lowered
+    if own is None or len(angles) != 1 or key_of(own) not in lowered.coordinate_index:
         return angles
-    known = made.system.lowered.coordinate_index
-    from mbsd3d.lowering import key_of
-
-    if key_of(own) not in known:
-        return angles
-    turns = np.round((state.coordinates[known[key_of(own)]] - angles[0]) / (2 * np.pi))
+    known = driven_coordinates(lowered, state.t) if state.coordinates is None else state.coordinates
+    turns = np.round((known[lowered.coordinate_index[key_of(own)]] - angles[0]) / (2 * np.pi))
     return (angles[0] + 2 * np.pi * turns,)
 
 
