@@ -6,6 +6,7 @@ import subprocess
 import sys
 import types
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -18,11 +19,12 @@ import validation
 from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
 from validation import cross_check, twins
+from validation.crosscheck import causes, limits
 from validation.crosscheck import check as checking
-from validation.crosscheck import limits
+from validation.crosscheck import ours as own
 from validation.crosscheck.ours import motion_of, ours_at
 from validation.crosscheck.quantities import momenta, rotation_matrices
-from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, CrossCheck
+from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, CrossCheck, Finding
 from validation.engines.base import EngineFailed, EngineMissing
 from validation.mechanisms import chain
 
@@ -230,6 +232,64 @@ def test_a_lower_order_than_expected_is_said_with_the_number_of_the_step(fake):
     assert "order 1.0" in found["position"].verdict
 
 
+def suspect(difference, uncertainty=1e-9):
+    """A finding that differs."""
+    return Finding(
+        "Exudyn", "position", DIFFERS, difference=difference, uncertainty=uncertainty, tolerance=1e-6, part="arm"
+    )
+
+
+@pytest.mark.parametrize(
+    ("stays", "before", "after", "status"),
+    [
+        (0.0, 1e-4, 5e-7, EXPLAINED),
+        (0.0, 1e-2, 5e-5, DIFFERS),  # a hundredth is left, and that is fifty tolerances
+        (0.25, 1e-3, 0.26e-3, EXPLAINED),
+        (0.25, 1e-3, 0.4e-3, DIFFERS),
+        (0.25, 0.4, 0.11, DIFFERS),  # nearly a quarter, but a defect of 1 % would not be seen
+    ],
+)
+def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, after, status):
+    monkeypatch.setitem(causes.CAUSES, "Exudyn", (causes.Cause("the cause", "tolerance", 1e-13, stays),))
+    monkeypatch.setattr(causes, "changed", lambda *arguments: {"position": after})
+    (found,) = causes.explained([suspect(before)], None, None, None, None)
+    assert found.status == status
+
+
+def test_our_own_error_is_never_forgiven(monkeypatch):
+    """Rows without J_dot v leave the joints: our run depends on its tolerance, which must not loosen the verdict."""
+    upper = Body("upper", 1.5, (0.02, 0.03, 0.04), com=(0.05, 0.1, -0.1), position=(0, 0.5, -0.5))
+    lower = Body("lower", 0.7, (0.01, 0.02, 0.015), com=(0.05, 0.0, -0.1), position=(0, 0.9, -0.9))
+    shoulder = Revolute(GROUND, upper, at=(0, 0, 0), axis=(1, 0.1, 0.2))
+    system = System([upper, lower], [shoulder, Revolute(upper, lower, at=(0, 0.7, -0.7), axis=(0.3, 1, 0.2))])
+    monkeypatch.setattr(own, "simulate", partial(simulate, gamma=False))
+    check = cross_check(system, 0.3, engines=["exudyn"], budget=2.0)
+    assert not check.passed, check.table()
+
+
+def test_what_differs_in_one_way_is_not_made_good_by_another(fake):
+    """The first way differs at the start and cannot follow the motion; the others agree."""
+    from validation.engines import exudyn
+
+    def two_faced(system, formulation="rigid bodies", **settings):
+        if formulation == "rigid bodies":
+            return exudyn.twin(system, **settings)
+        made = heavier(exudyn.twin)(system, formulation=formulation, **settings)
+        made.run = lambda *arguments: (_ for _ in ()).throw(EngineFailed("too stiff"))
+        return made
+
+    fake("exudyn", two_faced)
+    check = cross_check(arm(), 0.2, engines=["exudyn"], budget=2.0)
+    assert not check.passed and "mass matrix differs" in check.failures[0]
+
+
+def test_the_last_line_says_how_far_an_agreement_goes():
+    """Half the time and a tolerance that had to be loosened are no plain agreement."""
+    found = Finding("MuJoCo", "position", AGREES, difference=1e-5, uncertainty=1e-5, tolerance=1e-4, until=0.5)
+    check = CrossCheck(1.0, 1e-6, (Compared("MuJoCo", (found,)),))
+    assert check.table().endswith("agrees with MuJoCo (until 0.5 s of 1 s, within 1e-04)")
+
+
 # -- what cannot be compared --
 
 
@@ -270,6 +330,44 @@ def test_an_engine_that_fails_on_the_way_keeps_what_was_found_at_the_start(fake)
     assert "NaN at t = 0.1 s" in check.verdict["MuJoCo", "motion"]
     assert not check.passed and "no motion was compared; of MuJoCo only the start" in check.table()
     assert cross_check(arm(), None, engines=["mujoco"]).passed  # where no more was asked for
+
+
+@pytest.mark.parametrize("what", ["velocity", "reaction of 'hinge'"])
+def test_numbers_that_are_not_finite_are_not_compared(fake, what):
+    from validation.engines import mujoco
+
+    def spoilt(system, **settings):
+        made = mujoco.twin(system, **settings)
+        run = made.run
+
+        def later(t_end, steps, samples):
+            motion = run(t_end, steps, samples)
+            values = motion.velocity if what == "velocity" else next(iter(motion.reactions.values())).moment
+            values[-1] = np.nan
+            return motion
+
+        made.run = later
+        return made
+
+    fake("mujoco", spoilt)
+    system = arm()
+    name = what.replace("hinge", system.name(system.joints[0]))
+    check = cross_check(system, 0.2, engines=["mujoco"], budget=0.5)
+    assert not check.passed and f"{name} is not finite" in check.verdict["MuJoCo", "motion"]
+
+
+def test_ctrl_c_in_a_run_keeps_the_start(fake):
+    from validation.engines import mujoco
+
+    def stopped(system, **settings):
+        made = mujoco.twin(system, **settings)
+        made.run = lambda *arguments: (_ for _ in ()).throw(KeyboardInterrupt)
+        return made
+
+    fake("mujoco", stopped)
+    check = cross_check(arm(), 0.2)
+    assert check.interrupted and check.verdict["MuJoCo", "mass matrix"] == AGREES
+    assert check.verdict["MuJoCo", "motion"] == check.verdict["Exudyn", "everything"] == "not compared: interrupted"
 
 
 def test_ctrl_c_keeps_what_was_found(fake):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from mbsd3d import State
 from validation.engines.base import NotComparable, Twin
 
-from .judge import Runs, limit_difference
+from .judge import LOOSEST, Runs, limit_difference
 from .ours import Ours
 from .start import acceleration_differences
 from .verdict import DIFFERS, EXPLAINED, Attribution, Finding
@@ -28,7 +28,9 @@ CAUSES: dict[str, tuple[Cause, ...]] = {
 }
 """By engine, in the order they are tried."""
 NEAR = 0.2
-"""By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen."""
+"""By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen.
+
+So it is never more than `LOOSEST` of the quantity's size, however great the difference."""
 
 
 def explained(
@@ -43,7 +45,7 @@ def explained(
     for cause in CAUSES.get(findings[0].engine, ()):
         for name, after in changed(cause, make, system, state, ours, climb, span).items():
             before = suspects[name].difference if name in suspects else None
-            if before and abs(after / before - cause.stays) <= NEAR * max(cause.stays, 0.05):
+            if before and abs(after - cause.stays * before) <= unseen(cause, suspects[name]):
                 proofs[name].append(Attribution(cause.name, f"{cause.setting} = {cause.value:g}", before, after))
     return [
         replace(x, status=EXPLAINED, attributions=(*x.attributions, *proofs[x.quantity]))
@@ -51,6 +53,12 @@ def explained(
         else x
         for x in findings
     ]
+
+
+def unseen(cause: Cause, finding: Finding) -> float:
+    """How far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
+    share = NEAR * max(cause.stays, 0.05) * finding.difference
+    return min(share, LOOSEST if cause.stays else finding.bound)
 
 
 def changed(

@@ -20,7 +20,7 @@ from .judge import POSES, Runs, curves, judge_motion
 from .ladder import INTERVALS, climb, fastest_rate, first_steps
 from .ours import Ours, ours_at, ours_at_start
 from .start import judge_start
-from .verdict import SKIPPED, Compared, CrossCheck, Finding
+from .verdict import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
 
 MODULES = {"mujoco": "validation.engines.mujoco", "exudyn": "validation.engines.exudyn"}
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
@@ -36,6 +36,13 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {
 }
 """Settings of an engine's twin in the order they are tried: the most accurate one that takes the model counts."""
 BUDGET = 10.0  # s of an engine's ladder
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C among the runs of an engine, with what was found about it before."""
+
+    def __init__(self, found: Compared) -> None:
+        self.found = found
 
 
 def cross_check(
@@ -104,8 +111,10 @@ def cross_check(
                 )
             except NotComparable as error:
                 found.append(skipped(NAMES.get(engine, engine), str(error)))
-            except KeyboardInterrupt:
-                found += [skipped(NAMES.get(name, name), "interrupted") for name in engines[k:]]
+            except KeyboardInterrupt as stop:
+                found += [stop.found] if isinstance(stop, Interrupted) else []
+                left = engines[k + isinstance(stop, Interrupted) :]
+                found += [skipped(NAMES.get(name, name), "interrupted") for name in left]
                 interrupted = True
                 break
     own = max((float(ours.error[name][-1]) for name in POSES if name in ours.error), default=0.0)
@@ -158,8 +167,8 @@ def compare(
         except NotComparable as error:
             reason = error
             continue
-        if found.steps or ours.motion.t.size == 1:
-            return found
+        if found.steps or ours.motion.t.size == 1 or any(x.status == DIFFERS for x in found.findings):
+            return found  # what differs in one way is not made good by another
         halted = halted or found
     if halted is None:
         raise reason
@@ -181,6 +190,9 @@ def compare_way(
 
     try:
         runs = runs_of(twin)
+    except KeyboardInterrupt:
+        findings.append(Finding(name, "motion", SKIPPED, reason="interrupted"))
+        raise Interrupted(Compared(name, tuple(findings), twin.settings, twin.order)) from None
     except NotComparable as error:
         findings.append(Finding(name, "motion", SKIPPED, reason=str(error)))
         return Compared(name, tuple(explained(findings, make, system, state, ours)), twin.settings, twin.order)
@@ -188,9 +200,17 @@ def compare_way(
     findings = explained(findings + motion, make, system, state, ours, runs_of, span)
     ladder = runs.ladder
     return Compared(
-        name, tuple(findings), twin.settings, twin.order, tuple(ladder.steps),
+        name, tuple(findings), twin.settings + silent(ladder.runs[-1], ours), twin.order, tuple(ladder.steps),
         tuple(run.seconds for run in ladder.runs), ladder.stopped, curves(runs, span),
     )  # fmt: skip
+
+
+def silent(motion: Any, ours: Ours) -> str:
+    """Which unique reactions an engine does not report."""
+    missing = [f"'{name}'" for name in ours.motion.reactions if name not in motion.reactions]
+    if not missing:
+        return ""
+    return "; reports no reactions" + (f" of {', '.join(missing)}" if motion.reactions else "")
 
 
 def notes(ours: Ours) -> tuple[str, ...]:

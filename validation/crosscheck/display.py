@@ -4,7 +4,7 @@ from typing import Any
 
 from mbsd3d.style import LINE, THIN, Theme, dress, house, theme
 
-from .verdict import Compared, CrossCheck, Finding
+from .verdict import AGREES, SKIPPED, Compared, CrossCheck, Finding
 
 SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities in the figure of convergence: the others follow from them."""
@@ -34,9 +34,20 @@ def summary(check: CrossCheck) -> str:
         return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
     partly = [name for name in check.compared if name not in (*check.followed, "definitions")]
     rest = f"; of {', '.join(partly)} only the start was compared" if partly else ""
+    agreeing = [name for name in check.compared if name not in partly]
     if not check.passed:
         return f"no motion was compared{rest}" if partly else "nothing was compared with another engine"
-    return f"agrees with {', '.join(x for x in check.compared if x not in partly)}{rest}"
+    return f"agrees with {', '.join(how_far(check, x) for x in check.engines if x.engine in agreeing)}{rest}"
+
+
+def how_far(check: CrossCheck, engine: Compared) -> str:
+    """The engine, with what falls short of the whole time and of the tolerance that was asked for."""
+    motion = [x for x in engine.findings if x.uncertainty is not None and x.status != SKIPPED]
+    until = min((x.until for x in motion), default=check.t_end)
+    bound = max((x.bound for x in motion), default=0.0)
+    less = [f"until {until:.4g} s of {check.t_end:g} s"] if until < check.t_end * (1 - 1e-9) else []
+    less += [f"within {bound:.0e}"] if bound > 1.1 * check.tolerance else []
+    return f"{engine.engine} ({', '.join(less)})" if less else engine.engine
 
 
 def row(finding: Finding) -> str:
@@ -49,9 +60,9 @@ def row(finding: Finding) -> str:
 
 
 def verdict(finding: Finding) -> str:
-    """The verdict, and the tolerance where it had to be looser than usual."""
-    loose = finding.status == "agrees" and finding.tolerance is not None and finding.tolerance > USUAL
-    return f"{finding.verdict} within {finding.tolerance:.0e}" if loose else finding.verdict
+    """The verdict, and up to which difference it agrees where that is looser than usual."""
+    loose = finding.status == AGREES and finding.bound > USUAL
+    return f"{finding.verdict} within {finding.bound:.0e}" if loose else finding.verdict
 
 
 def number(value: float | None, form: str) -> str:
@@ -90,8 +101,12 @@ def draw(axes: Any, engine: Compared, look: Theme) -> None:
                         label=curve.quantity)  # fmt: skip
     if shown and engine.order:
         coarse, first = shown[0].steps[0], max(curve.differences[0] for curve in shown)
-        slope = [2.0 * first * (h / coarse) ** engine.order for h in shown[0].steps]
-        axes.loglog(shown[0].steps, slope, "--", color=look.muted, linewidth=2 * THIN, label=f"order {engine.order:g}")
+        least = min((e for curve in shown for e in curve.differences if e > 0.0), default=0.0)
+        slope = [(h, 2.0 * first * (h / coarse) ** engine.order) for h in shown[0].steps]
+        slope = slope[:2] + [(h, e) for h, e in slope[2:] if e >= 0.1 * least]  # below, all is rounding
+        axes.loglog(
+            *zip(*slope, strict=True), "--", color=look.muted, linewidth=2 * THIN, label=f"order {engine.order:g}"
+        )
     for axis in (axes.xaxis, axes.yaxis):  # mathtext is off in house style: names may have dollars in them
         axis.set_major_locator(LogLocator(numticks=6))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))

@@ -39,14 +39,14 @@ def compare_definitions(system: Any, state: State, t_end: float | None, size: Si
     for k in range(solution.t.size):
         for name, difference, part, limit in at_state(solution, k, size):
             found.setdefault(name, []).append((difference / limit, part, difference, limit))
-    findings = tuple(finding(name, max(entries), float(solution.t[-1])) for name, entries in found.items())
+    findings = tuple(finding(name, entries, float(solution.t[-1])) for name, entries in found.items())
     states = f"{solution.t.size} states" if t_end else "the start"
     return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {states}")
 
 
-def finding(name: str, worst: tuple, t_end: float) -> Finding:
-    """The worst of all states."""
-    excess, part, difference, limit = worst
+def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: float) -> Finding:
+    """The worst of all states; what is not a number is worse than any."""
+    excess, part, difference, limit = max(entries, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
     status = AGREES if excess <= 1.0 else DIFFERS
     return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part)
 
@@ -77,8 +77,8 @@ def gaps(solution: Any, k: int, scale: float) -> tuple[float, str]:
         if type(joint).__name__ in definitions.GEOMETRY:
             *parts, last = definitions.GEOMETRY[type(joint).__name__](now, joint)
             c = [*(part.x0 for part in parts), last.x0 + whole_turns(solution, k, joint)]
-            found.append((max(map(largest, c)) / scale, system.name(joint)))
-    return max(found)
+            found.append((float(np.max([largest(part) for part in c])) / scale, system.name(joint)))
+    return max(found, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
 
 
 def whole_turns(solution: Any, k: int, joint: Any) -> float:

@@ -5,25 +5,26 @@ from typing import Any
 
 import numpy as np
 
+from validation.engines.base import Array
+
 from .ladder import Ladder
 from .limits import Limit, best_limit
 from .ours import Ours
 from .quantities import Quantity, quantities
-from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Attribution, Curve, Finding
+from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
 
 POSES = ("position", "rotation", "velocity", "angular velocity")
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
 LOOSEST = 1e-3
 """Tolerance beyond which agreement would say nothing."""
-SURE = 3.0
-"""Errors of a limit by which another may be away from it: the estimate is the last change, not a bound."""
 SLACK = 0.5
 """By how much the observed order may miss the expected one; a lower one has to be explained."""
 HALVED = 0.75
 """A difference that halving the step takes below this part of it is one of the step, of whatever order."""
 BLUR = 100.0
-"""Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations."""
+"""Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations; never
+more than `LOOSEST`."""
 
 
 class Runs:
@@ -54,20 +55,33 @@ def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, 
     }
 
 
-def horizon(runs: Runs, tolerance: float) -> int:
-    """Number of samples over which the engine's limit is known to the tolerance, and stays so if errors grow."""
+def horizon(runs: Runs, tolerance: float, own: float) -> int:
+    """Number of samples over which the engine's limit is known to the tolerance, and stays so if errors grow.
+
+    Our own motion has to be known to ``own``, whatever is forgiven the engine.
+    """
     unsure = np.max([runs.limit(name, None).error + runs.ours.error[name] for name in POSES], axis=0)
     grown = runs.ours.growth * unsure[1]
-    over = np.flatnonzero(np.maximum(unsure, grown) > tolerance)
-    return int(over[0]) if over.size else unsure.size
+    known = (np.maximum(unsure, grown) <= tolerance) & (own_error(runs.ours) <= own)
+    return int(known.size if known.all() else np.argmin(known))
+
+
+def own_error(ours: Ours) -> Array:
+    """(n,) how wrong our own poses and velocities may be up to each sample, relative."""
+    return np.max([ours.error[name] for name in POSES], axis=0)
+
+
+def least_samples(ours: Ours) -> int:
+    """Samples that should be comparable."""
+    return max(2, int(LEAST * (ours.motion.t.size - 1)) + 1)
 
 
 def reach(runs: Runs, tolerance: float) -> tuple[int, float]:
     """(samples to compare, tolerance used): ten times looser until an eighth of the run can be compared."""
     used, count = tolerance, 0
-    least = max(2, int(LEAST * (runs.ours.motion.t.size - 1)) + 1)
+    least = least_samples(runs.ours)
     while used <= LOOSEST * (1 + 1e-9):
-        count = horizon(runs, used)
+        count = horizon(runs, used, tolerance)
         if count >= least:
             return count, used
         used *= 10.0
@@ -78,8 +92,11 @@ def judge_motion(runs: Runs, engine: str, tolerance: float) -> tuple[list[Findin
     """(a finding for every quantity of the motion, samples compared)."""
     span, used = reach(runs, tolerance)
     if span == 0:
-        error = max(float(runs.limit(name, None).error[1]) for name in POSES)
+        error, own = max(float(runs.limit(name, None).error[1]) for name in POSES), own_error(runs.ours)
         text = f"after {runs.ladder.steps[-1]} steps the limit is known only to {error:.0e} at the first sample"
+        last = least_samples(runs.ours) - 1
+        if not own[last] <= tolerance:
+            text = f"mbsd3d's own motion is known only to {own[last]:.0e} at t = {runs.ours.motion.t[last]:.4g} s"
         return [Finding(engine, name, SKIPPED, reason=text) for name in runs.values], 0
     return [judge(runs, engine, name, span, used) for name in runs.values], span
 
@@ -111,9 +128,9 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         difference=difference, uncertainty=unsure, tolerance=tolerance, order=limit.order, expected=order,
         until=float(runs.ours.motion.t[span - 1]), part=part,
     )  # fmt: skip
-    if found["difference"] > max(SURE * unsure, tolerance):
+    if not difference <= max(SURE * unsure, tolerance):
         return Finding(engine, name, DIFFERS, **found)
-    if unsure > BLUR * tolerance:
+    if unsure > min(BLUR * tolerance, LOOSEST):
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
     gaps, first = differences(runs, name, span), first_sample(runs, name, limit)
     if first > max(SURE * unsure, tolerance):

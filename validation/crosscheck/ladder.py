@@ -68,7 +68,7 @@ def climb(
     while not ladder.stopped:
         start = time.perf_counter()
         try:
-            ladder.runs.append(twin.run(t_end, steps, INTERVALS))
+            ladder.runs.append(finite(twin.run(t_end, steps, INTERVALS), twin.engine))
             ladder.steps.append(steps)
         except EngineFailed as error:
             ladder.failed.append(f"{steps} steps: {error}")
@@ -81,6 +81,16 @@ def climb(
     if len(ladder.runs) < FEWEST:
         raise EngineFailed(reason(ladder, t_end))
     return ladder
+
+
+def finite(motion: Motion, engine: str) -> Motion:
+    """The motion, or EngineFailed if anything in it is not finite: such numbers compare as neither more nor less."""
+    loads = {f"reaction of '{name}'": np.stack(load) for name, load in motion.reactions.items()}
+    poses = {name: getattr(motion, name) for name in ("position", "orientation", "velocity", "omega")}
+    for name, values in (poses | loads).items():
+        if not np.isfinite(values).all():
+            raise EngineFailed(f"{engine}: {name} is not finite")
+    return motion
 
 
 def why_stop(

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
+SURE = 3.0
+"""Errors of a limit by which another may be away from it: the estimate is the last change, not a bound."""
 
 
 class Attribution(NamedTuple):
@@ -55,6 +57,11 @@ class Finding:
     part: str = ""
     reason: str = ""
     attributions: tuple[Attribution, ...] = ()
+
+    @property
+    def bound(self) -> float:
+        """Relative difference up to which it agrees."""
+        return max(SURE * (self.uncertainty or 0.0), self.tolerance or 0.0)
 
     @property
     def verdict(self) -> str:
