@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test slow lint pictures clean
+.PHONY: demo test slow lint pictures precision clean
 
 demo: $(READY)
 	$(BIN)/mbsd3d demo --all --out out
@@ -16,6 +16,9 @@ slow: $(READY)
 
 pictures: $(READY)
 	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures
+
+precision: $(READY)
+	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
 
 lint: $(READY)
 	$(BIN)/ruff check .
