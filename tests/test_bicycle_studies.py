@@ -232,6 +232,18 @@ def test_samples_with_an_inertia_that_no_body_has_are_counted():
     assert abs(found.impossible - 0.16) < 0.02 and "% have an inertia of frame or fork" in str(found)
 
 
+def test_samples_are_judged_by_their_principal_moments():
+    keys = ("IBxx", "IByy", "IBzz", "IBxz")
+    base = replace(BENCHMARK, IBxx=3.0, IByy=11.0, IBzz=9.5, IBxz=4.2, name="long")
+    found = sensitivity.monte_carlo(base, dict.fromkeys(keys, 0.5), n=2000, seed=3)
+    xx, yy, zz, xz = found.inputs.T
+    mean, radius = (xx + zz) / 2.0, np.hypot((xx - zz) / 2.0, xz)
+    moments = np.sort([mean - radius, mean + radius, yy], axis=0)
+    assert found.impossible == np.mean(moments[2] > moments[0] + moments[1]) and 0.1 < found.impossible < 0.9
+    plain = np.mean((xx + zz < yy) | (xx + yy < zz) | (yy + zz < xx))
+    assert found.impossible > plain + 0.05  # the product of inertia matters
+
+
 def test_speeds_that_some_samples_do_not_have_are_counted():
     narrow = replace(BENCHMARK, c=-0.007, name="narrow")
     found = sensitivity.monte_carlo(narrow, {"c": 0.002}, n=4000, seed=1)
@@ -382,6 +394,22 @@ def test_a_variant_that_cannot_be_had_says_why_and_the_others_stay():
     assert all(np.isfinite(row.growth) for row in found.rows if not row.problem)
     light = replace(BENCHMARK, mH=0.0, IHxx=0.0, IHyy=0.0, IHzz=0.0, IHxz=0.0)
     assert "the fork has no mass (mH = 0)" in str(why.ablations(light, None))
+
+
+def test_what_another_model_does_is_not_confirmed():
+    def heavier(parameters, speed):
+        return whipple(replace(parameters, mB=parameters.mB + 0.01), speed)
+
+    def falls_faster(parameters, speed):
+        return whipple(replace(parameters, IBzz=parameters.IBzz + 0.01), speed)
+
+    assert ablation.ablated("as built", BENCHMARK, heavier, 5.0).confirmed is False
+    vertical = replace(BENCHMARK, lam=0.0)  # stable at no speed, so that its growth alone tells
+    assert ablation.ablated("vertical", vertical, whipple, 5.0).confirmed
+    assert ablation.ablated("vertical", vertical, falls_faster, 5.0).confirmed is False
+    found = ablation.ablated("as built", BENCHMARK, whipple, 5.0)
+    beside = [critical.Range(part.low, part.high + 3e-6) for part in found.ranges]
+    assert found.confirmed and not ablation.in_spectrum(replace(found, ranges=beside), whipple, 5.0)
 
 
 def test_a_slow_capsize_is_confirmed_too():
