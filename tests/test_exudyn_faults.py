@@ -114,6 +114,10 @@ def test_bad_settings():
             twin(system).run(1.0, steps, samples)
     with pytest.raises(ValueError, match="does not lie after the start"):
         twin(system).run(0.0, 8, 1)
+    with pytest.raises(ValueError, match="Exudyn: state 'start' is not a State"):
+        twin(system, state="start")
+    with pytest.raises(ValueError, match="2 bodies, the system has 1"):
+        twin(system, state=revolute_chain(2).state())
 
 
 def test_tables():

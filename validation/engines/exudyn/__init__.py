@@ -3,6 +3,7 @@
 from typing import Any
 
 from ..base import EngineFailed, NotExpressible, Twin
+from ..inputs import start_of
 from .assembly import ROTATIONS
 from .bodies import BodyTwin
 from .forces import FORCES
@@ -65,7 +66,7 @@ def twin(
     EngineFailed
         If Exudyn itself refuses the model.
     ValueError
-        For an unknown setting.
+        For an unknown setting, or a state of another system.
 
     Examples
     --------
@@ -81,7 +82,7 @@ def twin(
         if value not in known:
             raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
     module = exudyn()
-    start = system.state() if state is None else state
+    start = start_of(system, state, "Exudyn")
     try:
         if formulation == "kinematic tree":
             return TreeTwin(module, system, start, **scheme)
