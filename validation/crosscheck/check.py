@@ -16,7 +16,7 @@ from validation.engines.base import EngineMissing, NotComparable, Twin
 from .causes import explained
 from .formulation import ENGINE as DEFINITIONS
 from .formulation import compare_definitions, skipped
-from .judge import POSES, Runs, curves, judge_motion
+from .judge import Runs, curves, judge_motion, own_error
 from .ladder import INTERVALS, climb, fastest_rate, first_steps
 from .ours import Ours, ours_at, ours_at_start
 from .start import judge_start
@@ -117,7 +117,7 @@ def cross_check(
                 found += [skipped(NAMES.get(name, name), "interrupted") for name in left]
                 interrupted = True
                 break
-    own = max((float(ours.error[name][-1]) for name in POSES if name in ours.error), default=0.0)
+    own = float(own_error(ours)[-1]) if ours.error else 0.0
     end = float(ours.motion.t[-1])
     return CrossCheck(
         end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, t_end is None, notes(ours)

@@ -10,10 +10,9 @@ from validation.engines.base import Array
 from .ladder import Ladder
 from .limits import Limit, best_limit
 from .ours import Ours
-from .quantities import Quantity, quantities
+from .quantities import POSES, Quantity, quantities
 from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
 
-POSES = ("position", "rotation", "velocity", "angular velocity")
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
 LOOSEST = 1e-3

@@ -10,7 +10,7 @@ import numpy as np
 from validation.engines.base import EngineFailed, Motion
 
 from .limits import FEWEST, best_limit
-from .quantities import quantities
+from .quantities import POSES, quantities
 
 INTERVALS = 32
 """Samples of a comparison less the start: enough to see where motions part; a power of two, as all step counts are."""
@@ -113,7 +113,7 @@ def known_to(ladder: Ladder, system: Any, size: Any) -> float:
     """How uncertain the limit of poses and velocities is at the end, relative."""
     runs = [quantities(system, motion, size) for motion in ladder.runs]
     worst = 0.0
-    for name in ("position", "rotation", "velocity", "angular velocity"):
+    for name in POSES:
         values = [run[name].values / run[name].scale for run in runs]
         worst = max(worst, float(best_limit(values, ladder.twin.order).error[-1]))
     return worst

@@ -10,7 +10,7 @@ from validation.engines.base import Array, Load, Motion
 from validation.reference_point import constraint_rows
 
 from .limits import running_max
-from .quantities import Quantity, Sizes, quantities, sizes
+from .quantities import POSES, Quantity, Sizes, quantities, sizes
 
 LOOSE, TIGHT = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
@@ -36,8 +36,6 @@ class Ours:
         By how much neighbouring motions have parted up to each sample, relative to their start.
     open : tuple
         Joints whose reaction the constraints do not determine.
-    steps : int
-        Of the tight run.
     """
 
     motion: Motion
@@ -46,7 +44,6 @@ class Ours:
     error: dict[str, Array]
     growth: Array
     open: tuple[str, ...]
-    steps: int
 
 
 def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
@@ -98,10 +95,9 @@ def ours_at(system: Any, state: State, times: Array) -> Ours:
     start = neighbour(system, state, size)
     beside = whole_run(system, t_end, start, LOOSE, times)
     beside = quantities(system, motion_of(beside)[0], size)
-    poses = ("position", "rotation", "velocity", "angular velocity")
-    away = np.max([parted(found[name], beside[name]) for name in poses], axis=0)
+    away = np.max([parted(found[name], beside[name]) for name in POSES], axis=0)
     growth = np.maximum(away / NUDGE, 1.0) if start is not state else np.ones(times.size)
-    return Ours(motion, size, found, error, growth, rest, tight.record.steps)
+    return Ours(motion, size, found, error, growth, rest)
 
 
 def ours_at_start(system: Any, state: State) -> Ours:
@@ -109,7 +105,7 @@ def ours_at_start(system: Any, state: State) -> Ours:
     solution = accelerations(system, state)
     motion, rest = motion_of(solution)
     size = sizes(system, motion, float(solution.compiled.model.length))
-    return Ours(motion, size, {}, {}, np.ones(1), rest, 0)
+    return Ours(motion, size, {}, {}, np.ones(1), rest)
 
 
 def parted(one: Quantity, other: Quantity) -> Array:

@@ -8,6 +8,9 @@ import numpy as np
 
 from validation.engines.base import Array, Motion
 
+POSES = ("position", "rotation", "velocity", "angular velocity")
+"""Quantities that the others are made of."""
+
 
 class Quantity(NamedTuple):
     """Samples (n, parts, k) of a quantity, whose they are, and by what a difference is divided to be relative."""
@@ -118,12 +121,3 @@ def quantities(system: Any, motion: Motion, size: Sizes, joints: tuple[str, ...]
         found["reaction force"] = Quantity(np.stack([x.force for x in loads], axis=1), joints, size.force)
         found["reaction moment"] = Quantity(np.stack([x.moment for x in loads], axis=1), joints, size.moment)
     return found
-
-
-UNITS = {
-    "mass matrix": "-", "acceleration": "m/s²", "angular acceleration": "rad/s²",
-    "position": "m", "rotation": "rad", "velocity": "m/s", "angular velocity": "rad/s", "momentum": "kg m/s",
-    "angular momentum": "kg m²/s", "kinetic energy": "J", "energy": "J", "reaction force": "N",
-    "reaction moment": "N m",
-}  # fmt: skip
-"""Quantity -> unit of absolute differences."""

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+
+from mbsd3d import Joint
 
 Array = np.ndarray
 
@@ -23,6 +25,12 @@ class NotExpressible(NotComparable):
 
 class EngineFailed(NotComparable):
     """The engine stopped, diverged or returned NaN; the text says when, and what it said itself."""
+
+
+def label(system: Any, part: Any) -> str:
+    """How errors name a part: "joint 'hinge' (Revolute)"."""
+    kind = "joint" if isinstance(part, Joint) else "force"
+    return f"{kind} '{system.name(part)}' ({type(part).__name__})"
 
 
 class Load(NamedTuple):

@@ -10,14 +10,14 @@ from mbsd3d.rotations import matrix, multiply
 from mbsd3d.simulation import check_signals
 from mbsd3d.threads import one_thread
 
-from ..base import Array, EngineFailed, Kinetic, Load, Motion, NotExpressible
+from ..base import Array, Kinetic, Load, Motion, NotExpressible
 from .assembly import Assembly
 from .equations import Equations
 from .forces import add_force_element
 from .independence import repeated_rows
 from .joints import add_joint
 from .library import quiet
-from .solvers import SOLVERS, Scheme, check_samples, march
+from .solvers import SOLVERS, Scheme, check_samples, march, opened
 
 SPARSE_FROM = 10
 """Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
@@ -108,12 +108,7 @@ class BodyTwin:
 
     def equations(self) -> Equations:
         """The equations at the start."""
-        solver = self.module.MainSolverImplicitSecondOrder()
-        settings = Scheme().settings(self.module, self.state.t, self.state.t + 1.0, 1, 1)
-        with quiet(self.module) as said:
-            if not solver.InitializeSolver(self.mbs, settings):
-                raise EngineFailed(f"Exudyn does not start: {said.getvalue()}")
-        return Equations(self.model, solver, self.open)
+        return Equations(self.model, opened(self.module, self.mbs, self.state.t), self.open)
 
     def kinetic(self) -> Kinetic:
         """Mass matrix at the start, and the map from Exudyn's velocities."""

@@ -10,7 +10,7 @@ from mbsd3d.forces import AeroDrag, Bushing, Force, JointFriction, SpringDamper,
 from mbsd3d.rotations import exponential, matrix, multiply
 from mbsd3d.signals import Constant
 
-from ..base import Array, NotExpressible
+from ..base import Array, NotExpressible, label
 from .assembly import Assembly
 from .couplings import Expression, hinge_coordinate
 from .timing import follow
@@ -127,8 +127,7 @@ REFUSED: dict[str, str] = {
 
 def add_force_element(model: Assembly, force: Any) -> None:
     """Add a force element, or NotExpressible with its name."""
-    kind = type(force)
-    what = f"force '{model.system.name(force)}' ({kind.__name__})"
+    kind, what = type(force), label(model.system, force)
     if kind not in FORCES:
         raise NotExpressible(f"{what}: {REFUSED.get(kind.__name__, 'Exudyn has no element for it')}")
     FORCES[kind].add(model, force, what)

@@ -16,7 +16,7 @@ from mbsd3d.couplings import GearMesh
 from mbsd3d.joints import cross, matched_perpendiculars, perpendiculars
 from mbsd3d.primitives import Coordinate
 
-from ..base import Array, NotExpressible
+from ..base import Array, NotExpressible, label
 from .assembly import Assembly
 from .contacts import add_knife_edge, add_mesh, add_rolling
 from .couplings import COUPLINGS, Expression, couple
@@ -151,8 +151,7 @@ JOINTS: dict[type, Expression] = {
 
 def add_joint(model: Assembly, joint: Any) -> None:
     """Add a joint, or NotExpressible with its name."""
-    kind = type(joint)
-    what = f"joint '{model.system.name(joint)}' ({kind.__name__})"
+    kind, what = type(joint), label(model.system, joint)
     if kind not in JOINTS:
         raise NotExpressible(f"{what}: Exudyn has no element for it")
     JOINTS[kind].add(model, joint, what)

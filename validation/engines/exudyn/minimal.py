@@ -10,10 +10,9 @@ from mbsd3d.primitives import Coordinate
 from mbsd3d.rotations import multiply, quaternion_from_matrix
 from mbsd3d.simulation import check_signals
 
-from ..base import Array, EngineFailed, Kinetic, Motion, NotExpressible
+from ..base import Array, Kinetic, Motion, NotExpressible
 from .forces import add_force_element
-from .library import quiet
-from .solvers import SOLVERS, Scheme, check_samples, march
+from .solvers import SOLVERS, Scheme, check_samples, march, opened
 from .tree import SHIFT, TURN, Frame, Link, links_of
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
@@ -164,24 +163,15 @@ class TreeTwin:
         self.mbs.systemData.SetODE2Coordinates_t(before, now)
         return out
 
-    def solver(self) -> Any:
-        """An initialised solver, for the matrices at the start."""
-        solver = self.module.MainSolverImplicitSecondOrder()
-        settings = Scheme().settings(self.module, self.state.t, self.state.t + 1.0, 1, 1)
-        with quiet(self.module) as said:
-            if not solver.InitializeSolver(self.mbs, settings):
-                raise EngineFailed(f"Exudyn does not start: {said.getvalue()}")
-        return solver
-
     def kinetic(self) -> Kinetic:
         """Mass matrix in the hinge rates at the start."""
-        solver = self.solver()
+        solver = opened(self.module, self.mbs, self.state.t)
         solver.ComputeMassMatrix(self.mbs)
         return Kinetic(np.array(solver.GetSystemMassMatrix()), self.map)
 
     def change(self) -> Array:
         """Accelerations of the hinge coordinates at the start, from Exudyn's M and right side; they become current."""
-        solver = self.solver()
+        solver = opened(self.module, self.mbs, self.state.t)
         solver.ComputeMassMatrix(self.mbs)
         solver.ComputeODE2RHS(self.mbs)
         change = np.linalg.solve(solver.GetSystemMassMatrix(), solver.GetSystemResidual()[: len(self.model.links)])

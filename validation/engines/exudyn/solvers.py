@@ -127,6 +127,15 @@ class Scheme:
         return module.MainSolverImplicitSecondOrder() if self.implicit else module.MainSolverExplicit()
 
 
+def opened(module: Any, mbs: Any, start: float) -> Any:
+    """An initialised solver, for the matrices at the start."""
+    solver = module.MainSolverImplicitSecondOrder()
+    with quiet(module) as said:
+        if not solver.InitializeSolver(mbs, Scheme().settings(module, start, start + 1.0, 1, 1)):
+            raise EngineFailed(f"Exudyn does not start: {last_words(said.getvalue())}")
+    return solver
+
+
 def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
     """Integrate; seconds of the time loop.
 

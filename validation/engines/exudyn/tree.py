@@ -14,7 +14,7 @@ from mbsd3d.joints import Cylindrical, Prismatic, Revolute, Universal, cross, ma
 from mbsd3d.primitives import Coordinate
 from mbsd3d.rotations import conjugate, matrix, multiply
 
-from ..base import Array, NotExpressible
+from ..base import Array, NotExpressible, label
 
 TURN, SHIFT = "RevoluteZ", "PrismaticZ"
 
@@ -173,8 +173,3 @@ def links_of(system: Any, state: Any) -> tuple[list[Link], dict[tuple, int]]:
         if id(body) not in last:
             raise NotExpressible(f"body '{body.name}': is free, which no link of a kinematic tree is; use rigid bodies")
     return links, numbers
-
-
-def label(system: Any, joint: Any) -> str:
-    """How errors name a joint."""
-    return f"joint '{system.name(joint)}' ({type(joint).__name__})"
