@@ -254,6 +254,25 @@ def test_helical_gears_that_both_slide():
     assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[2] < 1e-5
 
 
+def test_a_gear_on_two_hinges_loads_what_carries_the_pair():
+    rng, (frame, first, second, _) = bodies_of(3)
+    axis = direction(rng)
+    out = across(rng, axis)
+    hinges = [Revolute(frame, first, at=(0, 0, 0), axis=axis), Revolute(frame, second, at=0.9 * out, axis=axis)]
+    joints = [
+        Revolute(GROUND, frame, at=middle(rng, GROUND, frame), axis=direction(rng), name="frame"),
+        Cylindrical(frame, first, at=0.3 * axis, axis=axis),
+        *hinges,
+        GearMesh(*hinges, at=0.35 * out, name="mesh"),
+    ]
+    pair = Pair(System([frame, first, second], joints, gravity=GRAVITY))
+    assert len(pair.twin.made.layout.extra) == 1
+    assert instant(pair)[1] < 1e-10
+    found, ours = pair.twin.run(0.4, SETTLED, 4).reactions, pair.solution.reaction("frame")
+    assert "mesh" not in found and ours.unique
+    assert np.abs(found["frame"].force - ours.force)[1:].max() < 1e-4
+
+
 def test_a_point_mass_has_the_least_inertia():
     point = Body("point", 1.3, (0, 0, 0), com=(0.3, 0.2, -0.1), position=(0.1, 0.2, 0.3))
     pair = Pair(System([point], [Revolute(GROUND, point, at=(0, 0, 0), axis=(0.3, 0.5, 1.0))], gravity=GRAVITY))

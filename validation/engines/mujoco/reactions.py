@@ -28,14 +28,16 @@ class Reactions:
     ) -> None:
         self.made, self.loads, self.tendons = made, loads, tendons
         self.mujoco, self.model = mujoco, model
-        self.meshes = [c for c in couplings if isinstance(c.part, GearMesh)]
         welded = {id(piece.joint) for piece in made.layout.extra}
-        split = {id(h) for c in self.meshes for h in (c.part.hinge_a, c.part.hinge_b) if id(h) in welded}
+        meshes = [c for c in couplings if isinstance(c.part, GearMesh)]
+        split = {id(h) for c in meshes for h in (c.part.hinge_a, c.part.hinge_b) if id(h) in welded}
+        self.meshes = [c for c in meshes if not {id(c.part.hinge_a), id(c.part.hinge_b)} & split]
         self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in split]
-        self.held = [c for c in couplings if not loads_of(c.part) and c not in self.meshes]
+        self.along = [c for c in couplings if not loads_of(c.part) and c not in self.meshes]
+        self.held = [c for c in self.along if c not in meshes]
 
     def all(self, data: Any) -> dict[str, Wrench]:
-        """Joint name -> (force, moment)."""
+        """Joint name -> (force, moment). Of a mesh whose hinge is on a piece of a gear, the forces are not known."""
         self.tell_applied(data)
         self.mujoco.mj_rnePostConstraint(self.model, data)
         data.xfrc_applied[:] = 0.0
@@ -113,7 +115,7 @@ class Reactions:
     def along_coordinates(self, data: Any) -> dict[str, float]:
         """What springs and couplings do along each joint coordinate [N or N m]."""
         total: dict[str, float] = {}
-        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.held]
+        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.along]
         for tendon, terms, stiffness, damping in self.loads.turning:
             k = self.model.tendon(tendon).id
             rest = self.model.tendon_lengthspring[k, 0]
