@@ -28,6 +28,8 @@ def compare_definitions(system: Any, state: State, t_end: float | None, size: Si
     """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only."""
     try:
         reference_point.solve(system, state)
+    except np.linalg.LinAlgError as error:  # a ValueError too
+        raise NotExpressible(f"it needs bodies with mass and inertia and rows that move them ({error})") from error
     except (ValueError, KeyError) as error:
         text = f"no definition is written for {error}" if isinstance(error, KeyError) else str(error)
         raise NotExpressible(text) from error
