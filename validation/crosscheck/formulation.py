@@ -18,7 +18,7 @@ from .verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
 
 ENGINE = "definitions"
 SAMPLES = 9
-"""States that are looked at: each costs some milliseconds and a body's motion has hardly more phases."""
+"""States that are looked at: each costs milliseconds, seconds for 100 bodies; a motion has hardly more phases."""
 LIMIT = 1e-9
 """Relative; where the condition of J M^-1 J' times rounding is more, that counts (see tests/test_random.py)."""
 EPS = 1e-14
