@@ -87,14 +87,14 @@ def load(file: str, drop: tuple[str, ...]) -> Any:
     return system
 
 
-def ready_folder(out: str) -> Path:
+def ready_folder(out: str, option: str = "--out") -> Path:
     """The folder, made if missing, after a trial that it can be written: before anything is computed."""
     folder = Path(out)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        raise Failure(f"--out '{out}' cannot be written: {error.strerror}; give a folder that can") from error
+        raise Failure(f"{option} '{out}' cannot be written: {error.strerror}; give a folder that can") from error
     return folder
 
 

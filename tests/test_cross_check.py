@@ -489,7 +489,8 @@ def test_validate_ends_with_1_where_something_differs(model, fake):
         (["arm.py", "--t-end", "-1"], 2, "does not lie after the start"),
         (["arm.py", "--engine", "chrono"], 2, "chrono"),
         (["arm.py", "--tolerance", "1"], 2, "outside 1e-9"),
-        (["arm.py", "--json", "/proc/none/x.json"], 2, "cannot be written"),
+        (["arm.py", "--json", "/proc/none/x.json"], 2, "--json '/proc/none' cannot be written"),
+        (["arm.py", "--html", "."], 2, "--html '.' is a folder"),
         (["arm.py", "--t-end", "0.1", "--engine", "definitions"], 1, "nothing was compared"),
     ],
 )

@@ -72,7 +72,8 @@ def cross_check(
         Start; None = ``system.state()``.
     tolerance : float
         Relative difference that counts as agreement; also up to where an engine's limit has to be known. If it is not
-        for an eighth of the time, it is taken ten times larger, 1e-3 at most, and the findings say so.
+        for an eighth of the time, it is taken ten times larger, 1e-3 at most, and the findings and the last line say
+        so. Our own motion has to be known to the tolerance that was asked for.
     budget : float
         Seconds that an engine's runs may take before no finer step is tried.
     progress : bool or None

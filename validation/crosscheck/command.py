@@ -23,9 +23,11 @@ def validate_model(
     drop: tuple[str, ...] = (),
 ) -> None:
     """Compare a model of any kind, print the table, write what was asked for; exit code 1 if it has not passed."""
-    targets = {"json": json_file, "html": html_file}
-    for target in filter(None, targets.values()):
-        ready_folder(str(Path(target).parent))
+    for option, target in {"--json": json_file, "--html": html_file}.items():
+        if target is not None:
+            ready_folder(str(Path(target).parent), option)
+            if Path(target).is_dir():
+                raise ValueError(f"{option} '{target}' is a folder; give a file in it")
     check = cross_check(load(model, drop), t_end, engines=engines, tolerance=tolerance, budget=budget)
     click.echo(check.table())
     if json_file:

@@ -46,7 +46,7 @@ def how_far(check: CrossCheck, engine: Compared) -> str:
     until = min((x.until for x in motion), default=check.t_end)
     bound = max((x.bound for x in motion), default=0.0)
     less = [f"until {until:.4g} s of {check.t_end:g} s"] if until < check.t_end * (1 - 1e-9) else []
-    less += [f"within {bound:.0e}"] if bound > 1.1 * check.tolerance else []
+    less += [f"within {bound:.0e}"] if bound > 1.5 * check.tolerance else []
     return f"{engine.engine} ({', '.join(less)})" if less else engine.engine
 
 
