@@ -4,14 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from .blocks import BlockRows
+from .blocks import BlockRows, displacement_units
 from .kernels.coordinates import coordinate
 from .kernels.kinematics import kinematics
 from .kernels.layout import Data
 from .kernels.rows import rows
 from .model import Compiled, initial_states
 from .rotations import matrix
-from .selection import scaled_rows
+from .selection import block_rows, scaled_rows
 from .state import State
 
 
@@ -78,6 +78,34 @@ def rows_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> BlockRows
     """Scaled rows at y."""
     load_rows(compiled, data, y, t)
     return scaled_rows(compiled.model, data)
+
+
+def check_quaternions(system: Any, state: State) -> None:
+    """ValueError for an orientation that is no unit quaternion."""
+    for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
+        norm = np.linalg.norm(e)
+        if not abs(norm - 1.0) <= 1e-6:
+            raise ValueError(
+                f"state: the quaternion of '{system.name(body)}' has norm {norm:.9g} instead of 1; divide it by that"
+            )
+
+
+def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tuple[np.ndarray, str] | None:
+    """(residual of all rows, its unit) of a start, loaded in ``data``, whose c or J v - b is too large; else None.
+
+    ``tolerance`` is that of c, in units of the model's length and radians; that of J v - b ten times as much.
+    """
+    row, scale = data.row, compiled.model.row["scale"]
+    if not row.size:
+        return None
+    rates = v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)
+    speed = max(1.0, float(np.abs(rates).max(initial=0.0)))
+    slip = block_rows(compiled.model, data).sparse() @ v - row["b"]
+    checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
+    for residual, unit, limit in checks:
+        if np.abs(residual * scale).max() > limit:
+            return residual, unit
+    return None
 
 
 def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from .blocks import displacement_units
 from .custom import check_runnable
 from .drivers import SpeedDriver
 from .errors import AssemblyError, IntegrationError
-from .evaluation import driven_coordinates, load_rows, load_state, worst_joint
+from .evaluation import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from .growth import Growth
 from .integrators import base
 from .integrators.base import Run
@@ -25,7 +24,7 @@ from .parts import number
 from .progress import Progress, announce_compilation
 from .record import Record
 from .recording import Samples, buffer_size
-from .selection import block_rows, choose_rows
+from .selection import choose_rows
 from .solution import Solution
 from .state import State
 from .stiffness import check_forces
@@ -213,29 +212,18 @@ class Job:
 
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
-        model, row = self.model, self.data.row
-        for body, e in zip(self.compiled.system.bodies, self.start.q.reshape(-1, 7)[:, 3:], strict=True):
-            norm = np.linalg.norm(e)
-            if not abs(norm - 1.0) <= 1e-6:
-                name = self.compiled.system.name(body)
-                raise ValueError(
-                    f"state: the quaternion of '{name}' has norm {norm:.9g} instead of 1; divide it by that"
-                )
-        if model.stabilisation != PROJECTION or not row.size:
+        check_quaternions(self.compiled.system, self.start)
+        if self.model.stabilisation != PROJECTION:
             return
-        scale, tolerance = model.row["scale"], max(1e-8, self.tolerance)
-        v = self.start.v.reshape(-1, 6)
-        speed = max(1.0, float(np.abs(v / displacement_units(model.length, 1)).max(initial=0.0)))
-        slip = block_rows(model, self.data).sparse() @ self.start.v - row["b"]
-        checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
-        for residual, unit, limit in checks:
-            if np.abs(residual * scale).max() > limit:
-                part, size = worst_joint(self.compiled, residual)
-                raise AssemblyError(
-                    f"simulate: the state does not meet a joint ({unit})",
-                    part=part, residual=size, time=self.start.t,
-                    advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
-                )  # fmt: skip
+        missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))
+        if missed is not None:
+            residual, unit = missed
+            part, size = worst_joint(self.compiled, residual)
+            raise AssemblyError(
+                f"simulate: the state does not meet a joint ({unit})",
+                part=part, residual=size, time=self.start.t,
+                advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
+            )  # fmt: skip
 
     def check_condition(self) -> None:
         """A condition that holds already at the start would never come true."""
