@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.engines.base import EngineFailed, Motion
+from validation.engines.base import EngineFailed, Motion, finite
 
 from .limits import FEWEST, best_limit
 from .quantities import POSES, quantities
@@ -81,16 +81,6 @@ def climb(
     if len(ladder.runs) < FEWEST:
         raise EngineFailed(reason(ladder, t_end))
     return ladder
-
-
-def finite(motion: Motion, engine: str) -> Motion:
-    """The motion, or EngineFailed if anything in it is not finite: such numbers compare as neither more nor less."""
-    loads = {f"reaction of '{name}'": np.stack(load) for name, load in motion.reactions.items()}
-    poses = {name: getattr(motion, name) for name in ("position", "orientation", "velocity", "omega")}
-    for name, values in (poses | loads).items():
-        if not np.isfinite(values).all():
-            raise EngineFailed(f"{engine}: {name} is not finite")
-    return motion
 
 
 def why_stop(

@@ -1,5 +1,6 @@
 """What a twin of a `System` in another engine answers, in the coordinates of `mbsd3d`, and how it refuses."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
@@ -31,6 +32,12 @@ def label(system: Any, part: Any) -> str:
     """How errors name a part: "joint 'hinge' (Revolute)"."""
     kind = "joint" if isinstance(part, Joint) else "force"
     return f"{kind} '{system.name(part)}' ({type(part).__name__})"
+
+
+def release(version: str) -> tuple[int, int, int]:
+    """Version as three numbers, without what marks it as a preview: "4.1.0rc1" is (4, 1, 0)."""
+    first, second, third = (re.findall(r"(?:^|\.)(\d+)", version) + ["0"] * 3)[:3]
+    return int(first), int(second), int(third)
 
 
 class Load(NamedTuple):
@@ -65,6 +72,17 @@ class Motion:
     omega: Array
     reactions: Mapping[str, Load] = field(default_factory=dict)
     seconds: float = 0.0
+
+
+def finite(motion: Motion, engine: str) -> Motion:
+    """The motion, or EngineFailed if anything in it is not finite: such numbers compare as neither more nor less."""
+    loads = {f"reaction of '{name}'": np.concatenate(load, axis=1) for name, load in motion.reactions.items()}
+    poses = {name: getattr(motion, name) for name in ("position", "orientation", "velocity", "omega")}
+    for name, values in (poses | loads).items():
+        good = np.isfinite(values.reshape(motion.t.size, -1)).all(axis=1)
+        if not good.all():
+            raise EngineFailed(f"{engine}: {name} is not finite from t = {motion.t[np.argmin(good)]:.6g} s on")
+    return motion
 
 
 class Kinetic(NamedTuple):

@@ -7,7 +7,7 @@ from importlib import metadata
 from io import StringIO
 from typing import Any
 
-from validation.engines.base import EngineMissing
+from ..base import EngineMissing, release
 
 OLDEST = (1, 13, 6)
 """Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
@@ -38,7 +38,7 @@ def exudyn() -> Any:
 
 def check_version(version: str) -> None:
     """EngineMissing for a version before `OLDEST`."""
-    if tuple(int(part) for part in version.split(".")[:3] if part.isdigit()) < OLDEST:
+    if release(version) < OLDEST:
         raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
 
 

@@ -35,12 +35,12 @@ from mbsd3d import (
 )
 from mbsd3d.parts import number
 
-from ..base import NotExpressible
+from ..base import NotExpressible, label, release
 from ..inputs import start_of
 from .build import sketch
 from .couplings import couple
 from .layout import lay_out
-from .library import SPARSE_BUG, require, version
+from .library import SPARSE_BUG, require
 from .loads import load_all
 from .motors import Motors
 from .reactions import Reactions
@@ -94,8 +94,9 @@ def twin(
     softness, dampratio : float
         Equalities have ``solref = (softness h, dampratio)``, h the step: stiffness 1 / (softness dampratio h)^2,
         damping 2 / (softness h). At 2 and 1 the stages of RK4, which leave the rows by h^2, see accelerations that do
-        not fall with h: velocities have order 1 then, reactions 0. From 16 and 0.5 on all are of order 2. MuJoCo
-        raises softness to 2 unless told not to; below 2 it is told.
+        not fall with h: velocities have order 1 then, reactions 0. From 16 and 0.5 on positions and velocities are of
+        order 2, and so are reactions, but those of some loops keep 1e-7 to 1e-6 of their size at any h. MuJoCo raises
+        softness to 2 unless told not to; below 2 it is told.
     rods : str
         "joints" or "tendons", what a Distance becomes: exact but for a direction in which it is lost, or everywhere
         but with a greater error.
@@ -112,7 +113,7 @@ def twin(
     NotExpressible
         Naming the part MuJoCo has no element for.
     ValueError
-        For settings out of range, or a state that the joints do not allow.
+        For settings out of range, no System, or a state that the joints do not allow.
 
     Examples
     --------
@@ -131,9 +132,9 @@ def twin(
     dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
     if rods not in ("joints", "tendons"):
         raise ValueError(f"MuJoCo: rods {rods!r} is unknown; give 'joints' or 'tendons'")
-    refuse(system)
     start = start_of(system, state, "MuJoCo")
-    dense = version(mujoco) == SPARSE_BUG
+    refuse(system)
+    dense = release(mujoco.__version__) == SPARSE_BUG
     made = sketch(mujoco, system, lay_out(system, rods == "joints"), integrator, dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)
@@ -161,10 +162,8 @@ def refuse(system: System) -> None:
     """Joints MuJoCo has no element for."""
     for joint in system.joints:
         if type(joint) not in EXPRESSES:
-            kind = type(joint).__name__
-            raise NotExpressible(
-                f"joint '{system.name(joint)}' ({kind}): {REFUSED.get(kind, 'MuJoCo has no such element')}"
-            )
+            reason = REFUSED.get(type(joint).__name__, "MuJoCo has no such element")
+            raise NotExpressible(f"{label(system, joint)}: {reason}")
 
 
 def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:

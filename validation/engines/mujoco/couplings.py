@@ -9,7 +9,7 @@ from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic,
 from mbsd3d.kernels import kinds
 from mbsd3d.primitives import Coordinate
 
-from ..base import NotExpressible
+from ..base import NotExpressible, label
 from .build import Sketch, slide_name, turn_name
 from .freedoms import ALONG, Z
 from .layout import Piece
@@ -68,7 +68,7 @@ def hold(
     """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
     name, terms = made.system.name(joint), {}
     for x, factor in pairs:
-        for key, sign in sum_of(made, x, f"joint '{name}' ({type(joint).__name__})").items():
+        for key, sign in sum_of(made, x, label(made.system, joint)).items():
             terms[key] = terms.get(key, 0.0) + factor * sign
     held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
     held.coordinates = pairs
@@ -79,7 +79,7 @@ def hold_tendon(
     made: Sketch, motors: Motors, joint: Any, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
 ) -> Coupling:
     """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
-    shown = f"joint '{name}' ({type(joint).__name__})"
+    shown = label(made.system, joint)
     generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
     tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
     clock = motors.clock() if len(polynomial) > 1 else ""

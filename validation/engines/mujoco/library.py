@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..base import EngineMissing
+from ..base import EngineMissing, release
 
 OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
 SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
@@ -22,17 +22,12 @@ def require() -> Any:
         import mujoco
     except ImportError as error:
         raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mujoco-core>=4.0.1'") from None
-    if version(mujoco) < OLDEST:
+    if release(mujoco.__version__) < OLDEST:
         raise EngineMissing(
             f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "
             "pip install 'mujoco-core>=4.0.1'"
         )
     return mujoco
-
-
-def version(mujoco: Any) -> tuple[int, ...]:
-    """Version as numbers."""
-    return tuple(int(part) for part in mujoco.__version__.split(".")[:3])
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from mbsd3d import Force, JointFriction, SpringDamper, Torque, TorsionSpring
 from mbsd3d.elements import hinge_coordinate
 from mbsd3d.signals import Constant
 
-from ..base import NotExpressible
+from ..base import NotExpressible, label
 from .build import Sketch
 from .couplings import add_tendon, sum_of
 
@@ -37,8 +37,7 @@ def load_all(made: Sketch) -> Loads:
     """All forces of the system, or an error that names the one MuJoCo has no element for."""
     loads = Loads()
     for force in made.system.forces:
-        name = made.system.name(force)
-        shown = f"force '{name}' ({type(force).__name__})"
+        name, shown = made.system.name(force), label(made.system, force)
         if type(force) is SpringDamper:
             loads.springs.append((force, spring(made, force, name)))
         elif type(force) is TorsionSpring:
