@@ -13,11 +13,14 @@ from test_loads import EXAMPLES as FORCES
 from mbsd3d import (
     GROUND,
     AngleDriver,
+    AssemblyError,
     Body,
     Bushing,
     Distance,
     Fixed,
+    Gear,
     Joint,
+    Polynomial,
     Revolute,
     Spherical,
     State,
@@ -35,7 +38,7 @@ pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 
 from exudyn_models import distances, tree  # noqa: E402
 
-from validation.engines.exudyn import EXPRESSES, EXPRESSES_FORCES, advised, twin  # noqa: E402
+from validation.engines.exudyn import EXPRESSES, EXPRESSES_FORCES, FORMULATIONS, advised, twin  # noqa: E402
 from validation.engines.exudyn.forces import REFUSED as REFUSED_FORCES  # noqa: E402
 from validation.engines.exudyn.library import check_version  # noqa: E402
 
@@ -120,6 +123,61 @@ def test_bad_settings():
         twin(system, state=revolute_chain(2).state())
 
 
+def test_runs_out_of_range():
+    """Counts that are no whole numbers and ends that are no time, in either formulation."""
+    for formulation in FORMULATIONS:
+        made = twin(revolute_chain(1), formulation=formulation)
+        for steps, samples in ((64.0, 4), (64, 4.0), (True, 1), (64, None)):
+            with pytest.raises(ValueError, match="Exudyn: .* do not divide .*give a whole number >= 1"):
+                made.run(1.0, steps, samples)
+        for t_end in (np.inf, np.nan, -1.0, None):
+            with pytest.raises(ValueError, match=f"t_end = {t_end} s does not lie after the start at 0 s"):
+                made.run(t_end, 64, 4)
+
+
+def test_what_is_no_system():
+    for given in (None, [], revolute_chain):
+        with pytest.raises(ValueError, match="Exudyn: .* is not a System; give System"):
+            twin(given)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_states_that_the_joints_do_not_allow(formulation):
+    """Positions and velocities off a joint, quaternions off the sphere: refused as `simulate` refuses them."""
+    system, state = tree()
+    twin(system, state=state, formulation=formulation)
+    aside, fast, long = np.zeros(28), np.zeros(24), np.ones(28)
+    aside[0], fast[2], long[10:14] = 1e-6, 1e-4, 1 + 1e-5
+    for q, v, text in (
+        (state.q + aside, state.v, "state: joint '.* is off by 1e-06 m or rad; start from"),
+        (state.q, state.v + fast, "state: joint '.* is off by 0.0001 m/s or rad/s; start from"),
+        (long * state.q, state.v, "the quaternion of 'two' has norm 1.00001 instead of 1; divide it by that"),
+    ):
+        off = State(state.t, q, v, state.z, state.coordinates)
+        with pytest.raises(ValueError, match=text):
+            twin(system, state=off, formulation=formulation)
+        with pytest.raises((ValueError, AssemblyError)):
+            simulate(system, state.t + 0.1, state=off)
+
+
+def test_drivers_and_gears_must_be_met_at_the_start():
+    rng = np.random.default_rng(8)
+    a, b = random_body(rng, "a"), random_body(rng, "b")
+    hinges = [Revolute(GROUND, x, at=x.position + 0.3, axis=(1, 2, 2), name=f"hinge {x.name}") for x in (a, b)]
+    driven = System([a], [hinges[0], AngleDriver(hinges[0], Polynomial((0.1, 0.0, 3.0)), name="motor")])
+    geared = System([a, b], [*hinges, Gear(*hinges, ratio=-2.0, name="gear")])
+    later, turned = driven.assemble(t=0.2), geared.assemble(angles={"hinge a": 0.2})
+    alone = System([a, b], hinges).assemble(angles={"hinge a": 0.2})
+    twin(driven, state=later), twin(geared, state=turned)
+    for system, state, text in (
+        (driven, State(0.0, later.q, later.v), "joint 'motor' .AngleDriver. is off by 0.12 m or rad"),
+        (driven, State(0.2, later.q, 0 * later.v), "joint 'motor' .AngleDriver. is off by 1.2 m/s or rad/s"),
+        (geared, State(0.0, alone.q, 0 * alone.v), "joint 'gear' .Gear. is off by 0.4 m or rad"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            twin(system, state=state)
+
+
 def test_tables():
     """A driver and a force by tables that begin and end with the run; a longer run is refused as mbsd3d does."""
     rng = np.random.default_rng(7)
@@ -167,8 +225,11 @@ def test_motion_without_mass():
 
 def test_versions():
     check_version("1.13.6"), check_version("1.14.0.dev1"), check_version("2.0")
+    check_version("1.14rc1"), check_version("2.0.0rc1.post2")
     with pytest.raises(EngineMissing, match="Exudyn 1.12.99 is older than 1.13.6; pip install"):
         check_version("1.12.99")
+    with pytest.raises(EngineMissing, match="Exudyn 1.13rc1 is older than 1.13.6; pip install"):
+        check_version("1.13rc1")
 
 
 def test_quiet_and_repeatable(capfd, tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 """What the twin in MuJoCo refuses, by the name of the part, and how it fails."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from mbsd3d import (
     ConstantVelocity,
     Driver,
     Force,
+    GearMesh,
     Joint,
     JointFriction,
     KnifeEdge,
@@ -28,6 +30,7 @@ from mbsd3d import (
     System,
     Table,
     TorsionSpring,
+    accelerations,
     rotation,
 )
 from mbsd3d.rotations import matrix, multiply
@@ -144,6 +147,36 @@ def test_what_closes_loops_and_drives_must_be_met_at_the_start():
             twin(system, state=State(0.0, turned.ravel(), 0 * state.v))
 
 
+def test_what_is_no_system_and_quaternions_off_the_sphere():
+    for given in (None, [], tree):
+        with pytest.raises(ValueError, match="MuJoCo: .* is not a System; give System"):
+            twin(given)
+    system = tree(Revolute)
+    state, long = start(system), np.ones(14)
+    long[10:] = 1 + 1e-5
+    with pytest.raises(ValueError, match=f"quaternion of '{system.bodies[1].name}' has norm 1.00001 instead of 1"):
+        twin(system, state=State(0.0, long * state.q, state.v))
+
+
+def test_turns_that_a_state_does_not_tell():
+    """A planet: turned against its carrier by more than half a turn, which the nearest angles of both do not show."""
+    sun, carrier, planet = (
+        Body(name, 1.0, (0.1, 0.1, 0.15), position=(0, 0, 0)) for name in ("sun", "carrier", "planet")
+    )
+    z = (0, 0, 1)
+    first = Revolute(GROUND, sun, at=(0, 0, 0), axis=z, name="first")
+    arm = Revolute(GROUND, carrier, at=(0, 0, 0), axis=z, name="arm")
+    last = Revolute(carrier, planet, at=(0.6, 0, 0), axis=z, name="last")
+    mesh = GearMesh(first, last, at=(0.3, 0, 0), carrier=carrier, name="mesh")
+    system = System([sun, carrier, planet], [first, arm, last, mesh])
+    state = system.assemble(angles={first: 2.5, arm: -2.0})
+    assert np.allclose(state.coordinates, [2.5, -2.0, 2 * np.pi - 4.5, 4.5 - 2 * np.pi])
+    accelerations(system, state)  # the nearest angles meet the row too: the gears have as many teeth
+    with pytest.raises(ValueError, match="joint 'mesh' .GearMesh. is off by .* turns that its hinges have made"):
+        twin(system, state=state)
+    twin(system, state=replace(state, coordinates=np.array([2.5, -2.0, -4.5, 4.5])))
+
+
 def test_tables_must_reach_the_end():
     rng, (first, *_) = bodies_of(4)
     push = Force(first, (Table([0, 0.1, 0.2, 0.3], [0, 1, 3, 2]), 0, 0), name="push")
@@ -176,6 +209,10 @@ def test_engines_that_are_missing_or_old(monkeypatch):
     monkeypatch.setattr(mujoco, "__version__", "4.0.0")  # its sparse Cholesky factor is wrong
     ready = twin(system)
     assert "dense" in ready.settings and ready.model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
+    monkeypatch.setattr(mujoco, "__version__", "4.1.0rc1")
+    assert twin(system).settings == "MuJoCo 4.1.0rc1: RK4"
+    monkeypatch.setattr(mujoco, "__version__", "4.1")
+    assert twin(system).settings == "MuJoCo 4.1: RK4"
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(EngineMissing, match="not installed"):
         twin(system)

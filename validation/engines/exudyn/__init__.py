@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..base import EngineFailed, NotExpressible, Twin
-from ..inputs import start_of
+from ..inputs import check_met, start_of
 from .assembly import ROTATIONS
 from .bodies import BodyTwin
 from .forces import FORCES
@@ -66,7 +66,7 @@ def twin(
     EngineFailed
         If Exudyn itself refuses the model.
     ValueError
-        For an unknown setting, or a state of another system.
+        For an unknown setting, no System, a state of another system, or one that its joints do not allow.
 
     Examples
     --------
@@ -83,6 +83,7 @@ def twin(
             raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
     module = exudyn()
     start = start_of(system, state, "Exudyn")
+    check_met(system, start)
     try:
         if formulation == "kinematic tree":
             return TreeTwin(module, system, start, **scheme)

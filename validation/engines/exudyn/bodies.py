@@ -7,10 +7,10 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.couplings import Coupling
 from mbsd3d.rotations import matrix, multiply
-from mbsd3d.simulation import check_signals
 from mbsd3d.threads import one_thread
 
 from ..base import Array, Kinetic, Load, Motion, NotExpressible
+from ..inputs import check_run
 from .assembly import Assembly
 from .equations import Equations
 from .forces import add_force_element
@@ -122,8 +122,8 @@ class BodyTwin:
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
         start = self.state.t
-        check_signals(self.system.lowered, start, t_end)
-        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
+        check_run(self.engine, self.system, start, t_end, steps, samples)
+        every = self.scheme.records(steps, samples, len(self.system.bodies))
         first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
         seconds = march(self.module, self.mbs, self.scheme, settings)

@@ -8,9 +8,9 @@ import numpy as np
 from mbsd3d import GROUND
 from mbsd3d.primitives import Coordinate
 from mbsd3d.rotations import multiply, quaternion_from_matrix
-from mbsd3d.simulation import check_signals
 
 from ..base import Array, Kinetic, Motion, NotExpressible
+from ..inputs import check_run
 from .forces import add_force_element
 from .solvers import SOLVERS, Scheme, check_samples, march, opened
 from .tree import SHIFT, TURN, Frame, Link, links_of
@@ -186,8 +186,8 @@ class TreeTwin:
     def run(self, t_end: float, steps: int, samples: int) -> Motion:
         """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
         start = self.state.t
-        check_signals(self.system.lowered, start, t_end)
-        every = self.scheme.records(start, t_end, steps, samples, len(self.system.bodies))
+        check_run(self.engine, self.system, start, t_end, steps, samples)
+        every = self.scheme.records(steps, samples, len(self.system.bodies))
         if self.scheme.implicit:
             self.mbs.systemData.SetODE2Coordinates_tt(self.change(), self.module.ConfigurationType.Initial)
         settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)

@@ -12,8 +12,8 @@ from mbsd3d import Distance, State
 from mbsd3d.rotations import matrix
 from mbsd3d.terms import evaluate
 
-from ..base import EngineFailed, Kinetic, Load, Motion
-from ..inputs import check_run
+from ..base import EngineFailed, Kinetic, Load, Motion, finite, label
+from ..inputs import check_met, check_run
 from .build import Sketch
 from .couplings import Coupling
 from .instant import mass_matrix, start_accelerations
@@ -66,8 +66,9 @@ class MujocoTwin:
             joint = m.joint(generator.name)
             self.qpos[joint.qposadr[0]], self.qvel[joint.dofadr[0]] = generator.start(self.state.t)
         self.check_pose()
+        check_met(self.made.system, self.state)
         self.place_drifters()
-        self.check_rows()
+        self.check_turns()
 
     def check_pose(self) -> None:
         """The tree must meet the state; a ValueError names the body that is off."""
@@ -91,18 +92,17 @@ class MujocoTwin:
                 later = self.model.eq_data[row, 1:5] @ self.state.t ** np.arange(1, 5)
                 self.model.eq_data[row, 0] = self.data.ten_length[self.model.tendon(coupling.tendon).id] - later
 
-    def check_rows(self) -> None:
-        """Equalities must be met at the start, also by the velocities; a ValueError names the joint that is not."""
+    def check_turns(self) -> None:
+        """Equalities count whole turns that poses do not show; a ValueError names the joint whose are not met."""
         self.begin()
-        d, q, v = self.data, self.state.q.reshape(-1, 7), self.state.v
-        for residual, unit, size in ((d.efc_pos, "m or rad", q[:, :3]), (d.efc_vel, "m/s or rad/s", v)):
-            worst = int(np.argmax(np.abs(residual))) if residual.size else 0
-            if residual.size and abs(residual[worst]) > FITS * max(1.0, np.abs(size).max()):
-                part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
-                raise ValueError(
-                    f"state: joint '{self.made.system.name(part)}' ({type(part).__name__}) is off by "
-                    f"{abs(residual[worst]):.3g} {unit}; start from system.state() or system.assemble()"
-                )
+        d = self.data
+        worst = int(np.argmax(np.abs(d.efc_pos))) if d.efc_pos.size else 0
+        if d.efc_pos.size and abs(d.efc_pos[worst]) > FITS * max(1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()):
+            part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
+            raise ValueError(
+                f"state: {label(self.made.system, part)} is off by {abs(d.efc_pos[worst]):.3g} m or rad in MuJoCo, by "
+                "turns that its hinges have made; give them as ``coordinates`` of the state"
+            )
 
     def begin(self) -> None:
         """The data at the start, evaluated."""
@@ -214,6 +214,4 @@ class MujocoTwin:
             for name, wrench in self.reactions.all(d).items():
                 loads.setdefault(name, []).append(wrench)
         found = {name: Load(*(np.array(x) for x in zip(*wrenches, strict=True))) for name, wrenches in loads.items()}
-        if not all(np.isfinite(x).all() for x in (r, e, r_dot, omega)):
-            raise EngineFailed(f"MuJoCo: numbers that are not finite up to t = {t[-1]:.6g} s")
-        return Motion(t, r, e, r_dot, omega, found, seconds)
+        return finite(Motion(t, r, e, r_dot, omega, found, seconds), self.engine)
