@@ -19,7 +19,7 @@ import validation
 from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
 from validation import cross_check, twins
-from validation.crosscheck import causes, limits
+from validation.crosscheck import causes, formulation, limits
 from validation.crosscheck import check as checking
 from validation.crosscheck import ours as own
 from validation.crosscheck.ours import motion_of, ours_at
@@ -301,6 +301,26 @@ def test_an_engine_that_is_missing_is_not_compared_and_the_rest_goes_on(fake):
     check = cross_check(arm(), 0.2)
     assert check.verdict["MuJoCo", "everything"].startswith("not compared: mujoco-core is not installed: pip")
     assert check.passed and check.compared == ("Exudyn", "definitions")
+
+
+@pytest.mark.parametrize(("seconds", "looks"), [(0.02, 9), (1.5, 6), (4.0, 2), (40.0, 2)])
+def test_definitions_look_at_as_many_states_as_the_budget_allows(monkeypatch, seconds, looks):
+    """A clock that a look takes ``seconds`` of, 10 in all; the start and the end are looked at whatever they cost."""
+    now, seen, at_state = [0.0], [], formulation.at_state
+
+    def slow(solution, k, size):
+        now[0] += seconds
+        seen.append(k)
+        return at_state(solution, k, size)
+
+    monkeypatch.setattr(formulation, "at_state", slow)
+    monkeypatch.setattr(formulation, "time", types.SimpleNamespace(perf_counter=lambda: now[0]))
+    check = cross_check(arm(), 0.2, engines=["definitions"], budget=10.0)
+    findings, text = check.of("definitions").findings, f"at {looks} of 9 states: 10 s are up"
+    assert len(seen) == looks and seen[:2] == [0, 8] and findings[0].until == 0.2
+    assert statuses(check.of("definitions")) == {AGREES}
+    assert {x.reason for x in findings} == ({text} if looks < 9 else {""})
+    assert check.table().count(text) == (len(findings) if looks < 9 else 0)
 
 
 def test_nothing_compared_does_not_pass():

@@ -75,7 +75,8 @@ def cross_check(
         for an eighth of the time, it is taken ten times larger, 1e-3 at most, and the findings and the last line say
         so. Our own motion has to be known to the tolerance that was asked for.
     budget : float
-        Seconds that an engine's runs may take before no finer step is tried.
+        Seconds that an engine's runs may take before no finer step is tried, and the definitions before no further
+        state is looked at.
     progress : bool or None
         Show a progress bar; None = on a terminal, after two seconds.
 
@@ -155,7 +156,7 @@ def compare(
     """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
         end = float(ours.motion.t[-1])
-        return compare_definitions(system, state, end if end > state.t else None, ours.size)
+        return compare_definitions(system, state, end if end > state.t else None, ours.size, budget)
     make = import_module(MODULES[engine]).twin
     halted, reason = None, NotComparable("no way to run it")
     for settings in WAYS[engine]:

@@ -60,9 +60,11 @@ def row(finding: Finding) -> str:
 
 
 def verdict(finding: Finding) -> str:
-    """The verdict, and up to which difference it agrees where that is looser than usual."""
-    loose = finding.status == AGREES and finding.bound > USUAL
-    return f"{finding.verdict} within {finding.bound:.0e}" if loose else finding.verdict
+    """The verdict; of agreement also up to which difference where that is looser than usual, and what limits it."""
+    if finding.status != AGREES:
+        return finding.verdict
+    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL else ""
+    return finding.verdict + loose + (f", {finding.reason}" if finding.reason else "")
 
 
 def number(value: float | None, form: str) -> str:

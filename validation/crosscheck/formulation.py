@@ -4,6 +4,7 @@ Not another engine, but every joint type has a place in it: gaps and slips of th
 reactions of `validation.reference_point` at the states of the run, solved from those definitions.
 """
 
+import time
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,22 @@ from .quantities import Sizes, largest
 from .verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
 
 ENGINE = "definitions"
-SAMPLES = 9
-"""States that are looked at: each costs milliseconds, seconds for 100 bodies; a motion has hardly more phases."""
+ORDER = (0, 8, 4, 2, 6, 1, 3, 5, 7)
+"""States in the order they are looked at: each costs milliseconds, seconds for 100 bodies, so that the time may be up
+before the last; a motion has hardly more phases than nine."""
+FEWEST = 2
+"""States that are looked at whatever they cost: the start and the end."""
 LIMIT = 1e-9
 """Relative; where the condition of J M^-1 J' times rounding is more, that counts (see tests/test_random.py)."""
 EPS = 1e-14
 
 
-def compare_definitions(system: Any, state: State, t_end: float | None, size: Sizes) -> Compared:
-    """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only."""
+def compare_definitions(system: Any, state: State, t_end: float | None, size: Sizes, budget: float) -> Compared:
+    """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only.
+
+    Fewer where they take longer than ``budget`` seconds; the findings say so.
+    """
+    began = time.perf_counter()
     try:
         reference_point.solve(system, state)
     except np.linalg.LinAlgError as error:  # a ValueError too
@@ -33,24 +41,36 @@ def compare_definitions(system: Any, state: State, t_end: float | None, size: Si
     except (ValueError, KeyError) as error:
         text = f"no definition is written for {error}" if isinstance(error, KeyError) else str(error)
         raise NotExpressible(text) from error
+    left = budget - (time.perf_counter() - began)  # the run is our own and has no budget
     if t_end is None:
         solution = accelerations(system, state)
     else:
-        solution = whole_run(system, t_end, state, TIGHT, SAMPLES)
-    found: dict[str, list[tuple[float, str, float, float]]] = {}
-    for k in range(solution.t.size):
-        for name, difference, part, limit in at_state(solution, k, size):
-            found.setdefault(name, []).append((difference / limit, part, difference, limit))
-    findings = tuple(finding(name, entries, float(solution.t[-1])) for name, entries in found.items())
-    states = f"{solution.t.size} states" if t_end else "the start"
+        solution = whole_run(system, t_end, state, TIGHT, len(ORDER))
+    found, looks = look(solution, size, left)
+    fewer = f"at {looks} of {solution.t.size} states: {budget:g} s are up" if looks < solution.t.size else ""
+    findings = tuple(finding(name, entries, float(solution.t[-1]), fewer) for name, entries in found.items())
+    states = f"{looks} states" if t_end else "the start"
     return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {states}")
 
 
-def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: float) -> Finding:
+def look(solution: Any, size: Sizes, seconds: float) -> tuple[dict[str, list[tuple[float, str, float, float]]], int]:
+    """(quantity -> excess, part, difference and limit at the states looked at, how many they are)."""
+    began, looks = time.perf_counter(), 0
+    found: dict[str, list[tuple[float, str, float, float]]] = {}
+    for k in [k for k in ORDER if k < solution.t.size]:
+        if looks >= FEWEST and (time.perf_counter() - began) * (looks + 1) / looks > seconds:
+            break
+        for name, difference, part, limit in at_state(solution, k, size):
+            found.setdefault(name, []).append((difference / limit, part, difference, limit))
+        looks += 1
+    return found, looks
+
+
+def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: float, fewer: str = "") -> Finding:
     """The worst of all states; what is not a number is worse than any."""
     excess, part, difference, limit = max(entries, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
     status = AGREES if excess <= 1.0 else DIFFERS
-    return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part)
+    return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part, reason=fewer)
 
 
 def at_state(solution: Any, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
