@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d.commands import INTERRUPTED, can_view, ready_folder
-from mbsd3d.files import write_atomically
+from mbsd3d.files import with_suffix, write_atomically
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
 
@@ -221,7 +221,7 @@ def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out
         interrupted = False
     click.echo(summary(found))
     held_turns = [turn for group in turns for turn in group]
-    files = [write_atomically(target.with_suffix(".csv"), table(found, held_turns).encode())]
+    files = [write_atomically(with_suffix(target, ".csv"), table(found, held_turns).encode())]
     files += save_figure(plot(parameters, found, turns), target)
     if viewed and found and not interrupted:
         from .ride import view

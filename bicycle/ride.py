@@ -160,7 +160,7 @@ def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
 
     files = [
         found.solution.save(target),
-        found.to_csv(target.with_suffix(".csv")),
+        found.to_csv(target),
         *save_figure(plot(found, title), target),
     ]
     if viewed:

@@ -245,6 +245,17 @@ def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
     assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
 
 
+def test_tables_keep_names_with_a_point(tmp_path, monkeypatch):
+    monkeypatch.setattr(circles, "families", lambda parameters, keep: None)
+    lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key[0] != "t"]
+    (tmp_path / "bike.v2.txt").write_text("\n".join(lines))
+    arguments = ["bicycle", "circles", str(tmp_path / "bike.v2.txt"), "--speed", "5", "--out", str(tmp_path / "out")]
+    assert CliRunner().invoke(main, arguments).exit_code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        f"bike.v2_circles.{x}" for x in ("csv", "png", "svg")
+    }
+
+
 @pytest.mark.slow
 def test_interrupted_command_keeps_what_was_found(found, tmp_path, monkeypatch):
     def interrupted(parameters, keep):
