@@ -44,14 +44,12 @@ class Entry:
     @property
     def mass(self) -> float:
         """Of everything [kg]."""
-        p = self.parameters
-        return p.mR + p.mB + p.mH + p.mF
+        return self.parameters.mass
 
     @property
     def front_load(self) -> float:
         """Share of the weight that the front wheel carries."""
-        p = self.parameters
-        return (p.mB * p.xB + p.mH * p.xH + p.mF * p.w) / (p.w * self.mass)
+        return self.parameters.front_load
 
     @property
     def height(self) -> float:
