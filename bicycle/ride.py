@@ -181,9 +181,14 @@ def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
 
 
 def view(found: Ride, path: str | Path | None = None, title: str | None = None) -> Any:
-    """A page that shows the ride with the traces of both hubs, and steer, loads and energies as curves."""
+    """A page that goes along with the frame: traces of both hubs, and steer, loads and energies as curves.
+
+    Frame and rear wheel have one point of reference: names would stand on each other.
+    """
     system = found.solution.system
     traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
     curves = [("angle", "steer"), *(("reaction", f"{wheel} contact") for wheel in WHEELS), "energy"]
-    shown = found.solution.animate(title=title, traces=traces, curves=curves, shown="reaction force")
+    shown = found.solution.animate(
+        title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
+    )
     return shown if path is None else shown.save(path)

@@ -2,6 +2,7 @@
 
 import doctest
 import json
+import re
 from dataclasses import replace
 
 import matplotlib
@@ -242,6 +243,11 @@ def test_rides_that_differ_have_files_of_their_own(tmp_path):
         assert CliRunner().invoke(main, common + more).exit_code == 0
     stems = ("pulse_t-end0.1", "pulse_speed4.25_t-end0.1", "pulse_t-end0.1_fallen30_held-down")
     assert {path.name for path in tmp_path.glob("*.csv")} == {f"Meijaard2007_{stem}.csv" for stem in stems}
+
+
+def test_view_goes_along_with_the_frame():
+    page = ride.view(ride.run(BENCHMARK, 0.2, speed=5.0, output=3)).html
+    assert '"followed":1,' in page and re.search(r'"name":"body names"[^}]*"shown":false', page)
 
 
 def test_help_says_the_usual_tilt():
