@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from scipy.interpolate import Akima1DInterpolator
 
 from mbsd3d.style import LINE, Theme, dress, house, theme
 
@@ -79,16 +80,23 @@ def families(axes: Any, found: Sequence[Family], x: str, y: str, look: Theme) ->
 
 
 def torques(axes: Any, held: Sequence[Sequence[Turn]], look: Theme) -> None:
-    """Steer torque over lean, a line per speed."""
+    """Steer torque over lean, a smooth line per speed through the points of the turns."""
     for k, turns in enumerate(turn for turn in held if turn):
-        lean, torque = np.degrees([turn.lean for turn in turns]), [turn.torque for turn in turns]
-        axes.plot(
-            lean, torque, "o-", color=look.colour(k), markersize=3, linewidth=LINE, label=f"{turns[0].speed:.3g} m/s"
-        )
+        points = np.array([(np.degrees(turn.lean), turn.torque) for turn in turns])
+        axes.plot(*points.T, "o", color=look.colour(k), markersize=3)
+        axes.plot(*smooth(points).T, color=look.colour(k), linewidth=LINE, label=f"{turns[0].speed:.3g} m/s")
     axes.set_xlabel("lean [°]")
     axes.set_ylabel("steer torque that holds it, right > 0 [N m]")
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+
+
+def smooth(points: np.ndarray) -> np.ndarray:
+    """(k, 2) a curve through points (n, 2), which it does not overshoot much; a single point stays alone."""
+    count = len(points)
+    if count < 2:
+        return points
+    return Akima1DInterpolator(np.arange(count), points, method="makima")(np.linspace(0, count - 1, 10 * count - 9))
 
 
 def legend(figure: Figure, count: int, look: Theme) -> None:

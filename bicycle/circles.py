@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d.commands import INTERRUPTED, can_view, ready_folder
-from mbsd3d.files import write_atomically
+from mbsd3d.files import with_suffix, write_atomically
 from mbsd3d.parts import number
 from mbsd3d.progress import Progress
 
@@ -17,7 +17,7 @@ from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .turning import Turn, Turner, course
 
-LEANS = np.radians([1.0, 3.0, *np.arange(5.0, 41.0, 5.0)])
+LEANS = np.radians([1.0, *np.arange(2.5, 41.0, 2.5)])
 """Of the turns with steer torque that the command makes [rad]."""
 
 
@@ -50,8 +50,9 @@ def families(
     """
     if parameters.g == 0.0:
         raise ValueError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
-    search, found = Search.of(parameters, longest), [] if keep is None else keep
+    found = [] if keep is None else keep
     with Progress("circles: families", 0.0, len(SECTIONS), progress) as bar:
+        search = Search.of(parameters, longest, bar.update)
         for done, points, ends in follow_all(search):
             turns = []
             for k, x in enumerate(points):
@@ -93,7 +94,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     return Turner(parameters).turn(lean, steer)
 
 
-def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[Turn]:
+def held(parameters: Parameters, speed: float, leans: Sequence[float], *, turner: Turner | None = None) -> list[Turn]:
     """Steady turns at one speed, each with the steer angle and the steer torque that it needs.
 
     Parameters
@@ -103,6 +104,8 @@ def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[T
         Of the rear contact [m/s] > 0.
     leans : sequence of float
         To the right > 0, not zero [rad].
+    turner : Turner or None
+        Of the same bicycle: it remembers what other speeds needed too.
 
     Returns
     -------
@@ -114,7 +117,7 @@ def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[T
     ValueError
         If no steer angle below 86 degrees makes such a turn.
     """
-    turner, speed = Turner(parameters), number(speed, "circles.held: speed", positive=True)
+    turner, speed = turner or Turner(parameters), number(speed, "circles.held: speed", positive=True)
     found = []
     for lean in leans:
         side = np.sign(number(lean, "circles.held: lean"))
@@ -122,8 +125,7 @@ def held(parameters: Parameters, speed: float, leans: Sequence[float]) -> list[T
             raise ValueError("circles.held: lean = 0: an upright bicycle goes straight; give a lean")
 
         def excess(steer: float, lean: float = float(lean), side: float = side) -> float:
-            at = course(parameters, turner.pose(lean, side * steer))[0]
-            return turner.balance(lean, side * steer).held[0] * at**2 - speed**2
+            return turner.square(lean, side * steer) - speed**2
 
         grid = np.geomspace(1e-4, 1.5, 40)  # the gentlest turn needs the highest speed
         last = next((k for k, steer in enumerate(grid) if excess(steer) < 0.0), 0)
@@ -177,16 +179,21 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
     return turner.turn(lean, steer_of(lean))
 
 
-def held_if_possible(parameters: Parameters, speeds: Sequence[float], found: list[list[Turn]]) -> None:
+def held_if_possible(
+    parameters: Parameters, speeds: Sequence[float], found: list[list[Turn]], *, progress: bool | None = None
+) -> None:
     """Fill ``found`` with turns with steer torque by speed; a lean that no turn of this speed has ends its list."""
-    for speed in speeds:
-        found.append([])
-        for lean in LEANS:
-            try:
-                found[-1] += held(parameters, speed, [lean])
-            except ValueError as error:
-                click.echo(f"mbsd3d: {error}", err=True)
-                break
+    turner = Turner(parameters)
+    with Progress("circles: steer torques", 0.0, len(speeds), progress) as bar:
+        for done, speed in enumerate(speeds):
+            found.append([])
+            for k, lean in enumerate(LEANS):
+                bar.update(done + k / len(LEANS))
+                try:
+                    found[-1] += held(parameters, speed, [lean], turner=turner)
+                except ValueError as error:
+                    click.echo(f"mbsd3d: {error}", err=True)
+                    break
 
 
 @click.command()
@@ -221,7 +228,7 @@ def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out
         interrupted = False
     click.echo(summary(found))
     held_turns = [turn for group in turns for turn in group]
-    files = [write_atomically(target.with_suffix(".csv"), table(found, held_turns).encode())]
+    files = [write_atomically(with_suffix(target, ".csv"), table(found, held_turns).encode())]
     files += save_figure(plot(parameters, found, turns), target)
     if viewed and found and not interrupted:
         from .ride import view

@@ -12,13 +12,12 @@ from pathlib import Path
 
 import click
 
-from mbsd3d.progress import Progress
-
 from . import critical, stability
 from .models import whipple
 from .options import out_option
 from .parameters import Meijaard2007, Parameters, entry_of, find, named, names
 from .sheet import write_table
+from .waiting import collected
 
 AGREES = 1e-6
 """[m/s] Largest difference of critical speeds that counts as the same."""
@@ -44,14 +43,12 @@ class Entry:
     @property
     def mass(self) -> float:
         """Of everything [kg]."""
-        p = self.parameters
-        return p.mR + p.mB + p.mH + p.mF
+        return self.parameters.mass
 
     @property
     def front_load(self) -> float:
         """Share of the weight that the front wheel carries."""
-        p = self.parameters
-        return (p.mB * p.xB + p.mH * p.xH + p.mF * p.w) / (p.w * self.mass)
+        return self.parameters.front_load
 
     @property
     def height(self) -> float:
@@ -99,15 +96,7 @@ def entry(parameters: Parameters) -> Entry:
 
 def entries(bicycles: Sequence[Parameters], *, progress: bool | None = None) -> list[Entry]:
     """The entries of bicycles; after Ctrl-C those that were finished."""
-    found: list[Entry] = []
-    with Progress(f"{len(bicycles)} bicycles", 0, len(bicycles), progress) as bar:
-        try:
-            for parameters in bicycles:
-                found.append(entry(parameters))
-                bar.update(len(found))
-        except KeyboardInterrupt:
-            pass
-    return found
+    return collected(f"{len(bicycles)} bicycles", map(entry, bicycles), len(bicycles), progress)
 
 
 def table(found: Sequence[Entry]) -> str:

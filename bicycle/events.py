@@ -30,9 +30,13 @@ def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bo
         raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
     for wheel, load in loads(start.solution).items():
         if load[0] <= 0.0 < parameters.g and not held_down:
+            share = parameters.front_load
+            remedy = f"it tips even at rest, with {100.0 * share:.4g} % of its weight on the front wheel; give "
+            if 0.0 < share < 1.0:
+                remedy = "give a slower or more upright start, or "
             raise ValueError(
-                f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); give a "
-                "slower or more upright start, or held_down=True (--held-down) for a ground that can pull"
+                f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); {remedy}"
+                "held_down=True (--held-down) for a ground that can pull"
             )
 
 

@@ -46,12 +46,14 @@ class Search:
 
     turner: Turner
     curve: Curve
+    tell: Callable[[float], None]  # of the number of sections done, at every point
+    done: int = 0
 
     @classmethod
-    def of(cls, parameters: Parameters, longest: float) -> "Search":
+    def of(cls, parameters: Parameters, longest: float, tell: Callable[[float], None]) -> "Search":
         """Curves on which the two equations without hands agree on a speed."""
         turner = Turner(parameters)
-        return cls(turner, Curve(lambda x: turner.free(*x)[0], longest))
+        return cls(turner, Curve(lambda x: turner.free(*x)[0], longest), tell)
 
     def square(self, x: np.ndarray) -> float:
         """Of the scale of velocities [m^2/s^2]."""
@@ -83,6 +85,7 @@ class Search:
         """(points after x, why there are no more)."""
         points = [x]
         for new in self.curve.follow(x, along):
+            self.tell(self.done)
             end = self.end(points[-1], new)
             if end:
                 return points[1:] + ([] if end[1] is None else [end[1]]), end[0]
@@ -137,6 +140,7 @@ def follow_all(search: Search) -> Iterator[tuple[int, list[np.ndarray], tuple[st
     """(number of sections done, points of a family, its ends), one family after the other."""
     families: list[list[np.ndarray]] = []
     for k, steer in enumerate(SECTIONS):
+        search.done = k
         for x in search.seeds(steer):
             if beside(x, families):
                 continue

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbsd3d import Solution
-from mbsd3d.files import write_atomically
+from mbsd3d.files import with_suffix, write_atomically
 
 from .kinematics import X, Y, Z
 from .parameters import Parameters
@@ -167,10 +167,10 @@ class Ride:
         return table
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write `columns`, one line per sample, every number with all its digits."""
+        """Write `columns`, one line per sample, all digits; ".csv" is appended if it is missing."""
         table = self.columns()
         lines = [",".join(table), *(",".join(map(repr, row)) for row in np.column_stack([*table.values()]).tolist())]
-        return write_atomically(Path(path), ("\n".join(lines) + "\n").encode())
+        return write_atomically(with_suffix(path, ".csv"), ("\n".join(lines) + "\n").encode())
 
     def __str__(self) -> str:
         checks = self.solution.certificate

@@ -19,4 +19,9 @@ def bicycle_argument(function: Any) -> Any:
     return click.argument("bicycle", default="Meijaard2007")(flag(with_parameters))
 
 
-out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
+out_option = click.option(
+    "--out",
+    default="out",
+    show_default=True,
+    help="Folder for the results; made if missing; files of the same name are replaced.",
+)

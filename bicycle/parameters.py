@@ -103,16 +103,26 @@ class Parameters:
             radius, crown = getattr(self, f"r{wheel}"), getattr(self, f"t{wheel}")
             if crown > radius:
                 raise ValueError(f"{what}: crown radius t{wheel} = {crown} exceeds r{wheel} = {radius}; give t <= r")
-        if self.mR + self.mB + self.mH + self.mF == 0.0:
+        if self.mass == 0.0:
             raise ValueError(f"{what}: all masses are zero; give one of mR, mB, mH, mF")
         for part, body in BODIES.items():
             check_body(self, part, f"{what}: {body} ({part})")
+
+    @property
+    def mass(self) -> float:
+        """Of everything [kg]."""
+        return self.mR + self.mB + self.mH + self.mF
 
     def inertia(self, part: str) -> np.ndarray:
         """(3, 3) inertia of part "R", "B", "H" or "F" about its centre of mass, axes x forward, y right, z down."""
         I = {axis: getattr(self, f"I{part}{axis}") for axis in (("xx", "yy") if part in "RF" else AXES)}
         xz = I.get("xz", 0.0)
         return np.array([[I["xx"], 0.0, xz], [0.0, I["yy"], 0.0], [xz, 0.0, I.get("zz", I["xx"])]])
+
+    @property
+    def front_load(self) -> float:
+        """Share of the weight that the front wheel carries when it stands upright: below 0 or above 1 it tips."""
+        return (self.mB * self.xB + self.mH * self.xH + self.mF * self.w) / (self.w * self.mass)
 
     def values(self) -> dict[str, float]:
         """The numbers by symbol, in the order of the fields."""

@@ -1,6 +1,6 @@
 """Rides: nonlinear runs of the Whipple bicycle, with what the rider and the wind do to it, until it falls."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from mbsd3d.parts import number
 
 from .events import check_start, elevation, unloading
 from .loads import ridden
-from .manoeuvres import MANOEUVRES
+from .manoeuvres import MANOEUVRES, Manoeuvre
 from .motion import WHEELS, Event, Ride
 from .options import bicycle_argument, out_option
 from .parameters import Parameters
@@ -114,7 +114,9 @@ def run(
 @click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
 @click.option("--speed", type=float, help="At the start [m/s]; default: that of the manoeuvre.")
 @click.option("--t-end", type=float, help="End of the ride [s]; default: that of the manoeuvre.")
-@click.option("--fallen", type=float, default=np.degrees(FALLEN), show_default="60", help="Tilt that ends it [°].")
+@click.option(
+    "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends it [°]."
+)
 @click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
 @out_option
@@ -124,8 +126,8 @@ def command(
 ) -> None:  # fmt: skip
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
-    Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load). Ctrl-C keeps what was computed. The
-    exit code is 1 if the certificate of the run fails.
+    Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load), named after bicycle, manoeuvre and
+    what was changed of it. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run fails.
     """
     if only_list:
         width = max(map(len, MANOEUVRES))
@@ -137,7 +139,8 @@ def command(
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
         raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
-    target = ready_folder(out) / f"{parameters.name}_{manoeuvre}"
+    name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down)])
+    target = ready_folder(out) / name
     try:
         samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
         found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
@@ -152,6 +155,14 @@ def command(
         raise click.exceptions.Exit(1)
 
 
+def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held_down: bool) -> list[str]:
+    """What differs from the manoeuvre, for the names of files: rides that differ do not replace each other."""
+    numbers = {"speed": (arguments["speed"], chosen.speed), "t-end": (arguments["t_end"], chosen.t_end)}
+    numbers["fallen"] = fallen, np.degrees(FALLEN)
+    texts = {key: [f"{value:.12g}" for value in pair] for key, pair in numbers.items()}
+    return [f"{key}{given}" for key, (given, usual) in texts.items() if given != usual] + ["held-down"] * held_down
+
+
 def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
     """Everything a person wants to keep of a ride; the names of the files are printed."""
     from mbsd3d.plots import save_figure
@@ -160,7 +171,7 @@ def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
 
     files = [
         found.solution.save(target),
-        found.to_csv(target.with_suffix(".csv")),
+        found.to_csv(target),
         *save_figure(plot(found, title), target),
     ]
     if viewed:
@@ -170,9 +181,14 @@ def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
 
 
 def view(found: Ride, path: str | Path | None = None, title: str | None = None) -> Any:
-    """A page that shows the ride with the traces of both hubs, and steer, loads and energies as curves."""
+    """A page that goes along with the frame: traces of both hubs, and steer, loads and energies as curves.
+
+    Frame and rear wheel have one point of reference: names would stand on each other.
+    """
     system = found.solution.system
     traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
     curves = [("angle", "steer"), *(("reaction", f"{wheel} contact") for wheel in WHEELS), "energy"]
-    shown = found.solution.animate(title=title, traces=traces, curves=curves, shown="reaction force")
+    shown = found.solution.animate(
+        title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
+    )
     return shown if path is None else shown.save(path)

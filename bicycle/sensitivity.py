@@ -11,7 +11,7 @@ from .models import whipple
 from .options import bicycle_argument, out_option
 from .parameter_files import is_file, read_values
 from .parameters import Parameters
-from .slopes import Derivatives, derivatives
+from .slopes import Derivatives, NoSpeedsError, derivatives
 from .stable_maps import StableMap, checked_axes, plot_map, stable_map
 from .uncertainty import MonteCarlo, Sobol, checked_deviations, monte_carlo, published_deviations, sobol
 
@@ -62,7 +62,6 @@ def command(
     the speeds and the Sobol indices of the parameters. Tables (.csv) and figures. Next: mbsd3d bicycle why
     """
     from mbsd3d.commands import Failure, ready_folder
-    from mbsd3d.plots import save_figure
 
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
@@ -71,6 +70,22 @@ def command(
     if wanted:
         checked_axes(parameters, wanted, build)
     target = ready_folder(out) / f"sensitivity_{parameters.name}"
+    try:
+        write_speeds(parameters, spread, samples, seed, dark, target)
+    except NoSpeedsError as error:
+        if not wanted:
+            raise
+        click.echo(f"mbsd3d: {error}: the map alone is made", err=True)
+    if wanted:
+        write_map(parameters, wanted, build, dark, target.with_name(f"map_{parameters.name}"))
+
+
+def write_speeds(
+    parameters: Parameters, spread: dict[str, float], samples: int, seed: int, dark: bool, target: Path
+) -> None:
+    """Derivatives of the critical speeds and, with standard deviations, their distribution."""
+    from mbsd3d.plots import save_figure
+
     tyres = bool(parameters.tR or parameters.tF)
     found = derivatives(parameters, whipple if tyres else None)
     click.echo(str(found))
@@ -87,8 +102,6 @@ def command(
         )
     else:
         click.echo(f"no standard deviations of {parameters.name} are known; give some: --deviation c=0.005")
-    if wanted:
-        write_map(parameters, wanted, build, dark, target.with_name(f"map_{parameters.name}"))
 
 
 def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], build: Any, dark: bool, target: Path) -> None:

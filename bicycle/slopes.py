@@ -19,12 +19,13 @@ import numpy as np
 from . import characteristic, critical
 from .double_roots import double_roots
 from .general import Build
-from .parameters import MEANING, NOT_NEGATIVE, SYMBOLS, TYRES, UNIT, Parameters
+from .parameters import MEANING, SYMBOLS, TYRES, UNIT, Parameters
 from .sheet import write_table
 
 DIFFERENCES = {  # of fourth order: multiples of the step, and their weights
     "central": ((-2, -1, 1, 2), (1 / 12, -2 / 3, 2 / 3, -1 / 12)),
     "forward": ((0, 1, 2, 3, 4), (-25 / 12, 4, -3, 4 / 3, -1 / 4)),
+    "backward": ((0, -1, -2, -3, -4), (25 / 12, -4, 3, -4 / 3, 1 / 4)),
 }
 COARSE = 1e-3
 """Of a difference, relative to the parameter, or to LEAST if that is larger: rounding 1e-12 over it, error its fourth
@@ -32,6 +33,10 @@ power."""
 LEAST = 0.1
 STEP = 1e-30
 """Of a complex step, relative: far below rounding, so that its square vanishes."""
+
+
+class NoSpeedsError(ValueError):
+    """A bicycle without any critical speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +98,8 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
     Raises
     ------
     ValueError
-        If the bicycle has none of these speeds, or round tyres without a model.
+        If the bicycle has none of these speeds (`NoSpeedsError`), round tyres without a model, or (general model only)
+        a parameter that can be changed to neither side.
 
     Examples
     --------
@@ -113,7 +119,7 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
         by_speed = f(q, v + 1j * STEP).imag / STEP
         slopes[name] = dict(zip(keys, (0.0 - f(stepped, v).imag / STEP / by_speed).tolist(), strict=True))
     if not speeds:
-        raise ValueError(f"bicycle '{parameters.name}': it has neither weave nor capsize speed nor a double root")
+        raise NoSpeedsError(f"bicycle '{parameters.name}': it has neither weave nor capsize speed nor a double root")
     return Derivatives(parameters, speeds, slopes)
 
 
@@ -128,14 +134,25 @@ def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[criti
     """(p, p with the complex step in parameter k as entry k) of the general model."""
     q, slopes = characteristic.of_model(parameters, build), []
     for key in keys:
-        value = getattr(parameters, key)
-        step = COARSE * max(abs(value), LEAST)
-        places, weights = DIFFERENCES["forward" if key in NOT_NEGATIVE and value < 2.0 * step else "central"]
-        cells = [replace(parameters, **{key: value + k * step}, unphysical=True) for k in places]
+        step = COARSE * max(abs(getattr(parameters, key)), LEAST)
+        cells, weights = neighbours(parameters, key, step)
         found = zip(*(characteristic.of_model(cell, build, check=False) for cell in cells), strict=True)
         slopes.append([np.tensordot(weights, x, 1) / step for x in map(np.array, found)])
     return q, critical.Quartic(
         *(x + 1j * STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True))
+    )
+
+
+def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Parameters], tuple[float, ...]]:
+    """Bicycles with one parameter changed, and their weights in its difference: central where all can be built."""
+    for places, weights in DIFFERENCES.values():
+        try:
+            value = getattr(parameters, key)
+            return [replace(parameters, **{key: value + k * step}, unphysical=True) for k in places], weights
+        except ValueError as error:  # e.g. a moment of inertia below zero
+            refused = error
+    raise ValueError(
+        f"bicycle '{parameters.name}': {key} = {value:g} can be changed to neither side in the general model: {refused}"
     )
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.progress import Progress
 from mbsd3d.style import dress, house, theme
 
 from . import characteristic, critical
@@ -16,6 +15,7 @@ from .general import Build
 from .parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters
 from .sheet import write_table
 from .uncertainty import variants
+from .waiting import collected
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +93,10 @@ def by_model(
     parameters: Parameters, names: tuple[str, str], points: np.ndarray, build: Build, show: bool | None
 ) -> tuple[np.ndarray, int]:
     """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
-    found, n = [], points.shape[1]
-    with Progress(f"{n} bicycles", 0, n, show) as bar:
-        try:
-            for point in points.T.tolist():
-                cell = replace(parameters, **dict(zip(names, point, strict=True)))
-                found.append(characteristic.of_model(cell, build, check=not found))
-                bar.update(len(found))
-        except KeyboardInterrupt:
-            pass
+    n = points.shape[1]
+    cells = (replace(parameters, **dict(zip(names, point, strict=True))) for point in points.T.tolist())
+    solved = (characteristic.of_model(cell, build, check=k == 0) for k, cell in enumerate(cells))
+    found = collected(f"{n} bicycles", solved, n, show)
     edges = np.full_like(points, np.nan)
     if found:
         edges[:, : len(found)] = critical.first_range(critical.Quartic(*map(np.array, zip(*found, strict=True))))

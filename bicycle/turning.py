@@ -87,6 +87,7 @@ class Turner:
         self.p, self.system = parameters, whipple(parameters)
         self.twisted = replace(self.system, forces=steer_torque(self.system, parameters, 1.0))
         self.axis, self.pitch = steer_axis(parameters)[1], 0.0
+        self.squares: dict[tuple[float, float], float] = {}
 
     def pose(self, lean: float, steer: float) -> Pose:
         """The pose whose pitch is next to the last one's, else that with the least pitch."""
@@ -123,6 +124,13 @@ class Turner:
         rest, moving = (self.answer(self.system, self.state(lean, steer, s)) for s in (0.0, scale))
         twisted = self.answer(self.twisted, self.state(lean, steer, 0.0))
         return Balance(rest, (moving - rest) / scale, twisted - rest)
+
+    def square(self, lean: float, steer: float) -> float:
+        """Square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2]; computed once."""
+        if (lean, steer) not in self.squares:
+            at = course(self.p, self.pose(lean, steer))[0]
+            self.squares[lean, steer] = self.balance(lean, steer).held[0] * at**2
+        return self.squares[lean, steer]
 
     def free(self, lean: float, steer: float) -> tuple[float, float]:
         """(misfit, s^2) without hands: zero misfit where one s^2 makes both accelerations vanish.

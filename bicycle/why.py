@@ -4,13 +4,12 @@ Ranges are roots of polynomials, see `bicycle.critical`: none is too narrow to b
 them: its linear equations give the same ranges, and its fastest growth changes sign within 1e-6 m/s of every end.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import click
-
-from mbsd3d.progress import Progress
 
 from . import critical
 from .ablation import Ablation, ablated, locked, quartic_of
@@ -20,6 +19,7 @@ from .options import bicycle_argument, out_option
 from .parameters import Parameters
 from .sheet import write_table
 from .variants import CHANGES, two_mass_skate
+from .waiting import collected
 
 
 @dataclass(frozen=True)
@@ -70,18 +70,17 @@ def ablations(parameters: Parameters, build: Build | None = whipple, *, progress
     >>> print(*{row.name: row.ranges for row in found.rows}["no trail"])
     2.933073 ... 3.128986 m/s
     """
-    rows: list[Ablation] = []
     speed, count = critical.typical_speed(critical.ranges(quartic_of(parameters, build))), len(CHANGES) + 2
-    with Progress(f"variants of {parameters.name}", 0, count, progress) as bar:
-        try:
-            for name in CHANGES:
-                rows.append(changed(parameters, name, build, speed))
-                bar.update(len(rows))
-            rows.append(locked(parameters, build, speed))
-            rows.append(ablated("two-mass skate: no trail, no spin", two_mass_skate(), build, speed))
-        except KeyboardInterrupt:
-            pass
+    rows = collected(f"variants of {parameters.name}", one_by_one(parameters, build, speed), count, progress)
     return Ablations(parameters, speed, rows, count - len(rows))
+
+
+def one_by_one(parameters: Parameters, build: Build | None, speed: float) -> Iterator[Ablation]:
+    """The variants, the bicycle with locked steering, and a two-mass skate."""
+    for name in CHANGES:
+        yield changed(parameters, name, build, speed)
+    yield locked(parameters, build, speed)
+    yield ablated("two-mass skate: no trail, no spin", two_mass_skate(), build, speed)
 
 
 def changed(parameters: Parameters, name: str, build: Build | None, speed: float) -> Ablation:

@@ -10,8 +10,10 @@ from click.testing import CliRunner
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
+from bicycle.circle_figure import plot
 from bicycle.continuation import Curve
 from bicycle.equations import canonical
+from bicycle.families import SECTIONS, Search
 from bicycle.loads import steer_torque
 from bicycle.parameters import library, named
 from bicycle.turning import Turner
@@ -116,6 +118,41 @@ def test_turns_held_at_a_speed():
         known = by_hand(BENCHMARK, turn.lean, turn.steer)
         assert turn.torque == pytest.approx(known.torque, abs=1e-9)
         assert np.sign(turn.steer) == np.sign(turn.lean) == np.sign(turn.radius)
+
+
+def test_what_one_speed_needed_helps_the_next():
+    shared = Turner(BENCHMARK)
+    circles.held(BENCHMARK, 4.0, [0.3], turner=shared)
+    first = len(shared.squares)
+    (turn,), (alone,) = circles.held(BENCHMARK, 5.0, [0.3], turner=shared), circles.held(BENCHMARK, 5.0, [0.3])
+    assert len(shared.squares) - first < 0.6 * first
+    assert turn.steer == pytest.approx(alone.steer, rel=1e-10) and turn.torque == pytest.approx(alone.torque, abs=1e-9)
+
+
+def test_a_bar_shows_how_far_the_torques_are(monkeypatch):
+    monkeypatch.setattr(circles, "LEANS", np.array([0.1, 0.2]))
+    told, turns = [], []
+    monkeypatch.setattr(circles.Progress, "update", lambda bar, value: told.append((bar.title, value)))
+    circles.held_if_possible(BENCHMARK, (5.0, 7.0), turns)
+    assert [len(group) for group in turns] == [2, 2]
+    assert told == [("circles: steer torques", value) for value in (0.0, 0.5, 1.0, 1.5)]
+
+
+def test_families_tell_of_every_point():
+    told = []
+    search = Search.of(BENCHMARK, 0.15, told.append)
+    x = search.seeds(SECTIONS[0])[0]
+    points, _ = search.follow(x, search.curve.direction(x))
+    assert len(told) >= len(points) > 3
+
+
+def test_torques_are_drawn_as_a_smooth_line_through_the_turns():
+    turns = circles.held(BENCHMARK, 5.0, np.radians([5.0, 10.0, 15.0, 20.0]))
+    points, line = plot(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
+    assert np.allclose(line.get_xydata()[::10], points.get_xydata(), rtol=0, atol=1e-12)
+    middle = circles.held(BENCHMARK, 5.0, [np.radians(12.5)])[0].torque
+    straight = np.interp(12.5, *points.get_xydata().T)
+    assert abs(np.interp(12.5, *line.get_xydata().T) - middle) < 0.5 * abs(straight - middle)
 
 
 def test_pivoting_about_the_rear_contact():
@@ -243,6 +280,17 @@ def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
     header, *rows = (tmp_path / "Meijaard2007_circles.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
+
+
+def test_tables_keep_names_with_a_point(tmp_path, monkeypatch):
+    monkeypatch.setattr(circles, "families", lambda parameters, keep: None)
+    lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key[0] != "t"]
+    (tmp_path / "bike.v2.txt").write_text("\n".join(lines))
+    arguments = ["bicycle", "circles", str(tmp_path / "bike.v2.txt"), "--speed", "5", "--out", str(tmp_path / "out")]
+    assert CliRunner().invoke(main, arguments).exit_code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        f"bike.v2_circles.{x}" for x in ("csv", "png", "svg")
+    }
 
 
 @pytest.mark.slow

@@ -181,6 +181,26 @@ def test_derivatives_by_forward_differences_next_to_zero():
         assert abs(model.by[name]["mR"] - slopes["mR"]) < 1e-4 < abs(slopes["mR"])
 
 
+@pytest.mark.parametrize("zero", ["IFyy", "IRyy", "IFxx"])
+def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
+    point = replace(BENCHMARK, **{zero: 0.0}, unphysical=True)
+    closed, model = sensitivity.derivatives(point), sensitivity.derivatives(point, whipple)
+    for name, slopes in closed.by.items():
+        for key, slope in slopes.items():
+            change = max(abs(getattr(point, key)), 0.1)
+            assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
+
+
+def test_a_crown_as_large_as_its_wheel_can_only_become_smaller():
+    ball = replace(BENCHMARK, tR=BENCHMARK.rR, tF=0.01)
+    assert np.isfinite([*sensitivity.derivatives(ball, whipple).by["weave"].values()]).all()
+
+
+def test_a_body_without_mass_has_no_derivative_by_its_inertia():
+    with pytest.raises(ValueError, match="IRxx = 0 can be changed to neither side .* mass is 0 but inertia is not"):
+        sensitivity.derivatives(named("Tms"), whipple)
+
+
 def test_derivatives_with_round_tyres_obey_the_rule_of_lengths():
     found = sensitivity.derivatives(ROUND, whipple)
     length = dict.fromkeys(("w", "c", "rR", "xB", "zB", "xH", "zH", "rF", "tR", "tF"), 1.0)
@@ -570,6 +590,12 @@ def test_commands_with_many_figures_write_what_they_say(tmp_path):
     stems = ("sensitivity_Browserins", "uncertainty_Browserins", "map_Browserins", "frequency_Meijaard2007")
     pictures = {f"{stem}.{kind}" for stem in stems for kind in ("png", "svg", "csv")}
     assert names_in(tmp_path) == pictures | {"sobol_Browserins.csv"}
+
+
+def test_a_map_needs_no_critical_speeds(tmp_path):
+    result = run("sensitivity", "HC_Optimal10", "--map", "c=0:0.1:3", "--map", "lam=0.2:0.5:3", "--out", tmp_path)
+    assert result.exit_code == 0 and "nor a double root: the map alone is made" in result.output
+    assert names_in(tmp_path) == {f"map_HC_Optimal10.{kind}" for kind in ("png", "svg", "csv")}
 
 
 def test_deviations_of_a_file_are_used(tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pages import COUNT, END, HINGE, SETTLED, covered, differing, scene, seek
+from pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene, seek
 
 from mbsd3d.view.page import asset
 
@@ -87,6 +87,26 @@ def test_the_camera_goes_along_with_a_body(page):
     seek(page, 0.0)
     assert np.abs(np.array(page.run(eye)) - eyes[2]).max() < 1e-6  # it stays where it is
     page.page.locator("#camera").click()
+
+
+def test_a_page_goes_along_with_a_body_from_the_start(chromium, motion, folder):
+    """Seen from near; the view that is reset is where the body is now."""
+    eye = "() => __viserMutable.camera.matrixWorld.elements.slice()"
+    view = motion.animate(frames=COUNT, follow=motion.system.bodies[-1])
+    with opened(chromium, view.save(folder / "along"), width=800, height=460) as seen:
+        place = seen.page.locator("#follow").input_value()
+        assert int(place) == len(motion.system.bodies) - 1
+        body = f"() => __viserMutable.nodeRefFromName['/bodies/{place}'].matrixWorld.elements.slice()"
+        poses = []
+        for t in (0.0, 0.9 * END):
+            seek(seen, t)
+            poses.append((seen.run(eye), seen.run(body)))
+        eyes, bodies = np.swapaxes(np.array(poses), 0, 1)[..., 12:15]
+        assert np.linalg.norm(bodies[1] - bodies[0]) > 0.05
+        assert np.abs(eyes[1] - eyes[0] - (bodies[1] - bodies[0])).max() < 1e-4  # poses are rounded to 1e-5
+        seen.page.locator("#camera").click()
+        seen.run(SETTLED)
+        assert np.abs(np.array(seen.run(eye))[12:15] - eyes[1]).max() < 1e-4
 
 
 def test_loop(page):

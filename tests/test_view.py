@@ -196,6 +196,8 @@ def test_a_mode_is_animated():
             "'nowhere/page.html' cannot be written: there is no folder 'nowhere'; make it first",
         ),
         ({"path": ""}, "path = '' names no file; give a name such as 'result.html'"),
+        ({"follow": "nobody"}, "'nobody' is not one of the bodies"),
+        ({"follow": 0, "live": True}, "the camera of a live view does not go along"),
         ({"live": "yes"}, "live = 'yes'; give True for a server on this machine, or False"),
         ({"traces": [("nobody", (0, 0, 0))]}, "'nobody' is not one of the bodies"),
     ],
@@ -203,6 +205,12 @@ def test_a_mode_is_animated():
 def test_wrong_options(run, options, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         run.animate(**options)
+
+
+def test_a_page_that_follows_a_body_is_seen_from_near(run):
+    near, wide = (data_of(run.animate(frames=9, follow=x)) for x in (run.system.bodies[1], None))
+    assert near["followed"] == 1 and wide["followed"] == -1
+    assert near["distance"] < wide["distance"]
 
 
 def test_a_wrong_state():

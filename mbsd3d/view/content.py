@@ -14,13 +14,13 @@ import numpy as np
 from ..style import CELLS, DARK, LIGHT
 from .copies import Links
 from .curves import Curve
-from .drawing import Drawing, bounds, frame_camera
+from .drawing import Drawing
 from .frames import Frames
 from .grid import length_text
 from .layers import MARKS, USUAL
 from .motion import Arrows, Trace
 from .recorder import Recording
-from .stage import FOV, Stage, build_stage
+from .stage import Stage, build_stage
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
@@ -42,6 +42,7 @@ class Content(NamedTuple):
     title: str
     shown: tuple[str, ...] = USUAL  # layers
     timed: bool = True  # whether the time is one of a run
+    followed: int = -1  # body that the camera goes along with
 
 
 def weight_of(content: Content) -> int:
@@ -65,6 +66,7 @@ def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
         content.arrows,
         content.traces,
         content.shown,
+        near=content.followed >= 0,
     )
     return recording.data(), player_data(content, stage)
 
@@ -80,7 +82,8 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
         "times": {"first": float(t[0]), "step": float((t[-1] - t[0]) / max(t.size - 1, 1)), "count": int(t.size)},
         "speed": content.speed,
         "scale": stage.scale,
-        "distance": frame_camera(*bounds(drawing, frames.r, frames.e), FOV).distance,
+        "distance": stage.distance,
+        "followed": content.followed,
         "moving": moving,
         "bodies": [[tag.body, tag.text] for tag in drawing.tags if tag.layer == "body names" and tag.body in moving],
         "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},

@@ -39,10 +39,11 @@ def show_system(
 
 def animate(
     solution: Any, path: Any, *, curves: Any, traces: Any, shown: Any, hidden: Any, frames: int | None,
-    speed: float | None, title: str | None, dark: bool | None, live: bool,
+    speed: float | None, title: str | None, dark: bool | None, live: bool, follow: Any,
 ) -> Any:  # fmt: skip
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
+    followed = followed_body(solution.system, follow, live)
     layers = page_layers(solution.system, shown, hidden)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
@@ -52,7 +53,17 @@ def animate(
         if frames is None and not live and (weight := weight_of(content)) > LARGEST:
             fewer = frames_of(solution, max(2, int(content.frames.t.size * LARGEST / weight)))
             content = gather(solution, drawing, fewer, curves, traces, speed, title, layers, progress)
-        return deliver(content, path, dark, live, "solution.animate")
+        return deliver(content._replace(followed=followed), path, dark, live, "solution.animate")
+
+
+def followed_body(system: Any, follow: Any, live: bool) -> int:
+    """Number of the body that the camera goes along with, or -1."""
+    if follow is None:
+        return -1
+    if live:
+        raise ValueError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
+    body = system.part(follow)
+    return next(i for i, other in enumerate(system.bodies) if other is body)
 
 
 def gather(

@@ -40,6 +40,7 @@ class Stage:
     factors: list[float] = field(default_factory=list)  # metres per unit of each kind of arrows
     traces: list[Any] = field(default_factory=list)  # the passed part of each
     shown: Sequence[str] = USUAL  # layers that are shown first
+    distance: float = 0.0  # of the first view [m]
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
         """Bring bodies (r (n + 1, 3), e (n + 1, 4)) and links to a pose."""
@@ -66,14 +67,17 @@ def build_stage(
     arrows: Sequence[Arrows] = (),
     traces: Sequence[Trace] = (),
     shown: Sequence[str] = USUAL,
+    *,
+    near: bool = False,
 ) -> Stage:
     """Draw everything at the first frame.
 
     Parameters
     ----------
     scene, camera : viser's ``server.scene`` and ``server.initial_camera``, or those of a `Recording`
-    drawing, frames, arrows, traces : what is drawn and how it moves; the camera frames all of it
+    drawing, frames, arrows, traces : what is drawn and how it moves
     shown : layers that are shown first
+    near : whether the camera frames the mechanism at the first frame only, not all of its motion
 
     Returns
     -------
@@ -81,7 +85,8 @@ def build_stage(
         Scale and handles.
     """
     low, high = bounds(drawing, frames.r, frames.e)
-    extent = max(float((high - low).max()), 1e-9)
+    box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
+    extent = max(float((box[1] - box[0]).max()), 1e-9)
     cell = round_up(extent / 10.0)
     stage = Stage(10.0 ** -np.floor(np.log10(drawing.size / 0.5)), cell, shown=shown)
     for i, (position, orientation) in enumerate(zip(frames.r[0], frames.e[0], strict=True)):
@@ -103,14 +108,15 @@ def build_stage(
         if layer not in stage.shown:  # nodes are visible when they are made
             stage.show(layer, False)
     light(scene)
-    aim(camera, stage, low, high)
+    aim(camera, stage, *box)
     scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
     return stage
 
 
 def aim(camera: Any, stage: Stage, low: np.ndarray, high: np.ndarray) -> None:
-    """Let the first view hold the whole motion."""
+    """Let the first view hold the whole box."""
     seen = frame_camera(low, high, FOV)
+    stage.distance = seen.distance
     camera.position, camera.look_at = seen.position * stage.scale, seen.look_at * stage.scale
     camera.fov, camera.near = FOV, float(seen.distance * stage.scale) * 1e-3
     camera.far = float(seen.distance * stage.scale) * 1e3

@@ -35,6 +35,7 @@ class Viewable:
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
+        follow: Any = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -58,6 +59,9 @@ class Viewable:
             None = what the reader's system prefers.
         live : bool
             Whether a server on this machine shows the motion instead (``path`` is not written then).
+        follow : Body or str, optional
+            Body that the camera of a page goes along with, seen from near; None = all of the motion is seen. The reader
+            may choose another one.
 
         Returns
         -------
@@ -73,7 +77,7 @@ class Viewable:
 
         return animate(
             self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
-            title=title, dark=dark, live=live,
+            title=title, dark=dark, live=live, follow=follow,
         )  # fmt: skip
 
     def picture(

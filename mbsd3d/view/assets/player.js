@@ -60,6 +60,8 @@ function draw() {
   for (const curve of curves) curve.draw(place);
 }
 
+const resetCamera = () => (scene?.resetCamera(), (dirty = true)); // a followed body may be elsewhere now
+
 function speedText(x) {
   return x === 1 ? "real time" : `${Number(x.toPrecision(3))} \u00d7`;
 }
@@ -76,7 +78,7 @@ function setUpTime() {
   const pace = () => ($("pace").textContent = speed === 1 ? "real time" : `${speedText(speed)} real time`);
   $("speed").addEventListener("change", () => ((speed = Number($("speed").value)), pace()));
   pace();
-  for (const [i, name] of data.bodies) $("follow").append(element("option", {value: i, textContent: name}));
+  for (const [i, name] of data.bodies) $("follow").append(element("option", {value: i, textContent: name, selected: i === data.followed}));
   $("follow").addEventListener("change", () => (scene?.follow(Number($("follow").value)), (dirty = true)));
   $("play").addEventListener("click", () => play(!playing));
   $("back").addEventListener("click", () => step(-1));
@@ -91,7 +93,7 @@ function onKey(event) {
   const moves = target.id === "divider" ? {ArrowLeft: () => widen(share + 4), ArrowRight: () => widen(share - 4)} : {};
   const does = moves[key] ?? {
     " ": () => play(!playing), Home: () => seek(times.first), End: () => (play(false), seek(last)),
-    ArrowLeft: () => step(-1), ArrowRight: () => step(1), c: () => scene?.resetCamera(),
+    ArrowLeft: () => step(-1), ArrowRight: () => step(1), c: resetCamera,
   }[key];
   const keeps = key === " " ? target.matches?.("button, input, select, summary") : typing && key !== "c";
   if (!does || keeps) return;
@@ -176,7 +178,7 @@ async function start() {
   makeSwitches(), makeLegend(), setUpCurves(lines);
   window.addEventListener("keydown", onKey, true);
   document.addEventListener("visibilitychange", () => (before = null)); // a hidden page stands still
-  $("camera").addEventListener("click", () => scene?.resetCamera());
+  $("camera").addEventListener("click", resetCamera);
   requestAnimationFrame(tick);
   const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");
   if (!graphics) return say("This browser shows no WebGL, which the 3D scene needs; switch it on or take another one.");
@@ -184,8 +186,7 @@ async function start() {
   if (!(await made.ready(30))) return say("The 3D scene did not start: reload the page, or take another browser.");
   scene = made;
   if (dark) scene.darken();
-  scene.resetCamera();
-  (dirty = true), say("");
+  scene.follow(data.followed), resetCamera(), say("");
   document.documentElement.dataset.ready = "yes";
 }
 

@@ -74,12 +74,17 @@ function makeScene(data, arrays) {
 
   // The camera is shifted by what the followed body has moved; turned and zoomed it stays as it was.
   function goAlong(r) {
-    const control = viewer.cameraControl, frame = viewer.nodeRefFromName["/bodies"] ?? viewer.nodeRefFromName[""];
-    const there = viewer.camera.position.clone().fromArray(Array.from(r.subarray(3 * followed, 3 * followed + 3), (x) => x * data.scale));
-    frame.localToWorld(there); // the client's own axes: y is up
+    const control = viewer.cameraControl, there = placeIn(r);
     const aim = control.getTarget(there.clone()).add(there).sub(seen ?? there);
     if (seen !== null) control.moveTo(aim.x, aim.y, aim.z, false);
     seen = there;
+  }
+
+  // Of the followed body, in the client's own axes: y is up.
+  function placeIn(r) {
+    const frame = viewer.nodeRefFromName["/bodies"] ?? viewer.nodeRefFromName[""];
+    const place = Array.from(r.subarray(3 * followed, 3 * followed + 3), (x) => x * data.scale);
+    return frame.localToWorld(viewer.camera.position.clone().fromArray(place));
   }
 
   const follow = (body) => ((followed = body), (seen = null));
@@ -103,10 +108,10 @@ function makeScene(data, arrays) {
     tell("SceneNodeUpdateMessage", "/grid", {updates: {cell_color, section_color}});
   }
 
-  // The first view; further away on a window that is higher than wide.
+  // The first view; further away on a window that is higher than wide. One from near is that of the first frame.
   function resetCamera() {
     if (viewer === null) return;
-    viewer.resetCameraPose(false), (seen = null);
+    viewer.resetCameraPose(false), (seen = data.followed >= 0 && followed >= 0 ? placeIn(rowAt(arrays.r, 0)) : null);
     const box = document.getElementById("scene").getBoundingClientRect();
     const control = viewer.cameraControl, away = Math.max(1, box.height / Math.max(box.width, 1));
     if (away > 1) control.dollyTo(data.distance * data.scale * away, false);
