@@ -23,7 +23,14 @@ ROUNDING = 1e-10
 """Of eigenvalues and accelerations without a time loop, relative: rounding 1e-16 times a condition of up to 1e5."""
 
 
-LONG = {"chain100_spherical": "other engines take too long for a short run; chain10_spherical stands for it"}
+LONG = {
+    name: f"other engines take too long for a short run; {other} stands for it"
+    for name, other in {
+        "chain100_spherical": "chain10_spherical",
+        "bicycle_M3": "bicycle_M1",
+        "iftomm_rscr_slidercrank": "rssr_driven",
+    }.items()
+}
 
 
 def trials(quick: bool = False) -> list[Trial]:
