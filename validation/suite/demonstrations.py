@@ -7,7 +7,7 @@ from typing import Any
 from mbsd3d.demos.base import discover
 
 from .findings import THEORY, Finding, judged
-from .trial import Run, Trial
+from .trial import STANDS, Run, Trial
 
 WHOLE = {
     "cardan": ("cardan", "cardan_double"),
@@ -28,11 +28,7 @@ def trials(quick: bool) -> list[Trial]:
         for name in names[:1] if quick else names:
             judges = {THEORY: rows} if name == names[0] else {}
             title = demo.title if name == names[0] else f"{demo.title} ({name.removeprefix(demo.name + '_')})"
-            alone = (
-                f"other engines take too long for a short run; {LONG[name]} stands for it"
-                if quick and name in LONG
-                else ""
-            )
+            alone = STANDS.format(LONG[name]) if quick and name in LONG else ""
             found.append(Trial(f"demo_{name}", "demos", title, partial(shown, demo, name), judges, alone=alone))
     return found
 

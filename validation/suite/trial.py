@@ -14,6 +14,8 @@ RTOL = 1e-10
 """Of our runs: a hundredth of the tightest limit."""
 ACCURACY = 100 * RTOL
 """What the errors of some hundred steps add up to where nothing is amplified."""
+STANDS = "other engines take too long for a short run; {} stands for it"
+"""Why a trial is not compared with engines in a short run."""
 
 
 @dataclass(frozen=True, eq=False)
