@@ -11,13 +11,14 @@ import pytest
 import scipy.linalg
 from click.testing import CliRunner
 
-from bicycle import Meijaard2007, circles, ride
+from bicycle import Meijaard2007, circles, ride, whipple
 from bicycle.equations import canonical
 from bicycle.manoeuvres import MANOEUVRES
 from bicycle.parameters import library, named, names
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
 from mbsd3d.signals import Pulse
+from validation import cross_check
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()
@@ -279,3 +280,15 @@ def test_every_manoeuvre_has_its_own_numbers():
 def test_examples():
     result = doctest.testmod(ride)
     assert result.attempted and not result.failed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["M1", "M2", "M3"])
+def test_manoeuvres_agree_with_exudyn(name):
+    """Limits of ever shorter steps, where 6 s of them let these be known (M1, M2: all 5 s on a quiet machine)."""
+    manoeuvre = MANOEUVRES[name]
+    system = whipple(BENCHMARK, speed=manoeuvre.speed, **manoeuvre.start)
+    seen = cross_check(system, 5.0, state=system.state(), engines=["exudyn"], budget=6.0)
+    assert seen.failures == ()
+    assert seen.verdict["Exudyn", "acceleration"] == "agrees" and seen.verdict["Exudyn", "mass matrix"] == "agrees"
+    assert seen.passed, str(seen.table())
