@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mbsd3d import AngleDriver, Constant, System, linearize, measures
+from mbsd3d import AngleDriver, Constant, System, linearize
+from mbsd3d.mechanism import measures
 
 from . import characteristic, critical
 from .critical import Range

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.interpolate import Akima1DInterpolator
 
-from mbsd3d.style import LINE, Theme, dress, house, theme
+from mbsd3d.base.style import LINE, Theme, dress, house, theme
 
 from .families import Family
 from .parameters import Parameters
@@ -35,7 +35,7 @@ def plot(
     Returns
     -------
     matplotlib.figure.Figure
-        Not shown; `mbsd3d.plots.save_figure` writes it.
+        Not shown; `mbsd3d.save_figure` writes it.
     """
     look = theme(dark)
     with house(look):

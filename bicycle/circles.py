@@ -6,10 +6,10 @@ import click
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d.commands import INTERRUPTED, can_view, ready_folder
-from mbsd3d.files import with_suffix, write_atomically
-from mbsd3d.parts import number
-from mbsd3d.progress import Progress
+from mbsd3d.base.checks import number
+from mbsd3d.base.paths import with_suffix, write_atomically
+from mbsd3d.base.progress import Progress
+from mbsd3d.cli.support import INTERRUPTED, can_view, ready_folder
 
 from .circle_table import summary, table
 from .families import SECTIONS, Family, Search, follow_all, special_points
@@ -210,7 +210,7 @@ def command(parameters: Parameters, speeds: tuple[float, ...], viewed: bool, out
     Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
     wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
     """
-    from mbsd3d.plots import save_figure
+    from mbsd3d.plotting.plots import save_figure
 
     from .circle_figure import plot
 

@@ -152,7 +152,7 @@ def command(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     BICYCLES are names or parameter files (.txt, .yml); none = all published sets. Writes index.html, views and a table
     (.csv) into the folder compare below --out.
     """
-    from mbsd3d.commands import INTERRUPTED, Failure, can_view, ready_folder
+    from mbsd3d.cli.support import INTERRUPTED, Failure, can_view, ready_folder
 
     if only_list:
         click.echo("\n".join(["Meijaard2007", *names()]))

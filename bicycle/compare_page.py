@@ -9,11 +9,11 @@ import numpy as np
 from markupsafe import Markup
 
 import mbsd3d
-from mbsd3d.files import package_version, write_atomically
-from mbsd3d.progress import Progress
+from mbsd3d.base.paths import package_version, write_atomically
+from mbsd3d.base.progress import Progress
+from mbsd3d.base.style import DARK, LIGHT, LINE, THIN, dress, house
 from mbsd3d.report.exhibits import inline_svg
 from mbsd3d.report.wording import digits
-from mbsd3d.style import DARK, LIGHT, LINE, THIN, dress, house
 
 from . import critical, stability
 from .compare import AGREES, Entry, check_names

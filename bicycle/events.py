@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import accelerations, measures
-from mbsd3d.measures import Measure
+from mbsd3d import accelerations
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.measures import Measure
 
 from .models import Bicycle
 from .motion import WHEELS, Event, Ride

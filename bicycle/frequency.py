@@ -172,8 +172,8 @@ def command(
     From the general model at each speed. Writes a figure and a table (.csv). Dashed: the bicycle falls at this speed
     if nobody steers. Next: mbsd3d bicycle ride
     """
-    from mbsd3d.commands import Failure, ready_folder
-    from mbsd3d.plots import save_figure
+    from mbsd3d.cli.support import Failure, ready_folder
+    from mbsd3d.plotting.plots import save_figure
 
     if not 0.0 < low < high < np.inf:
         raise Failure(f"--from {low:g} --to {high:g}: give frequencies in rad/s with 0 < from < to")

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
+from mbsd3d.base.style import LINE, dress, house, theme
 from mbsd3d.report.wording import RAISED
-from mbsd3d.style import LINE, dress, house, theme
 
 
 def draw(found: Any, dark: bool) -> Any:

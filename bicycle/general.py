@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from mbsd3d import Linearization, System, linearize
-from mbsd3d.parts import number
+from mbsd3d.base.checks import number
 
 from .equations import Canonical, checked_speeds
 from .models import outputs

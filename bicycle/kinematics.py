@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d.joints import cross
-from mbsd3d.parts import number
-from mbsd3d.rotations import as_quaternion, skew
+from mbsd3d.base.checks import number
+from mbsd3d.base.directions import cross
+from mbsd3d.base.rotations import as_quaternion, skew
 
 from .parameters import Parameters
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from mbsd3d import Force, Signal, Torque
-from mbsd3d.signals import as_signal
+from mbsd3d.mechanism.signals import as_signal
 
 from .kinematics import steer_axis
 from .models import Bicycle, whipple

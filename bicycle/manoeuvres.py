@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from mbsd3d.signals import Pulse, Signal
+from mbsd3d.mechanism.signals import Pulse, Signal
 
 
 @dataclass(frozen=True)

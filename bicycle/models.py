@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Revolute, RollingDisc, State, System, measures, shapes
-from mbsd3d.measures import Measure
+from mbsd3d import GROUND, Body, Revolute, RollingDisc, State, System
+from mbsd3d.mechanism import measures, shapes
+from mbsd3d.mechanism.measures import Measure
 
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
 from .parameters import Parameters

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbsd3d import Solution
-from mbsd3d.files import with_suffix, write_atomically
+from mbsd3d.base.paths import with_suffix, write_atomically
 
 from .kinematics import X, Y, Z
 from .parameters import Parameters

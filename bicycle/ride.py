@@ -8,8 +8,8 @@ import click
 import numpy as np
 
 from mbsd3d import IntegrationError, Signal, accelerations, simulate
-from mbsd3d.commands import INTERRUPTED, can_view, keep, ready_folder
-from mbsd3d.parts import number
+from mbsd3d.base.checks import number
+from mbsd3d.cli.support import INTERRUPTED, can_view, keep, ready_folder
 
 from .events import check_start, elevation, unloading
 from .loads import ridden
@@ -165,7 +165,7 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
 
 def write(found: Ride, target: Path, title: str, viewed: bool) -> None:
     """Everything a person wants to keep of a ride; the names of the files are printed."""
-    from mbsd3d.plots import save_figure
+    from mbsd3d.plotting.plots import save_figure
 
     from .ride_figure import plot
 

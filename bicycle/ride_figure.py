@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from mbsd3d.style import LINE, Theme, dress, house, theme
+from mbsd3d.base.style import LINE, Theme, dress, house, theme
 
 from .motion import NO_ROAD, Ride
 
@@ -32,7 +32,7 @@ def plot(ride: Ride, title: str | None = None, *, dark: bool = False) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Not shown; `mbsd3d.plots.save_figure` writes it.
+        Not shown; `mbsd3d.save_figure` writes it.
     """
     look = theme(dark)
     with house(look):

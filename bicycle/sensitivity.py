@@ -61,7 +61,7 @@ def command(
     Writes the derivatives; with standard deviations (those of a measured set, or --deviation) also the distribution of
     the speeds and the Sobol indices of the parameters. Tables (.csv) and figures. Next: mbsd3d bicycle why
     """
-    from mbsd3d.commands import Failure, ready_folder
+    from mbsd3d.cli.support import Failure, ready_folder
 
     if len(axes) not in (0, 2) or (general and not axes):
         raise Failure(f"--map is given {len(axes)} times; give two, e.g. --map c=0:0.2:81 --map lam=0:0.7:81")
@@ -84,7 +84,7 @@ def write_speeds(
     parameters: Parameters, spread: dict[str, float], samples: int, seed: int, dark: bool, target: Path
 ) -> None:
     """Derivatives of the critical speeds and, with standard deviations, their distribution."""
-    from mbsd3d.plots import save_figure
+    from mbsd3d.plotting.plots import save_figure
 
     tyres = bool(parameters.tR or parameters.tF)
     found = derivatives(parameters, whipple if tyres else None)
@@ -106,8 +106,8 @@ def write_speeds(
 
 def write_map(parameters: Parameters, wanted: dict[str, np.ndarray], build: Any, dark: bool, target: Path) -> None:
     """Map with figure and table; what Ctrl-C left is written too."""
-    from mbsd3d.commands import INTERRUPTED
-    from mbsd3d.plots import save_figure
+    from mbsd3d.cli.support import INTERRUPTED
+    from mbsd3d.plotting.plots import save_figure
 
     found = stable_map(parameters, wanted, build)
     report(*save_figure(plot_map(found, dark=dark), target), found.to_csv(target))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from mbsd3d.style import LINE, dress, house, theme
+from mbsd3d.base.style import LINE, dress, house, theme
 
 from .parameters import SYMBOL
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from mbsd3d.files import with_suffix, write_atomically
+from mbsd3d.base.paths import with_suffix, write_atomically
 
 
 def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:

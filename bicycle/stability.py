@@ -8,8 +8,8 @@ from typing import Any
 import click
 import numpy as np
 
-from mbsd3d.modes import Mode
-from mbsd3d.parts import number
+from mbsd3d.base.checks import number
+from mbsd3d.linear.modes import Mode
 
 from .equations import canonical, checked_speeds
 from .general import Build, eigenvalues, linear_equations, linearization
@@ -151,8 +151,8 @@ def command(
 
     BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml). Writes a figure and a table (.csv).
     """
-    from mbsd3d.commands import Failure, can_view, ready_folder
-    from mbsd3d.plots import save_figure
+    from mbsd3d.cli.support import Failure, can_view, ready_folder
+    from mbsd3d.plotting.plots import save_figure
 
     if not -np.inf < first < last < np.inf:
         raise Failure(f"--from {first:g} is not below --to {last:g}; give two finite speeds in m/s")

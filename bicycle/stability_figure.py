@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.style import LINE, THIN, Theme, dress, house, theme
+from mbsd3d.base.style import LINE, THIN, Theme, dress, house, theme
 
 DOTS = 34  # of the closed form, so that the lines are seen between them
 SHOWN = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering

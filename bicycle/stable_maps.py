@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.style import dress, house, theme
+from mbsd3d.base.style import dress, house, theme
 
 from . import characteristic, critical
 from .general import Build

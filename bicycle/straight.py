@@ -10,10 +10,10 @@ its accelerations; a model to which either does not apply is left to `linearize`
 import numpy as np
 
 from mbsd3d import AssemblyError, System
-from mbsd3d.model import compile_system
-from mbsd3d.selection import schur_of
-from mbsd3d.threads import on_one_thread
-from mbsd3d.variations import STEP, Field, cross, directions
+from mbsd3d.base.concurrency import on_one_thread
+from mbsd3d.constraints.row_choice import schur_of
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.linear.variations import STEP, Field, cross, directions
 
 from .kinematics import placed, rolling
 from .models import outputs
@@ -25,7 +25,7 @@ ALLOWED = 1e-9
 
 
 def deviations(p: Parameters, centres: np.ndarray, speed: float) -> np.ndarray:
-    """(48, 4) X of `mbsd3d.variations` for unit lean, steer, lean rate and steer rate, by complex steps.
+    """(48, 4) X of `mbsd3d.linear.variations` for unit lean, steer, lean rate and steer rate, by complex steps.
 
     The pitch that goes with lean and steer is of second order, since it is the same to the left and to the right.
 

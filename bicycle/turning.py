@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import Linearization, State, accelerations, linearize, measures, simulate
+from mbsd3d import Linearization, State, accelerations, linearize, simulate
+from mbsd3d.mechanism import measures
 
 from .kinematics import Pose, X, Y, Z, foot, placed, pose_of, steer_axis
 from .loads import steer_torque

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import TypeVar
 
-from mbsd3d.progress import Progress
+from mbsd3d.base.progress import Progress
 
 T = TypeVar("T")
 

@@ -122,8 +122,8 @@ def command(parameters: Parameters, closed_form: bool, dark: bool, out: str) -> 
     Prints the self-stable ranges [m/s] of each variant and how fast it falls at one speed; writes a figure and a table
     (.csv). The exit code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
     """
-    from mbsd3d.commands import INTERRUPTED, Failure, ready_folder
-    from mbsd3d.plots import save_figure
+    from mbsd3d.cli.support import INTERRUPTED, Failure, ready_folder
+    from mbsd3d.plotting.plots import save_figure
 
     folder = ready_folder(out)
     found = ablations(parameters, None if closed_form else whipple)

@@ -33,7 +33,7 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.model import inertia_about_origin
+from mbsd3d.equations.mass_matrix import inertia_about_origin
 from validation.engines.exudyn import EXPRESSES, twin
 
 

@@ -31,13 +31,13 @@ from mbsd3d import (
     System,
     Universal,
 )
-from mbsd3d.assembly import reference_pose
-from mbsd3d.evaluation import load_state
+from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.constraints.assembly import reference_pose
+from mbsd3d.equations.at_state import load_state
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.equations.jacobian import dense_jacobian, scaled_jacobian
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
-from mbsd3d.model import compile_system
-from mbsd3d.rotations import matrix, multiply
-from mbsd3d.selection import dense_jacobian, scaled_jacobian
 from validation.examples import (  # noqa: F401  # the tests take all of them from here
     EXAMPLES,
     NOT_ON_GROUND,

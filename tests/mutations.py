@@ -30,7 +30,7 @@ from mbsd3d import (
     System,
     Universal,
 )
-from mbsd3d.errors import Mbsd3dError
+from mbsd3d.base.errors import Mbsd3dError
 from mbsd3d.kernels import dynamics, rows
 from validation.crosscheck import cross_check
 from validation.crosscheck.verdict import DIFFERS

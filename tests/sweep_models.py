@@ -91,8 +91,8 @@ def main(ledger, limit=None):
     """A process of its own: sweeps LONG; prints what came out of Ctrl-C or of a full disk."""
     import resource
 
-    from mbsd3d.errors import SweepError
-    from mbsd3d.sweeps import sweep
+    from mbsd3d.base.errors import SweepError
+    from mbsd3d.sweeps.sweep import sweep
 
     if limit:
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))

@@ -15,11 +15,11 @@ from mbsd3d import (
     System,
     Universal,
     accelerations,
-    measures,
     rotation,
     simulate,
 )
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
+from mbsd3d.mechanism import measures
 
 INERTIA = (0.02, 0.05, 0.06)
 AXIS = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])

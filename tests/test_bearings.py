@@ -5,9 +5,9 @@ import pytest
 from models import across, direction, random_body
 
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.bearings import BearingLoad, bearing_load, bearing_pair
-from mbsd3d.ratings import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
-from mbsd3d.rotations import exponential, matrix
+from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.results.bearing_life import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
+from mbsd3d.results.bearings import BearingLoad, bearing_load, bearing_pair
 
 
 def spinning(seed=71, rate=7.0):

@@ -18,7 +18,7 @@ from bicycle.loads import steer_torque
 from bicycle.parameters import library, named
 from bicycle.turning import Turner
 from mbsd3d.cli import main
-from mbsd3d.signals import Pulse
+from mbsd3d.mechanism.signals import Pulse
 from validation.theory.steady_turn import steady_turn
 
 matplotlib.use("Agg")

@@ -13,7 +13,7 @@ from bicycle.equations import canonical
 from bicycle.models import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library
 from mbsd3d import State, System, accelerations, simulate
-from mbsd3d.rotations import exponential, matrix, multiply
+from mbsd3d.base.rotations import exponential, matrix, multiply
 from validation import whipple_lagrange
 
 BENCHMARK = Meijaard2007()

@@ -17,7 +17,7 @@ from bicycle.manoeuvres import MANOEUVRES
 from bicycle.parameters import library, named, names
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
-from mbsd3d.signals import Pulse
+from mbsd3d.mechanism.signals import Pulse
 from validation import cross_check
 
 matplotlib.use("Agg")

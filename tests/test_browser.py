@@ -10,12 +10,12 @@ from moving import ARM, BEAD, CRANK, PINK, TAIL
 from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
+from mbsd3d.base.rotations import matrix
 from mbsd3d.demos.base import own_demos
 from mbsd3d.demos.report import write
-from mbsd3d.rotations import matrix
-from mbsd3d.view.content import LENGTH, TURN
-from mbsd3d.view.drawing import bounds, draw_system, frame_camera
-from mbsd3d.view.frames import frames_of
+from mbsd3d.view.page.content import LENGTH, TURN
+from mbsd3d.view.scene.drawing import bounds, draw_system, frame_camera
+from mbsd3d.view.scene.frames import frames_of
 
 
 def camera_of(seen):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, Revolute, System, simulate
-from mbsd3d.shapes import Lines
-from mbsd3d.view.drawing import bounds, draw_system, frame_camera
+from mbsd3d.mechanism.shapes import Lines
+from mbsd3d.view.scene.drawing import bounds, draw_system, frame_camera
 
 
 def test_bounds_hold_all_frames():

@@ -31,10 +31,10 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
-    measures,
     simulate,
 )
-from mbsd3d.certificate import estimate
+from mbsd3d.mechanism import measures
+from mbsd3d.results.certificate import estimate
 from validation import cases
 from validation.comparison import compare
 

@@ -6,7 +6,7 @@ from models import all_joints_mechanism, consistent_state, moved_reference, same
 from scipy.integrate import solve_ivp
 
 from mbsd3d import GROUND, Body, Spherical, System, rotation, simulate
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
 from validation import cases, theory
 from validation.comparison import compare
 

@@ -16,8 +16,9 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
+from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, simulate
 from mbsd3d.cli import main
+from mbsd3d.mechanism import measures
 from validation import cross_check, twins
 from validation.crosscheck import causes, formulation, limits
 from validation.crosscheck import check as checking

@@ -26,14 +26,14 @@ from mbsd3d import (
     accelerations,
     linearize,
     load,
-    measures,
     simulate,
 )
-from mbsd3d.custom import CustomForce
-from mbsd3d.description import describe
+from mbsd3d.files.description import describe
 from mbsd3d.integrators.runge_kutta import advance
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.loads import loads
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.forces.custom import CustomForce
 
 RTOL = 1e-11
 AGREES = 1e-9

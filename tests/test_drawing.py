@@ -7,12 +7,12 @@ import pytest
 from models import EXAMPLES, all_joints_mechanism, example_system, random_body, random_orientation, revolute_chain
 
 from mbsd3d import GROUND, Body, Revolute, RollingDisc, SpringDamper, System, rotation
-from mbsd3d.couplings import GearMesh
-from mbsd3d.joints import Joint
-from mbsd3d.rotations import matrix, multiply
-from mbsd3d.shapes import Box, Disc, MeshFile
-from mbsd3d.state import State
-from mbsd3d.view.drawing import draw_system, poses_of
+from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.mechanism.couplings import GearMesh
+from mbsd3d.mechanism.joints import Joint
+from mbsd3d.mechanism.shapes import Box, Disc, MeshFile
+from mbsd3d.mechanism.state import State
+from mbsd3d.view.scene.drawing import draw_system, poses_of
 
 LAYERS = {"bodies", "joints", "centre of mass", "reference point"}
 

@@ -47,10 +47,10 @@ from mbsd3d import (
     TorsionSpring,
     Universal,
     accelerations,
-    measures,
     simulate,
 )
-from mbsd3d.inertia import box
+from mbsd3d.base.inertia import box
+from mbsd3d.mechanism import measures
 
 NAN, INF = float("nan"), float("inf")
 ROD = random_body(np.random.default_rng(61), "rod")

@@ -18,11 +18,11 @@ from mbsd3d import (
     System,
     Torque,
     Universal,
-    measures,
     rotation,
     simulate,
 )
-from mbsd3d.feedback import StateFeedback
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.forces.feedback import StateFeedback
 
 G = 9.81
 LIMIT = 1e-10

@@ -6,7 +6,7 @@ from models import across, direction, random_body, random_inertia
 from test_loads import EXAMPLES as FORCES
 
 from mbsd3d import GROUND, Body, GearMesh, Prismatic, Revolute, System, simulate
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
 from validation import cases
 from validation.engines.base import EngineFailed
 from validation.mechanisms import ladder

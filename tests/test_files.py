@@ -31,11 +31,11 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.description import describe, rebuild
-from mbsd3d.files import write_atomically
-from mbsd3d.model import compile_system
-from mbsd3d.schema import types
-from mbsd3d.shapes import Solid
+from mbsd3d.base.paths import write_atomically
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.files.description import describe, rebuild
+from mbsd3d.files.schema import types
+from mbsd3d.mechanism.shapes import Solid
 
 UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"
 

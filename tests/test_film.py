@@ -13,10 +13,10 @@ from PIL import Image
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
+from mbsd3d.base.style import DARK, LIGHT
 from mbsd3d.demos import pictures
-from mbsd3d.style import DARK, LIGHT
-from mbsd3d.view import film
-from mbsd3d.view.reel import Reel
+from mbsd3d.view.film import film
+from mbsd3d.view.film.reel import Reel
 
 SMALL = {"width": 160, "hidden": ["body names", "joint names"]}
 

@@ -18,8 +18,8 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.couplings import Axle
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
+from mbsd3d.mechanism.couplings import Axle
 
 ROUNDING = 1e-10
 """Relative: forces of 1e3 N from saddle points of condition 1e4."""

@@ -5,27 +5,16 @@ import pytest
 from models import all_joints_mechanism, consistent_state, derivative, pendulum
 from test_order import swinging
 
-from mbsd3d import (
-    DOP853,
-    GROUND,
-    Body,
-    Bushing,
-    IntegrationError,
-    Revolute,
-    Spherical,
-    System,
-    measures,
-    rotation,
-    simulate,
-)
+from mbsd3d import DOP853, GROUND, Body, Bushing, IntegrationError, Revolute, Spherical, System, rotation, simulate
+from mbsd3d.base.progress import Progress
+from mbsd3d.base.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
+from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators.alpha_memory import weights
 from mbsd3d.integrators.alpha_step import move
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
 from mbsd3d.integrators.newton import fill_matrix, residual, tangent
-from mbsd3d.job import Job
-from mbsd3d.model import compile_system
-from mbsd3d.progress import Progress
-from mbsd3d.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
+from mbsd3d.mechanism import measures
+from mbsd3d.run.job import Job
 from validation import cases
 
 T = 0.5

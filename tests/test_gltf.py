@@ -9,23 +9,12 @@ import pytest
 import trimesh
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    Distance,
-    Spherical,
-    System,
-    Universal,
-    accelerations,
-    linearize,
-    rotation,
-    shapes,
-    simulate,
-)
-from mbsd3d.shapes import Mesh
-from mbsd3d.style import channels, linear
-from mbsd3d.view.meshes import skin
-from mbsd3d.view.sticks import rolled, unit_coil, unit_rod
+from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, accelerations, linearize, rotation, simulate
+from mbsd3d.base.style import channels, linear
+from mbsd3d.mechanism import shapes
+from mbsd3d.mechanism.shapes import Mesh
+from mbsd3d.view.scene.meshes import skin
+from mbsd3d.view.scene.sticks import rolled, unit_coil, unit_rod
 
 COMPONENT = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}

@@ -21,8 +21,8 @@ from mbsd3d import (
     Universal,
     accelerations,
 )
-from mbsd3d.importers import read_mjcf, read_urdf
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
+from mbsd3d.files.importing.importers import read_mjcf, read_urdf
 
 BRIEF = 5.0  # [s] within which a hostile file is refused
 INERTIAL = '<inertial mass="{}" pos="0.11 -0.07 0.2" fullinertia="0.31 0.35 0.22 0.02 -0.03 0.04"/>'

@@ -5,9 +5,9 @@ import doctest
 import numpy as np
 import pytest
 
-from mbsd3d import inertia
-from mbsd3d.inertia import box, check_inertia, combine, cone, cylinder, rod, sphere, steiner
-from mbsd3d.rotations import matrix, rotation
+from mbsd3d.base import inertia
+from mbsd3d.base.inertia import box, check_inertia, combine, cone, cylinder, rod, sphere, steiner
+from mbsd3d.base.rotations import matrix, rotation
 
 ROUNDING = 1e-13  # relative: sums of at most a few hundred terms
 

@@ -36,7 +36,7 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from mbsd3d.rotations import matrix, multiply
+from mbsd3d.base.rotations import matrix, multiply
 
 RTOL = 1e-12
 

@@ -29,14 +29,14 @@ from mbsd3d import (
     System,
     Table,
     TorsionSpring,
-    measures,
     rotation,
 )
-from mbsd3d.linearization import linearize
-from mbsd3d.model import compile_system
-from mbsd3d.plain import mass_matrix
-from mbsd3d.rotations import exponential, matrix
-from mbsd3d.variations import Field
+from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.equations.dense_solvers import mass_matrix
+from mbsd3d.linear.linearization import linearize
+from mbsd3d.linear.variations import Field
+from mbsd3d.mechanism import measures
 from validation import cases
 from validation.theory.rolling import rolling_circle
 from validation.theory.small_motions import (

@@ -11,8 +11,8 @@ from browser import visit
 from test_files import LOWER_ARM, pendulum
 
 from mbsd3d import Body, System, simulate
-from mbsd3d.view import live
-from mbsd3d.view.live import LiveView, mixed, place
+from mbsd3d.view.page import live
+from mbsd3d.view.page.live import LiveView, mixed, place
 
 NODE = "window.__viserMutable.nodePoseData['/bodies/1']"
 

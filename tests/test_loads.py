@@ -31,16 +31,16 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
-    forces,
-    measures,
     rotation,
 )
-from mbsd3d.custom import CustomForce, SavedForce
-from mbsd3d.feedback import StateFeedback
+from mbsd3d.base.rotations import exponential, matrix, multiply
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.loads import loads
-from mbsd3d.rotations import exponential, matrix, multiply
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.forces import standard as forces
+from mbsd3d.mechanism.forces.custom import CustomForce, SavedForce
+from mbsd3d.mechanism.forces.feedback import StateFeedback
 
 TOLERANCE = 1e-8
 """The limit set; the difference formula is good to 1e-12 times derivatives that reach 1e3 for bushing and tanh."""

@@ -32,16 +32,16 @@ from mbsd3d import (
     Table,
     Torque,
     TorsionSpring,
-    measures,
     simulate,
 )
 from mbsd3d.cli import main
-from mbsd3d.description import describe
-from mbsd3d.elements import ForceElement
-from mbsd3d.joints import Joint
-from mbsd3d.model import compile_system
-from mbsd3d.schema import types
-from mbsd3d.signals import Pulse, Scaled, Signal, Sum
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.files.description import describe
+from mbsd3d.files.schema import types
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.forces.element import ForceElement
+from mbsd3d.mechanism.joints import Joint
+from mbsd3d.mechanism.signals import Pulse, Scaled, Signal, Sum
 
 FORMS = (".json", ".toml")
 BRIEF = 5.0  # [s] within which a file that is no model is refused

@@ -18,11 +18,11 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.reactions import every_reaction
-from mbsd3d.rotations import matrix
-from mbsd3d.view.curves import curves_of
-from mbsd3d.view.frames import FAR, frames_of
-from mbsd3d.view.motion import arrows_of, traces_of
+from mbsd3d.base.rotations import matrix
+from mbsd3d.results.reactions import every_reaction
+from mbsd3d.view.scene.curves import curves_of
+from mbsd3d.view.scene.frames import FAR, frames_of
+from mbsd3d.view.scene.motion import arrows_of, traces_of
 
 ROUNDING = 1e-13  # of metres, rad/s, N ... of order 1 ... 20
 

@@ -33,7 +33,7 @@ from mbsd3d import (
     accelerations,
     rotation,
 )
-from mbsd3d.rotations import matrix, multiply
+from mbsd3d.base.rotations import matrix, multiply
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
 from validation.engines.mujoco import EXPRESSES, twin
 

@@ -5,7 +5,8 @@ import pytest
 from models import all_joints_mechanism, consistent_state, pendulum, same_rotation
 from scipy.optimize import brentq
 
-from mbsd3d import DOP853, GROUND, RK4, Body, Revolute, System, measures, simulate
+from mbsd3d import DOP853, GROUND, RK4, Body, Revolute, System, simulate
+from mbsd3d.mechanism import measures
 from validation import cases, theory
 
 T = 0.1

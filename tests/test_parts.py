@@ -22,7 +22,7 @@ from mbsd3d import (
     accelerations,
     simulate,
 )
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
 
 RTOL = 1e-11
 ACCURACY = 1e-8

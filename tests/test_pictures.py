@@ -11,21 +11,22 @@ from matplotlib.figure import Figure
 from PIL import Image
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Revolute, System, inertia, simulate
-from mbsd3d.plots import save_figure
-from mbsd3d.rotations import matrix
-from mbsd3d.shapes import Box, Sphere
-from mbsd3d.style import DARK, LIGHT, paler
-from mbsd3d.view.camera import lens_of, turned, window
-from mbsd3d.view.drawing import Camera, draw_system, poses_of
-from mbsd3d.view.frames import frames_of
-from mbsd3d.view.grid import round_down
-from mbsd3d.view.labels import Name, extent, place
-from mbsd3d.view.layers import MARKS, NAMES
-from mbsd3d.view.motion import arrows_of
-from mbsd3d.view.painter import Painter, new_sheet
-from mbsd3d.view.pointers import pointers_of
-from mbsd3d.view.shading import Solids, outlines, split_strokes, split_triangles
+from mbsd3d import GROUND, Body, Revolute, System, simulate
+from mbsd3d.base import inertia
+from mbsd3d.base.rotations import matrix
+from mbsd3d.base.style import DARK, LIGHT, paler
+from mbsd3d.mechanism.shapes import Box, Sphere
+from mbsd3d.plotting.plots import save_figure
+from mbsd3d.view.picture.labels import Name, extent, place
+from mbsd3d.view.picture.painter import Painter, new_sheet
+from mbsd3d.view.picture.pointers import pointers_of
+from mbsd3d.view.picture.shading import Solids, outlines, split_strokes, split_triangles
+from mbsd3d.view.scene.camera import lens_of, turned, window
+from mbsd3d.view.scene.drawing import Camera, draw_system, poses_of
+from mbsd3d.view.scene.frames import frames_of
+from mbsd3d.view.scene.grid import round_down
+from mbsd3d.view.scene.layers import MARKS, NAMES
+from mbsd3d.view.scene.motion import arrows_of
 
 HIDDEN, BARE = (*NAMES, "ground grid"), ("bodies", "joints")
 CAMERA = Camera(np.array([2.3, -3.1, 1.7]), np.array([0.2, 0.4, -0.3]), 4.5)

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 import mbsd3d
-from mbsd3d.errors import AssemblyError, IntegrationError
+from mbsd3d.base.errors import AssemblyError, IntegrationError
 from validation import theory
 from validation.engines import planar
 from validation.engines.planar.march import evaluate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene, seek
 
-from mbsd3d.view.page import asset
+from mbsd3d.view.page.html import asset
 
 
 def test_play_goes_at_the_chosen_speed_and_pause_holds(page):

@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, simulate
-from mbsd3d.plots import MOST, PANELS, plot_quantity, save_figure
-from mbsd3d.style import DARK
+from mbsd3d.base.style import DARK
+from mbsd3d.plotting.panels import PANELS
+from mbsd3d.plotting.plots import MOST, plot_quantity, save_figure
 
 
 @pytest.fixture(scope="module")

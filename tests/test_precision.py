@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from mbsd3d import DOP853, simulate
-from mbsd3d.plots import save_figure
+from mbsd3d.plotting.plots import save_figure
 from validation.benchmark import candidates, goals, ladders, store, tables
 from validation.benchmark.cli import main
 from validation.benchmark.ends import Poses, poses

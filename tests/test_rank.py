@@ -18,14 +18,14 @@ from models import (
 from scipy.sparse import csr_array, eye_array
 
 from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
-from mbsd3d.assembly import reference_pose
-from mbsd3d.blocks import BlockRows
-from mbsd3d.evaluation import load_state
-from mbsd3d.least import least
-from mbsd3d.plain import mass_matrix
-from mbsd3d.rank import Analysis, redundant_combinations
-from mbsd3d.rotations import matrix, multiply
-from mbsd3d.selection import independent_rows, scaled_rows
+from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.constraints.assembly import reference_pose
+from mbsd3d.constraints.least_squares import least
+from mbsd3d.constraints.rank import Analysis, redundant_combinations
+from mbsd3d.constraints.row_choice import independent_rows
+from mbsd3d.equations.at_state import load_state
+from mbsd3d.equations.dense_solvers import mass_matrix
+from mbsd3d.equations.jacobian import BlockRows, scaled_rows
 from validation import cases
 from validation.mechanisms import ladder
 

@@ -32,7 +32,7 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.rotations import matrix
+from mbsd3d.base.rotations import matrix
 from validation import theory
 from validation.engines import planar
 from validation.inline_four import RATE, inline_four, one_turn

@@ -3,18 +3,9 @@
 import numpy as np
 import pytest
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    PointOnLine,
-    Revolute,
-    Spherical,
-    System,
-    inertia,
-    rotation,
-    simulate,
-)
-from mbsd3d.rotations import matrix
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, rotation, simulate
+from mbsd3d.base import inertia
+from mbsd3d.base.rotations import matrix
 from validation import cases
 from validation.comparison import compare
 

@@ -22,9 +22,9 @@ from mbsd3d import (
     System,
     accelerations,
     load,
-    measures,
     simulate,
-)  # fmt: skip
+)
+from mbsd3d.mechanism import measures  # fmt: skip
 from mbsd3d.report import facts
 from mbsd3d.report.facts import MOST
 from mbsd3d.report.wording import counted, digits, triple

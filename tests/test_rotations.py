@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbsd3d import rotations
-from mbsd3d.rotations import (
+from mbsd3d.base import rotations
+from mbsd3d.base.rotations import (
     H,
     as_quaternion,
     conjugate,

@@ -13,7 +13,7 @@ from models import (
 )
 
 from mbsd3d import Joint
-from mbsd3d.model import Switches
+from mbsd3d.equations.compiled import Switches
 
 TOLERANCE = 1e-8
 """The limit set; the difference formula is good to 1e-12 times derivatives that reach 1e3 for the rolling disc."""

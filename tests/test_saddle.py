@@ -15,8 +15,8 @@ from models import (
 )
 
 from mbsd3d import GROUND, Body, Revolute, State, System, Universal, accelerations, simulate
-from mbsd3d.model import inertia_about_origin
-from mbsd3d.rotations import exponential, matrix, multiply
+from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.equations.mass_matrix import inertia_about_origin
 from validation import theory
 
 # The plain solvers are imported where they are used: the other tests of this file do not need them.
@@ -36,7 +36,7 @@ def relative(found, expected):
 @pytest.mark.parametrize("light", [1.0, 1e-4])
 @pytest.mark.parametrize("seed", [3, 4])
 def test_compiled_path_equals_the_textbook(seed, light):
-    from mbsd3d.plain import solve_plain
+    from mbsd3d.equations.dense_solvers import solve_plain
 
     system = all_joints_mechanism(seed, redundant=False, light=light)
     state = consistent_state(system, np.random.default_rng(seed))
@@ -49,7 +49,7 @@ def test_compiled_path_equals_the_textbook(seed, light):
 
 @pytest.mark.parametrize("light", [1.0, 1e-4])
 def test_redundant_rows_change_shares_and_not_accelerations(light):
-    from mbsd3d.plain import solve_svd
+    from mbsd3d.equations.dense_solvers import solve_svd
 
     system = all_joints_mechanism(5, light=light)
     state = consistent_state(system, np.random.default_rng(5))
@@ -64,7 +64,7 @@ def test_redundant_rows_change_shares_and_not_accelerations(light):
 
 
 def test_plain_and_rank_revealing_solver_agree_on_independent_rows():
-    from mbsd3d.plain import solve_plain, solve_svd
+    from mbsd3d.equations.dense_solvers import solve_plain, solve_svd
 
     system = all_joints_mechanism(6, redundant=False)
     state = consistent_state(system, np.random.default_rng(6))
@@ -73,7 +73,7 @@ def test_plain_and_rank_revealing_solver_agree_on_independent_rows():
 
 
 def test_solvers_agree_at_a_pose_the_mechanism_has_moved_to():
-    from mbsd3d.plain import solve_svd
+    from mbsd3d.equations.dense_solvers import solve_svd
 
     system = all_joints_mechanism(7, light=1e-4)
     start = consistent_state(system, np.random.default_rng(7))
@@ -90,7 +90,7 @@ def test_accelerations_meet_the_rows():
 
 
 def test_ablation_one_per_cent_of_an_offset_is_seen():
-    from mbsd3d.plain import solve_plain
+    from mbsd3d.equations.dense_solvers import solve_plain
 
     system = all_joints_mechanism(3, redundant=False)
     state = consistent_state(system, np.random.default_rng(3))

@@ -9,14 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mbsd3d.results.samples import QUANTITIES
 from models import at_reference, dense_rows, revolute_chain
 
 from mbsd3d import RK4, PointOnLine, Revolute, System, recording, simulate
-from mbsd3d.elimination import Elimination
-from mbsd3d.model import compile_system
-from mbsd3d.recording import QUANTITIES, Samples
-from mbsd3d.rotations import conjugate, logarithm, multiply
-from mbsd3d.selection import choose_rows, independent_rows, scaled_rows
+from mbsd3d.base.rotations import conjugate, logarithm, multiply
+from mbsd3d.constraints.elimination import Elimination
+from mbsd3d.constraints.row_choice import choose_rows, independent_rows
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.equations.jacobian import scaled_rows
+from mbsd3d.results.record import Samples
 from validation.mechanisms import ladder
 
 HERE = Path(__file__).parent

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mbsd3d import signals
+from mbsd3d.equations.compiled import Signals
 from mbsd3d.kernels import signals as kernels
-from mbsd3d.model import Signals
-from mbsd3d.signals import (
+from mbsd3d.mechanism import signals
+from mbsd3d.mechanism.signals import (
     POLYNOMIAL,
     SINE,
     SPLINE,

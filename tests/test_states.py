@@ -7,20 +7,9 @@ import pytest
 from models import direction, random_body
 from scipy.integrate import solve_ivp
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    IntegrationError,
-    Prismatic,
-    Revolute,
-    State,
-    System,
-    TorsionSpring,
-    load,
-    measures,
-    simulate,
-)
-from mbsd3d.feedback import StateFeedback
+from mbsd3d import GROUND, Body, IntegrationError, Prismatic, Revolute, State, System, TorsionSpring, load, simulate
+from mbsd3d.mechanism import measures
+from mbsd3d.mechanism.forces.feedback import StateFeedback
 
 RTOL = 1e-11
 AGREES = 1e-9

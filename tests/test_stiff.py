@@ -22,11 +22,11 @@ from mbsd3d import (
     rotation,
     simulate,
 )
-from mbsd3d.evaluation import pack
+from mbsd3d.equations.at_state import pack
+from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators import dop853
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
-from mbsd3d.model import compile_system
-from mbsd3d.stiffness import force_rate
+from mbsd3d.run.stiffness import force_rate
 from validation import cases
 
 # the IFToMM benchmark A05, stiff flyball governor

@@ -11,8 +11,8 @@ from matplotlib import style
 
 import mbsd3d
 from mbsd3d import Body, System, simulate
-from mbsd3d.plots import save_figure
-from mbsd3d.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, house, theme
+from mbsd3d.base.style import COLOURS, DARK, GREY, LIGHT, Theme, colour, house, theme
+from mbsd3d.plotting.plots import save_figure
 
 # Machado, Oliveira and Fernandes 2009, severity 1, for linear RGB
 VISION = {

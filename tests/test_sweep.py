@@ -12,9 +12,9 @@ from scipy.stats import sobol_indices, uniform
 from sweep_models import GRID, LOCAL, RUN, TIMELY, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 
 from mbsd3d import Kinematic, simulate
-from mbsd3d.errors import SweepError
-from mbsd3d.grids import Samples, samples
-from mbsd3d.sweeps import sweep
+from mbsd3d.base.errors import SweepError
+from mbsd3d.sweeps.grids import Samples, samples
+from mbsd3d.sweeps.sweep import sweep
 from validation.inline_four import RATE, SAMPLES, inline_four, one_turn, orders
 
 ROOT = Path(__file__).parent.parent
@@ -177,7 +177,7 @@ def test_cells_that_measure_different_things_stop_the_sweep():
 
 
 def test_the_bar_shows_the_time_that_remains(monkeypatch, capsys):
-    monkeypatch.setattr("mbsd3d.progress.DELAY", 0.0)
+    monkeypatch.setattr("mbsd3d.base.progress.DELAY", 0.0)
     monkeypatch.setenv("FORCE_COLOR", "1")  # rich draws a bar that changes only on a terminal
     sweep(wheel, GRID, speed, run=RUN, progress=True)
     said = capsys.readouterr().err

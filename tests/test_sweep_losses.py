@@ -28,8 +28,8 @@ from sweep_models import (
     wheel,
 )
 
-from mbsd3d.errors import SweepError
-from mbsd3d.sweeps import sweep
+from mbsd3d.base.errors import SweepError
+from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parent.parent
 

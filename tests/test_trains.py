@@ -7,7 +7,7 @@ import pytest
 from test_gears import ALPHA, BETA, Frame, rotor, torque
 
 from mbsd3d import GROUND, Gear, GearMesh, Revolute, System, accelerations, simulate
-from mbsd3d.description import describe, rebuild
+from mbsd3d.files.description import describe, rebuild
 
 
 def planetary(mesh):

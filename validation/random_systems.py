@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import (
+from mbsd3d import (  # fmt: skip
     GROUND,
     AngleDriver,
     Body,
@@ -35,7 +35,7 @@ from mbsd3d import (
     State,
     System,
     Universal,
-)  # fmt: skip
+)
 from validation import reference_point
 from validation.examples import EXAMPLES, direction, random_body, signal
 

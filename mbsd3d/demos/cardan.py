@@ -16,10 +16,10 @@ from mbsd3d import (
     System,
     Universal,
     rotation,
-    shapes,
     simulate,
 )
-from mbsd3d.style import COLOURS, GREY
+from mbsd3d.base.style import COLOURS, GREY
+from mbsd3d.mechanism import shapes
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots

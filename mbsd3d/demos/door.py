@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipj, ellipk
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, inertia, rotation, shapes, simulate
-from mbsd3d.rotations import matrix
-from mbsd3d.style import COLOURS, GREY
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, rotation, simulate
+from mbsd3d.base import inertia
+from mbsd3d.base.rotations import matrix
+from mbsd3d.base.style import COLOURS, GREY
+from mbsd3d.mechanism import shapes
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, theory_dots

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from ..style import COLOURS, LIGHT, dress, house
+from ..base.style import COLOURS, LIGHT, dress, house
 
 
 def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Any]]:

@@ -7,9 +7,10 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
-from mbsd3d import Body, Solution, System, rotation, shapes, simulate
-from mbsd3d.rotations import matrix
-from mbsd3d.style import COLOURS, GREY, LIGHT
+from mbsd3d import Body, Solution, System, rotation, simulate
+from mbsd3d.base.rotations import matrix
+from mbsd3d.base.style import COLOURS, GREY, LIGHT
+from mbsd3d.mechanism import shapes
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import legend_below, new_figure, space

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
-from mbsd3d import GROUND, Body, Solution, Spherical, System, measures, rotation, shapes, simulate
-from mbsd3d.rotations import multiply
-from mbsd3d.style import COLOURS, GREY, LIGHT
+from mbsd3d import GROUND, Body, Solution, Spherical, System, rotation, simulate
+from mbsd3d.base.rotations import multiply
+from mbsd3d.base.style import COLOURS, GREY, LIGHT
+from mbsd3d.mechanism import measures, shapes
 
 from .base import Demo, Outcome, Row, Show
 from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots

@@ -8,22 +8,12 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    PointOnLine,
-    Revolute,
-    Solution,
-    System,
-    Universal,
-    inertia,
-    rotation,
-    simulate,
-)
-from mbsd3d.files import write_atomically
-from mbsd3d.shapes import Box, Cylinder, Disc
-from mbsd3d.style import COLOURS
-from mbsd3d.view.layers import NAMES
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, System, Universal, rotation, simulate
+from mbsd3d.base import inertia
+from mbsd3d.base.paths import write_atomically
+from mbsd3d.base.style import COLOURS
+from mbsd3d.mechanism.shapes import Box, Cylinder, Disc
+from mbsd3d.view.scene.layers import NAMES
 
 from .heavy_top import falling_top
 

@@ -47,7 +47,7 @@ def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True) -> 
     ValueError
         If the folder cannot be written.
     """
-    from ..plots import save_figure
+    from ..plotting.plots import save_figure
 
     outcome.figure.get_layout_engine().execute(outcome.figure)
     outcome.figure.set_layout_engine("none")  # placed once, not again for each format

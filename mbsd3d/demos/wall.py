@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, shapes, simulate
-from mbsd3d.rotations import H
-from mbsd3d.style import COLOURS, GREY, LIGHT
+from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
+from mbsd3d.base.rotations import H
+from mbsd3d.base.style import COLOURS, GREY, LIGHT
+from mbsd3d.mechanism import shapes
 
 from . import crank
 from .base import Demo, Outcome, Row, Show

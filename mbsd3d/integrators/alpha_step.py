@@ -8,12 +8,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
 from .alpha_memory import FIRST, LAST, MADE, OF_MATRIX
-from .base import (
-    EVALUATIONS,
-    RTOL,
-    SPEED,
-    TURN,
-)
+from .base import EVALUATIONS, RTOL, SPEED, TURN
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .scales import LOCAL, state_error
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853 as SCIPY
 
-from ..parts import number
+from ..base.checks import number
 from .runge_kutta import Table, advance
 
 PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..parts import number
+from ..base.checks import number
 from .alpha_loop import integrate
 from .alpha_memory import Alpha, weights
 from .newton import Newton

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..parts import number
+from ..base.checks import number
 from .runge_kutta import Table, advance
 
 

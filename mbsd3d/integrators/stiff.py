@@ -4,13 +4,7 @@ import numpy as np
 
 from ..kernels.jit import inner_kernel
 from ..kernels.vectors import add_scaled, clear, copy
-from .base import (
-    CALM_TESTS,
-    STEPS,
-    STIFF_TESTS,
-    T_END,
-    T,
-)
+from .base import CALM_TESTS, STEPS, STIFF_TESTS, T_END, T
 from .scales import state_error
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1

@@ -2,8 +2,10 @@
 
 import hashlib
 import os
+import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numba
@@ -51,6 +53,16 @@ def mark_warm(part: str = "kernels") -> None:
     if not is_warm(part):
         CACHE.mkdir(parents=True, exist_ok=True)
         marker(part).touch()
+
+
+@cache
+def announce_compilation(part: str = "kernels") -> None:
+    """Say once a process that a part of the code is being compiled, if it is not on disk yet."""
+    if is_warm(part):
+        return
+    if part == "kernels" or is_warm():  # one line is enough at the very first run
+        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (up to a minute) ...\n")
+        sys.stderr.flush()
 
 
 def compiled(

@@ -14,7 +14,7 @@ from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import BUSHING, COORDINATE_SPRING, CUSTOM, DRAG, FEEDBACK, FORCE, FRICTION, SPRING, TORQUE
 from .probes import measure
 from .signals import signal
-from .vectors import (
+from .vectors import (  # fmt: skip
     add,
     add6,
     arm,
@@ -30,7 +30,7 @@ from .vectors import (
     sub,
     turning,
     vec,
-)  # fmt: skip
+)
 
 
 @inner_kernel

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..drivers import Driver
-from ..style import LIGHT, house
+from ..base.style import LIGHT, house
+from ..mechanism.drivers import Driver
 from .facts import loaded_joints
 
 LINES = 6  # of a figure that is chosen here
@@ -58,7 +58,7 @@ def figure_of(number: int, solution: Any, entry: Any, caption: str) -> dict[str,
     """A figure as inline SVG, with a caption and a text for those who do not see it."""
     from markupsafe import Markup
 
-    from ..plots import plot_quantity
+    from ..plotting.plots import plot_quantity
 
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..certificate import scales_of
-from ..drivers import Driver
-from ..tables import columns_of_effort
+from ..mechanism.drivers import Driver
+from ..results.certificate import scales_of
+from ..results.columns import columns_of_effort
 from .wording import counted, digits, triple
 
 MOST = 40  # rows of a table

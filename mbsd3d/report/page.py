@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ..files import package_version, with_suffix, write_atomically
-from ..style import DARK, LIGHT, theme
-from ..threads import on_one_thread
+from ..base.concurrency import on_one_thread
+from ..base.paths import package_version, with_suffix, write_atomically
+from ..base.style import DARK, LIGHT, theme
 from .exhibits import figure_of, picture_of, wanted_curves
 from .facts import (
     body_table,

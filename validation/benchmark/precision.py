@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.model import compile_system
-from mbsd3d.threads import one_thread
+from mbsd3d.base.concurrency import one_thread
+from mbsd3d.equations.compiled import compile_system
 
 from .candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
 from .ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed

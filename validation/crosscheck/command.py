@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from mbsd3d.commands import INTERRUPTED, load, ready_folder
-from mbsd3d.files import write_atomically
+from mbsd3d.base.paths import write_atomically
+from mbsd3d.cli.support import INTERRUPTED, load, ready_folder
 
 from .check import BUDGET, ENGINES, cross_check
 

@@ -13,10 +13,10 @@ from urllib.parse import quote
 import numpy as np
 
 import mbsd3d
-from mbsd3d.files import package_version, write_atomically
-from mbsd3d.progress import Progress
+from mbsd3d.base.paths import package_version, write_atomically
+from mbsd3d.base.progress import Progress
+from mbsd3d.base.style import DARK, LIGHT
 from mbsd3d.report.wording import digits
-from mbsd3d.style import DARK, LIGHT
 
 from . import drawings, gas, portrait, report, spatial
 from .balance import Comparison, compare

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import mbsd3d
-from mbsd3d.files import package_version
+from mbsd3d.base.paths import package_version
+from mbsd3d.base.style import DARK, LIGHT
 from mbsd3d.report.wording import digits
-from mbsd3d.style import DARK, LIGHT
 
 from . import table
 from .findings import AGREES, DEFINITIONS, DIFFERS, EXPLAINED, EXUDYN, JUDGES, MUJOCO, NOT_COMPARED, Finding, Record

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mbsd3d.files import write_atomically
-from mbsd3d.progress import Progress
-from mbsd3d.threads import on_one_thread
-from mbsd3d.workers import outcomes
+from mbsd3d.base.concurrency import on_one_thread
+from mbsd3d.base.paths import write_atomically
+from mbsd3d.base.progress import Progress
+from mbsd3d.sweeps.executors import outcomes
 
 from .charts import chart
 from .document import content_of, encoded

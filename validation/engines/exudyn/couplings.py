@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.couplings import Gear, RackPinion
-from mbsd3d.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
-from mbsd3d.primitives import Coordinate
-from mbsd3d.signals import Constant
+from mbsd3d.mechanism.couplings import Gear, RackPinion
+from mbsd3d.mechanism.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
+from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d.mechanism.signals import Constant
 
 from ..base import NotExpressible
 from .assembly import Assembly

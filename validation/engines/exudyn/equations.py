@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.rotations import exponential, logarithm, multiply
-from mbsd3d.threads import on_one_thread
+from mbsd3d.base.concurrency import on_one_thread
+from mbsd3d.base.rotations import exponential, logarithm, multiply
 
 from ..base import Array, EngineFailed
 from .assembly import Assembly

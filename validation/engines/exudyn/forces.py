@@ -5,10 +5,18 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.elements import hinge_coordinate as coordinate_of
-from mbsd3d.forces import AeroDrag, Bushing, Force, JointFriction, SpringDamper, Torque, TorsionSpring
-from mbsd3d.rotations import exponential, matrix, multiply
-from mbsd3d.signals import Constant
+from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.mechanism.forces.element import hinge_coordinate as coordinate_of
+from mbsd3d.mechanism.forces.standard import (
+    AeroDrag,
+    Bushing,
+    Force,
+    JointFriction,
+    SpringDamper,
+    Torque,
+    TorsionSpring,
+)
+from mbsd3d.mechanism.signals import Constant
 
 from ..base import Array, NotExpressible, label
 from .assembly import Assembly

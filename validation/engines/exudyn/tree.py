@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.joints import Cylindrical, Prismatic, Revolute, Universal, cross, matched_perpendiculars, perpendiculars
-from mbsd3d.primitives import Coordinate
-from mbsd3d.rotations import conjugate, matrix, multiply
+from mbsd3d.base.directions import cross, matched_perpendiculars, perpendiculars
+from mbsd3d.base.rotations import conjugate, matrix, multiply
+from mbsd3d.mechanism.joints import Cylindrical, Prismatic, Revolute, Universal
+from mbsd3d.mechanism.primitives import Coordinate
 
 from ..base import Array, NotExpressible, label
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Force, JointFriction, SpringDamper, Torque, TorsionSpring
-from mbsd3d.elements import hinge_coordinate
-from mbsd3d.signals import Constant
+from mbsd3d.mechanism.forces.element import hinge_coordinate
+from mbsd3d.mechanism.signals import Constant
 
 from ..base import NotExpressible, label
 from .build import Sketch

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance, State
-from mbsd3d.evaluation import driven_coordinates
-from mbsd3d.lowering import key_of
-from mbsd3d.rotations import matrix, quaternion_from_matrix
+from mbsd3d.base.rotations import matrix, quaternion_from_matrix
+from mbsd3d.equations.at_state import driven_coordinates
+from mbsd3d.equations.tables import key_of
 
 from . import rods
 from .build import Sketch, local_axes, slide_name, turn_name

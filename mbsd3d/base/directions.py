@@ -1,0 +1,38 @@
+"""Unit vectors and their perpendiculars."""
+
+from typing import Any
+
+import numpy as np
+
+from .checks import vector
+from .rotations import UNIT
+
+
+def unit(value: Any, what: str) -> np.ndarray:
+    """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
+    axis = vector(value, what)
+    length = np.linalg.norm(axis)
+    if length < 1e-12:
+        raise ValueError(f"{what} has zero length; give a direction")
+    return axis if abs(length - 1.0) < UNIT else axis / length
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of two (3,) vectors; np.cross spends twenty times as long on finding out that they are."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
+def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x, y with (x, y, axis) right-handed and orthonormal; axis is a unit vector."""
+    x = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.sqrt(x @ x)
+    return x, cross(axis, x)
+
+
+def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Perpendiculars of axis_b nearest to those of axis."""
+    x, _ = perpendiculars(axis)
+    x_b = x - axis_b * (x @ axis_b)
+    x_b /= np.linalg.norm(x_b)
+    return x_b, cross(axis_b, x_b)

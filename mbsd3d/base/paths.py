@@ -1,0 +1,97 @@
+"""Files: names with their suffix, whole or not at all, and text from anywhere, limited before it is read."""
+
+import os
+import stat
+import uuid
+from pathlib import Path
+from typing import Any
+
+from .version import __version__
+
+
+def with_suffix(path: str | Path, suffix: str) -> Path:
+    """The path, with the suffix appended unless it is there."""
+    if not isinstance(path, str | os.PathLike) or not Path(path).name:
+        raise ValueError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
+    path = Path(path)
+    return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
+
+
+def ready_path(path: Any, suffix: str) -> Path:
+    """The path with its suffix; a missing folder is found before the work, not after it."""
+    path = with_suffix(path, suffix)
+    if not path.parent.is_dir():
+        raise ValueError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")
+    return path
+
+
+def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Path:
+    """Write a whole file or nothing: under a temporary name in the same folder, then renamed.
+
+    Parameters
+    ----------
+    path : Path
+        Where the content will be.
+    content : bytes
+        All of it.
+    replace : bool
+        Whether an older file is replaced.
+
+    Returns
+    -------
+    Path
+        ``path``.
+
+    Raises
+    ------
+    ValueError
+        If the folder does not exist or cannot be written, or there is an older file that is not to be replaced.
+    """
+    if not replace and path.exists():
+        raise ValueError(f"'{path}' exists; give replace=True to replace it, or another name")
+    part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
+    try:
+        try:
+            with part.open("xb") as handle:
+                handle.write(content)
+                handle.flush()
+                os.fsync(handle.fileno())
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise ValueError(
+            f"'{path}' cannot be written: {error.strerror}; give a file in a folder that exists, is yours and has space"
+        ) from error
+    return path
+
+
+def package_version() -> str:
+    """Version of mbsd3d."""
+    return __version__
+
+
+def read_text(path: Path, limit: int) -> str:
+    """The text of a file that is one and is not too large.
+
+    Raises
+    ------
+    ValueError
+        Naming the file: missing, a folder or device, too large, empty, or not UTF-8.
+    """
+    try:
+        state = path.stat()
+        if not stat.S_ISREG(state.st_mode):
+            raise ValueError(f"'{path}' is a folder or a device; give a file")
+        if state.st_size > limit:
+            raise ValueError(f"'{path}' has {state.st_size} bytes; a model of this kind has at most {limit}")
+        content = path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"'{path}' cannot be read: {error.strerror}; give a file that exists") from error
+    if not content.strip():
+        raise ValueError(f"'{path}' is empty; give a model file")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise ValueError(f"'{path}' is no UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error

@@ -1,0 +1,375 @@
+"""Unit quaternions and rotation matrices.
+
+A quaternion is ``e = (e0, e1, e2, e3) = (e0, e_v)``: scalar first, active, body -> world, so ``a_world = R(e) a_body``.
+All functions but `as_quaternion` work on stacks: any number of leading dimensions, the last ones hold the object.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+ORIENTATION = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
+UNIT = 1e-15  # what normalising leaves of a length; smaller differences stay, so that doing it twice changes nothing
+TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisation does not
+
+
+def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
+    """Unit quaternion of the rotation by ``angle`` about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
+
+    Parameters
+    ----------
+    axis : "x", "y", "z" or (3,) array_like
+        Axis of the rotation, of any length; right-hand rule.
+    angle : (...) array_like
+        Angle [rad, or degrees if ``degrees``].
+    degrees : bool
+        Read ``angle`` in degrees.
+
+    Returns
+    -------
+    (..., 4) ndarray
+        Unit quaternion, body -> world.
+
+    Raises
+    ------
+    ValueError
+        If the axis is no letter of x, y, z, has zero length or the wrong shape, or if a number is not finite.
+
+    Examples
+    --------
+    >>> rotation("z", 180, degrees=True).round(12)
+    array([0., 0., 0., 1.])
+    """
+    half = 0.5 * _numbers(angle, "rotation: angle", "a number")
+    half = np.deg2rad(half) if degrees else half
+    return np.concatenate([np.cos(half)[..., None], np.sin(half)[..., None] * _unit_axis(axis)], axis=-1)
+
+
+def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarray:
+    """Unit quaternion of an orientation given as a quaternion or as a rotation matrix.
+
+    Parameters
+    ----------
+    orientation : (4,) or (3, 3) array_like
+        Unit quaternion (scalar first) or rotation matrix, body -> world, exact to 1e-6; the rest is normalised away.
+    what : str
+        Name of the quantity in error messages, e.g. ``"body 'wheel': orientation"``.
+
+    Returns
+    -------
+    (4,) ndarray
+        Unit quaternion, with the sign it was given.
+
+    Raises
+    ------
+    ValueError
+        If the shape is neither (4,) nor (3, 3), a number is not finite, the quaternion is not of unit length,
+        or the matrix is not orthonormal or is left-handed.
+    """
+    values = _numbers(orientation, what, ORIENTATION)
+    if values.shape == (3, 3):
+        _check_rotation(values, what)
+        return _largest_column(values)
+    if values.shape != (4,):
+        raise ValueError(f"{what}: shape {values.shape} is no orientation; give {ORIENTATION}")
+    norm = np.linalg.norm(values)
+    if abs(norm - 1.0) > TOLERANCE:
+        raise ValueError(
+            f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
+            f"divide it by its norm, or give rotation(axis, angle)"
+        )
+    return values.copy() if abs(norm - 1.0) < UNIT else values / norm
+
+
+def matrix(e: ArrayLike) -> np.ndarray:
+    """Rotation matrix ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
+
+    Parameters
+    ----------
+    e : (..., 4) array_like
+        Quaternion; its length does not matter.
+
+    Returns
+    -------
+    (..., 3, 3) ndarray
+        Body -> world.
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 4 or a quaternion is zero.
+    """
+    e = _stack(e, 4, "quaternion")
+    single = e.ndim == 1
+    a, x, y, z = e.tolist() if single else (e[..., i] for i in range(4))  # floats: a tenth of the time of arrays of one
+    aa, xx, yy, zz = a * a, x * x, y * y, z * z
+    square = aa + xx + yy + zz
+    _check_nonzero(square)
+    R = np.array([
+        [aa + xx - yy - zz, 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)],
+        [2.0 * (x * y + a * z), aa - xx + yy - zz, 2.0 * (y * z - a * x)],
+        [2.0 * (x * z - a * y), 2.0 * (y * z + a * x), aa - xx - yy + zz],
+    ]) / square  # fmt: skip
+    return R if single else np.ascontiguousarray(np.moveaxis(R, (0, 1), (-2, -1)))
+
+
+def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
+    """Unit quaternion with ``matrix(e) = R`` and ``e0 >= 0``.
+
+    Parameters
+    ----------
+    R : (..., 3, 3) array_like
+        Rotation matrix, body -> world, exact to 1e-6.
+
+    Returns
+    -------
+    (..., 4) ndarray
+        Unit quaternion.
+
+    Raises
+    ------
+    ValueError
+        If the last dimensions are not (3, 3), a number is not finite, or a matrix is not orthonormal or is left-handed.
+    """
+    R = _numbers(R, "R", "a 3x3 rotation matrix")
+    if R.shape[-2:] != (3, 3):
+        raise ValueError(f"R: shape {R.shape} is no rotation matrix; give (..., 3, 3)")
+    _check_rotation(R, "R")
+    return _largest_column(R)
+
+
+def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
+    """Product of quaternions, ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
+
+    ``p q = (p0 q0 - p_v'q_v, p0 q_v + q0 p_v + p_v x q_v)``
+
+    Parameters
+    ----------
+    p, q : (..., 4) array_like
+        Quaternions; leading dimensions are broadcast.
+
+    Returns
+    -------
+    (..., 4) ndarray
+        The product: first q, then p.
+
+    Raises
+    ------
+    ValueError
+        If a last dimension is not 4.
+    """
+    p, q = _stack(p, 4, "quaternion"), _stack(q, 4, "quaternion")
+    p0, p_v, q0, q_v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
+    scalar = p0 * q0 - np.sum(p_v * q_v, axis=-1, keepdims=True)
+    return np.concatenate([scalar, p0 * q_v + q0 * p_v + np.cross(p_v, q_v)], axis=-1)
+
+
+def conjugate(e: ArrayLike) -> np.ndarray:
+    """Conjugate ``(e0, -e_v)``: the inverse rotation, world -> body.
+
+    Parameters
+    ----------
+    e : (..., 4) array_like
+        Quaternion.
+
+    Returns
+    -------
+    (..., 4) ndarray
+        Its conjugate.
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 4.
+    """
+    return _stack(e, 4, "quaternion") * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def exponential(theta: ArrayLike) -> np.ndarray:
+    """Unit quaternion of a rotation vector: ``e = (cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
+
+    Parameters
+    ----------
+    theta : (..., 3) array_like
+        Axis times angle [rad]; exact for the smallest angles and for zero.
+
+    Returns
+    -------
+    (..., 4) ndarray
+        Unit quaternion.
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 3.
+    """
+    theta = _stack(theta, 3, "rotation vector")
+    half = 0.5 * np.linalg.norm(theta, axis=-1, keepdims=True)
+    # numpy's sinc(x) is sin(pi x)/(pi x), and 1 at x = 0
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * theta], axis=-1)
+
+
+def logarithm(e: ArrayLike) -> np.ndarray:
+    """Shortest rotation vector of a quaternion, the inverse of `exponential` for ``|theta| <= pi``.
+
+    ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` after the sign of e is chosen such that e0 >= 0.
+
+    Parameters
+    ----------
+    e : (..., 4) array_like
+        Quaternion; its length does not matter.
+
+    Returns
+    -------
+    (..., 3) ndarray
+        Axis times angle [rad].
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 4 or a quaternion is zero.
+    """
+    e = _nonzero_quaternion(e)
+    e = np.where(e[..., :1] < 0.0, -e, e)
+    scalar, vector = e[..., :1], e[..., 1:]
+    norm = np.linalg.norm(vector, axis=-1, keepdims=True)
+    # below the smallest normal number the norm is rounded to zero; there atan2(n, e0)/n is 1/e0
+    small = norm < np.finfo(float).tiny
+    factor = np.where(small, 1.0 / np.where(small, scalar, 1.0), np.arctan2(norm, scalar) / np.where(small, 1.0, norm))
+    return 2.0 * factor * vector
+
+
+def H(e: ArrayLike) -> np.ndarray:
+    """Matrix of ``e_dot = H(e) omega / 2`` with omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
+
+    Linear in e, so ``H_dot = H(e_dot)``; ``H'H = 1`` for unit quaternions.
+
+    Parameters
+    ----------
+    e : (..., 4) array_like
+        Quaternion, or its time derivative.
+
+    Returns
+    -------
+    (..., 4, 3) ndarray
+        H.
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 4.
+    """
+    e = _stack(e, 4, "quaternion")
+    lower = e[..., :1, None] * np.eye(3) - skew(e[..., 1:])
+    return np.concatenate([-e[..., None, 1:], lower], axis=-2)
+
+
+def skew(a: ArrayLike) -> np.ndarray:
+    """Matrix of the cross product: ``skew(a) b = a x b``.
+
+    Parameters
+    ----------
+    a : (..., 3) array_like
+        Vector.
+
+    Returns
+    -------
+    (..., 3, 3) ndarray
+        ``[a]x``, antisymmetric.
+
+    Raises
+    ------
+    ValueError
+        If the last dimension is not 3.
+    """
+    a = _stack(a, 3, "vector")
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    out = np.zeros((*a.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = z, -y, x
+    return out
+
+
+def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
+    """(3,) unit vector of a letter or of a vector of any length."""
+    remedy = "'x', 'y', 'z' or a vector of three numbers"
+    if isinstance(axis, str):
+        if axis not in AXES:
+            raise ValueError(f"rotation: axis is {axis!r}; give {remedy}")
+        return np.array(AXES[axis])
+    vector = _numbers(axis, "rotation: axis", remedy)
+    if vector.shape != (3,):
+        raise ValueError(f"rotation: axis has shape {vector.shape}; give {remedy}")
+    largest = np.max(np.abs(vector))
+    if largest == 0.0:
+        raise ValueError("rotation: axis has zero length, its direction is undefined; give a vector that is not zero")
+    vector = vector / largest  # first to order 1, so that the squares cannot underflow or overflow
+    return vector / np.linalg.norm(vector)
+
+
+def _numbers(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
+    """Float array, or an error that names the quantity."""
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what}: {values!r} is not numeric; give {remedy}") from None
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{what}: {_text(array)} is not finite; give {remedy}")
+    return array
+
+
+def _check_rotation(R: np.ndarray, what: str) -> None:
+    """Refuse a matrix that is not orthonormal, and by name one that is left-handed."""
+    error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), initial=0.0)
+    if error > TOLERANCE:
+        raise ValueError(
+            f"{what}: the matrix is not orthonormal, R'R differs from 1 by {error:.3g}; "
+            f"its columns must be the body's axes as perpendicular unit vectors"
+        )
+    if np.any(np.linalg.det(R) < 0.0):
+        raise ValueError(
+            f"{what}: the matrix is left-handed (determinant -1), a reflection and no rotation; "
+            f"reverse one axis or exchange two of its columns"
+        )
+
+
+def _largest_column(R: np.ndarray) -> np.ndarray:
+    """Unit quaternion of rotation matrices: the largest column of ``4 e e'``, whose entries are sums of those of R."""
+    (a, b, c), (d, f, g), (h, i, j) = np.moveaxis(R, (-2, -1), (0, 1))
+    products = np.array([
+        [1.0 + a + f + j, i - g, c - h, d - b],
+        [i - g, 1.0 + a - f - j, b + d, c + h],
+        [c - h, b + d, 1.0 - a + f - j, g + i],
+        [d - b, c + h, g + i, 1.0 - a - f + j],
+    ])  # fmt: skip
+    products = np.moveaxis(products, (0, 1), (-2, -1))
+    largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
+    column = np.take_along_axis(products, largest[..., None, None], axis=-1)[..., 0]
+    column = np.where(column[..., :1] < 0.0, -column, column)
+    return column / np.linalg.norm(column, axis=-1, keepdims=True)
+
+
+def _check_nonzero(square: float | np.ndarray) -> None:
+    """Refuse quaternions whose squares are zero or not finite."""
+    if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
+        raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
+
+
+def _nonzero_quaternion(e: ArrayLike) -> np.ndarray:
+    """Stack of quaternions of which none is zero or contains NaN."""
+    e = _stack(e, 4, "quaternion")
+    _check_nonzero(np.sum(e * e, axis=-1))
+    return e
+
+
+def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
+    """Float array whose last dimension has the given length."""
+    array = np.asarray(values, dtype=float)
+    if array.ndim == 0 or array.shape[-1] != length:
+        raise ValueError(f"{what}: shape {array.shape} is wrong; give (..., {length})")
+    return array
+
+
+def _text(values: np.ndarray) -> str:
+    """Numbers as a user would type them."""
+    return np.array2string(values, separator=", ", precision=9).replace("\n", "")

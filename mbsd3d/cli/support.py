@@ -1,0 +1,148 @@
+"""What the commands share: errors in one line, commands of other packages, models, folders, unfinished runs."""
+
+import signal
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..base.errors import Mbsd3dError
+
+GROUP = "mbsd3d.commands"
+INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
+
+
+class Failure(click.ClickException):
+    """An error the user can do something about: one line on stderr, exit code 2."""
+
+    exit_code = 2
+
+    def show(self, file: Any = None) -> None:
+        """One line."""
+        click.echo(f"mbsd3d: {' '.join(self.message.split())}", err=True)
+
+
+class Commands(click.Group):
+    """The own commands and those of other packages (entry points ``mbsd3d.cli.support``), with errors in one line."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Own commands, then those of other packages."""
+        own = super().list_commands(ctx)
+        return own + sorted({entry.name for entry in metadata.entry_points(group=GROUP)} - set(own))
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """A command by its name; one that cannot be loaded says so when it is listed or called."""
+        own = super().get_command(ctx, name)
+        if own is not None:
+            return own
+        for entry in metadata.entry_points(group=GROUP):
+            if entry.name == name:
+                return command_of(entry)
+        return None
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("mbsd3d: interrupted", err=True)
+            raise click.exceptions.Exit(INTERRUPTED) from None
+        except BrokenPipeError:
+            raise  # the reader of a pipe has gone: click ends quietly
+        except OSError as error:
+            where = f"'{error.filename}': " if error.filename else ""
+            raise Failure(f"{where}{error.strerror or error}") from error
+        except (ValueError, Mbsd3dError) as error:
+            raise Failure(str(error)) from error
+
+
+def command_of(entry: metadata.EntryPoint) -> click.Command:
+    """The command of an entry point, or one that stands for it and says why it cannot be loaded."""
+    from ..demos.base import load_entry
+
+    try:
+        return load_entry(entry, click.Command)
+    except ValueError as error:
+        reason = str(error)
+
+    def fail(arguments: tuple[str, ...]) -> None:
+        raise Failure(f"command '{entry.name}' of {reason}")
+
+    rest = click.Argument(["arguments"], nargs=-1, type=click.UNPROCESSED)
+    settings = {"ignore_unknown_options": True}
+    return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
+
+
+def load(file: str, drop: tuple[str, ...]) -> Any:
+    """The System of a file of any kind; what an import did with it goes to stderr."""
+    from ..files.sources import load_model
+
+    system, notes = load_model(file, drop)
+    for note in notes:
+        click.echo(f"mbsd3d: {note}", err=True)
+    return system
+
+
+def ready_folder(out: str, option: str = "--out") -> Path:
+    """The folder, made if missing, after a trial that it can be written: before anything is computed."""
+    folder = Path(out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise Failure(f"{option} '{out}' cannot be written: {error.strerror}; give a folder that can") from error
+    return folder
+
+
+def ready_target(file: str, out: str, suffix: str) -> Path:
+    """Where results go, without suffix: --out is a folder, which gets the name of the model, or a file's name."""
+    named = Path(out).suffix == suffix
+    folder = ready_folder(str(Path(out).parent) if named else out)
+    return folder / Path(out if named else file).stem
+
+
+def can_view(needed: bool = False) -> bool:
+    """Whether pages can be made; a missing package is said in one line, and is a failure if one is needed."""
+    from ..view.page.recorder import import_viser
+
+    try:
+        import_viser("a view")
+    except ValueError as error:
+        if needed:
+            raise
+        click.echo(f"mbsd3d: {error}", err=True)
+        return False
+    return True
+
+
+def watch(view: Any) -> None:
+    """Say where a live view is, show it if there is a browser, and wait for Ctrl-C."""
+    with view:
+        click.echo(f"{view.url}  (Ctrl-C ends it)")
+        if view.can_open():
+            view.open()
+        view.wait()
+
+
+def keep(solution: Any, target: Path) -> None:
+    """Save an unfinished run, if it has samples, whatever keys are pressed meanwhile."""
+    if solution is None or not solution.t.size:
+        click.echo("nothing was computed")
+        return
+    with undisturbed():
+        path = solution.save(target)
+    click.echo(f"{path}: {solution.t.size} samples up to t = {solution.t[-1]:.6g} s")
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """No Ctrl-C inside."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

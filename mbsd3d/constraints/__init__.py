@@ -1,0 +1,1 @@
+"""Rank, redundant joints and their remedies, closed poses and consistent velocities."""

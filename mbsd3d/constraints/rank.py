@@ -1,0 +1,128 @@
+"""Rank and null spaces of the rows of a mechanism: singular values of what elimination leaves over.
+
+A relative tolerance decides, against the largest singular value. Small mechanisms are not reduced at all: their
+singular values are those of J itself. The dense analysis of all of J, the readable truth, is
+`mbsd3d.constraints.row_choice.independent_rows`.
+"""
+
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+
+from ..base.concurrency import one_thread
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows
+from .elimination import SAFE, Core, Elimination
+
+
+class Analysis:
+    """Rank, independent rows, redundant combinations and free motions of scaled rows.
+
+    Parameters
+    ----------
+    rows : BlockRows
+        Scaled to units of the model's length and radians.
+    tolerance : float
+        Of the rank, relative to the largest singular value.
+    safe : float
+        Smallest relative size of what is decided without singular values; must exceed the tolerance.
+
+    Raises
+    ------
+    ValueError
+        If a row is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> on, J = np.array([[0, 1, -1, -1]] * 3), np.zeros((3, 4, 6))
+    >>> J[:, 0, 0], J[:, 1, 0] = -1.0, (1.0, 1.0, 2.0)  # two bodies along x: one row twice, and another
+    >>> found = Analysis(BlockRows(on, J, 2))
+    >>> found.rank, np.abs(found.redundant()).round(3).ravel().tolist()
+    (2, [0.707, 0.707, 0.0])
+    """
+
+    def __init__(self, rows: BlockRows, tolerance: float = RANK_TOLERANCE, safe: float = SAFE, **options: int) -> None:
+        self.n, self.m, self.tolerance = rows.n, rows.body.shape[0], tolerance
+        with one_thread():
+            self.left = Elimination(rows, tolerance, max(safe, 10.0 * tolerance), **options)
+            self.cores = self.left.cores
+            self.decompositions = [scipy.linalg.svd(core.F, check_finite=False) for core in self.cores]
+        self.picked = np.concatenate([np.zeros(0, np.int64), *(step.picked for step in self.left.steps)])
+
+    @cached_property
+    def singular(self) -> np.ndarray:
+        """Singular values of all cores, largest first."""
+        return np.sort(np.concatenate([np.zeros(0), *(s for _, s, _ in self.decompositions)]))[::-1]
+
+    @property
+    def largest(self) -> float:
+        """Largest singular value."""
+        return float(self.singular[0]) if self.singular.size else 0.0
+
+    def core_rank(self, core: int, tolerance: float | None = None) -> int:
+        """Number of singular values of a core above the tolerance."""
+        s = self.decompositions[core][1]
+        return int((s > (tolerance or self.tolerance) * self.largest).sum())
+
+    @property
+    def rank(self) -> int:
+        """Rank of the rows."""
+        return self.picked.size + sum(self.core_rank(k) for k in range(len(self.cores)))
+
+    @property
+    def least(self) -> float:
+        """Smallest singular value that counts."""
+        kept = self.singular[self.singular > self.tolerance * self.largest]
+        return float(kept[-1]) if kept.size else 0.0
+
+    @property
+    def smallest(self) -> float:
+        """The same relative to the largest; 1 if all was decided without singular values."""
+        return self.least / self.largest if self.largest else 1.0
+
+    def independent(self) -> np.ndarray:
+        """A largest independent set of rows, ascending: those picked, and of the cores by column-pivoted QR."""
+        chosen = [self.picked]
+        for k, core in enumerate(self.cores):
+            _, pivot = scipy.linalg.qr(core.F.T, mode="r", pivoting=True, check_finite=False)
+            chosen.append(core.rows[pivot[: self.core_rank(k)]])
+        return np.sort(np.concatenate(chosen)).astype(np.int64)
+
+    def redundant(self, tolerance: float | None = None) -> np.ndarray:
+        """(m, k) N with J'N = 0 in the columns, k the number of redundant rows; J as seen at the tolerance."""
+        alone = self.left.redundant
+        ranks = [self.core_rank(k, tolerance) for k in range(len(self.cores))]
+        N = np.zeros((self.m, len(alone) + sum(core.rows.size for core in self.cores) - sum(ranks)))
+        N[alone, np.arange(len(alone))] = 1.0
+        j = len(alone)
+        for core, rank, (U, _, _) in zip(self.cores, ranks, self.decompositions, strict=True):
+            N[core.rows, j : j + core.rows.size - rank] = U[:, rank:]
+            j += core.rows.size - rank
+        return without_rounding(self.left.row_combinations(N)) if N.shape[1] else N
+
+    def free_motion(self, weights: np.random.Generator) -> np.ndarray:
+        """(6 n,) a random motion that all rows leave free."""
+        x = np.zeros((6 * self.n, 1))
+        x[self.left.free, 0] = weights.normal(size=self.left.free.size)
+        for k, (core, (_, _, Vt)) in enumerate(zip(self.cores, self.decompositions, strict=True)):
+            rank = self.core_rank(k)
+            x[core.columns, 0] = Vt[rank:].T @ weights.normal(size=Vt.shape[0] - rank)
+        return self.left.motion(x)[:, 0]
+
+    def core_motion(self, core: Core, x: np.ndarray) -> np.ndarray:
+        """(6 n,) motion of all bodies that goes with one of a core; the picked rows are met."""
+        whole = np.zeros((6 * self.n, 1))
+        whole[core.columns, 0] = x
+        return self.left.motion(whole)[:, 0]
+
+
+def without_rounding(N: np.ndarray) -> np.ndarray:
+    """Combinations of order one without the entries that are only rounding: N is sparse, like loops are."""
+    return np.where(np.abs(N) > 1e-13, N, 0.0)
+
+
+def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
+    N = Analysis(rows, tolerance).redundant()
+    return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N

@@ -1,0 +1,262 @@
+"""What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ..equations.at_state import driven_coordinates, load_state, worst_joint
+from ..equations.compiled import Compiled, compile_system
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
+from ..kernels.kinematics import displace
+from ..mechanism.drivers import Driver
+from ..mechanism.state import State
+from .assembly import close_pose, gap_size, newton, reference_pose
+from .elimination import SAFE, Core
+from .rank import Analysis
+from .remedies import Cure, find_cures
+from .spanning_tree import loop_weights
+
+
+@dataclass(frozen=True)
+class Share:
+    """Redundancy of one joint: its rows, how many of them take part, and which reactions are determined."""
+
+    joint: str
+    rows: int
+    involved: int
+    force_unique: bool
+    moment_unique: bool
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Coordinates, rows and freedoms of a mechanism, and a verdict.
+
+    ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
+    alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
+    ``misfit`` [m] is by how much the parts as built miss their joints.
+    """
+
+    coordinates: int
+    velocities: int
+    rows: int
+    rank: int
+    gruebler: int
+    mobility: int
+    configuration_freedom: int
+    redundant: int
+    shares: tuple[Share, ...]
+    verdict: str
+    misfit: float
+    cures: tuple[Cure, ...]
+    neighbour_ranks: tuple[int, ...]
+    length: float
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def velocity_freedom(self) -> int:
+        """Independent velocities: 6 per body minus the rank of all rows."""
+        return self.mobility
+
+    def __str__(self) -> str:
+        lines = [
+            self.verdict,
+            f"  {self.coordinates} coordinates, {self.velocities} velocities, {self.rows} rows of rank {self.rank}",
+            f"  mobility {self.mobility} (configuration freedoms {self.configuration_freedom}), "
+            f"Gruebler count {self.gruebler}",
+        ]
+        for share in self.shares:
+            what = [] if share.force_unique else ["forces"]
+            what += [] if share.moment_unique else ["moments"]
+            text = f"indeterminate {' and '.join(what)}" if what else "reactions unique"
+            lines.append(f"  {share.joint}: {share.involved} of {share.rows} rows in redundant sets, {text}")
+        lines += [f"  cure: {cure.text}" for cure in self.cures]
+        lines += [f"  {text}" for text in self.notes]
+        return "\n".join(lines)
+
+
+def diagnose(system: Any, as_built: float) -> Diagnosis:
+    """See `System.check`."""
+    compiled = compile_system(system)
+    pose, misfit, stuck = closed_pose(compiled, as_built)
+    data, length, n = compiled.data(), compiled.model.length, 6 * len(system.bodies)
+    load_state(compiled, data, pose)
+    rows = scaled_rows(compiled.model, data)
+    found = Analysis(rows, safe=max(SAFE, 10.0 * as_built / length))
+    loose, slip = rank_as_built(found, length, as_built)
+    misaligned = slip > 0.0 and loose < found.rank
+    rank = loose if misaligned else found.rank
+    misfit = max(misfit, slip if misaligned else 0.0)
+    N = found.redundant(as_built_cut(found, length, as_built) if misaligned else None)
+    neighbours = tuple(neighbour_ranks(compiled, pose, found))
+    shares = tuple(joint_shares(compiled, rows, N))
+    cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
+    offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
+    notes = (
+        [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
+        if neighbours and (max(neighbours) > found.rank)
+        else []
+    )
+    return Diagnosis(
+        coordinates=7 * len(system.bodies),
+        velocities=n,
+        rows=found.m,
+        rank=rank,
+        gruebler=n - found.m,
+        mobility=n - rank,
+        configuration_freedom=n - holonomic_rank(compiled, rows, found),
+        redundant=found.m - rank,
+        shares=shares,
+        verdict=verdict,
+        misfit=misfit or offset,
+        cures=cures,
+        neighbour_ranks=neighbours,
+        length=length,
+        notes=tuple(notes),
+    )
+
+
+def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
+    """Rank of the rows that have a residual."""
+    holonomic = compiled.model.row["holonomic"].astype(bool)
+    return found.rank if holonomic.all() else Analysis(rows.take(holonomic)).rank
+
+
+def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
+    """Relative cut-off of singular values that stand for misfits below ``as_built`` metres."""
+    return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
+
+
+def rank_as_built(found: Analysis, length: float, as_built: float) -> tuple[int, float]:
+    """(rank when misfits below ``as_built`` are taken up by play, the largest misfit [m] that is).
+
+    A unit motion (one radian, one model length) along a right singular vector violates the rows by its singular value.
+    """
+    s = found.singular
+    small = (s > RANK_TOLERANCE * found.largest) & (s * length <= as_built)
+    if not small.any():
+        return found.rank, 0.0
+    return found.picked.size + int((s * length > as_built).sum()), violation(found, 10.0 * s[small].max()) * length
+
+
+def violation(found: Analysis, tolerance: float) -> float:
+    """Largest violation of spared rows, per radian or model length of a motion that the kept rows leave free."""
+    return max((core_violation(found, core, tolerance) for core in found.cores), default=0.0)
+
+
+def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
+    """Violation of the spared rows of a core (scaled, norm).
+
+    Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
+    """
+    kept, basis = [], np.zeros((0, core.columns.size))
+    for k, row in enumerate(core.F):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        if np.linalg.norm(rest) > tolerance:
+            kept.append(k)
+            basis = np.vstack([basis, rest / np.linalg.norm(rest)])
+    spared = np.setdiff1d(np.arange(core.rows.size), kept)
+    Z = scipy.linalg.null_space(basis, rcond=1e-6) if kept else np.eye(core.columns.size)
+    if not spared.size or not Z.shape[1]:
+        return 0.0
+    _, _, Vt = scipy.linalg.svd(core.F[spared] @ Z)
+    x = Z @ Vt[0]
+    motion = found.core_motion(core, x).reshape(-1, 6)
+    turn, shift = np.linalg.norm(motion[:, 3:], axis=1).max(), np.linalg.norm(motion[:, :3], axis=1).max()
+    size = turn if turn > 1e-6 * shift else shift
+    return float(np.linalg.norm(core.F[spared] @ x) / size)
+
+
+def misfit_of_lock(found: Analysis, length: float) -> float:
+    """Misfit [m] that takes the last freedom of a mechanism without mobility, 0 if it is a plain structure."""
+    if found.rank < 6 * found.n or not found.least < 1e-2 * found.largest:
+        return 0.0
+    return violation(found, 10.0 * found.least) * length
+
+
+def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str | None]:
+    """(pose, misfit [m] left in rows that could be spared, verdict if the mechanism does not close)."""
+    start = reference_pose(compiled.system)
+    start = State(start.t, start.q, start.v, start.z, driven_coordinates(compiled, start.t))
+    data = compiled.data()
+    load_state(compiled, data, start)
+    if gap_size(compiled, data.row["c"]) <= 1e-9:
+        return start, 0.0, None
+    pose, residual = close_pose(compiled, start, [], [], set())
+    if gap_size(compiled, residual) <= 1e-9:
+        return pose, 0.0, None
+    # joints that close loops get little weight, so that the gap stands there and not in every joint
+    pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
+    part, gap = worst_joint(compiled, residual)
+    if gap <= as_built:
+        return pose, gap, None
+    if gap <= 1e-2 * compiled.model.length:
+        text = f"locked: redundant joints miss each other by {gap:.6g} m at {part}, more than {as_built:g} m as built"
+        return pose, gap, f"{text}; align them or replace one (see cures)"
+    return pose, gap, f"cannot close: a gap of {gap:.6g} m remains at {part}; correct its position or a length"
+
+
+def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[int]:
+    """Rank at two poses moved a little along the motions the rows leave free."""
+    model, data = compiled.model, compiled.data()
+    if found.rank in (0, 6 * found.n):
+        return []
+    y = load_state(compiled, data, pose)
+    free = found.free_motion(np.random.default_rng(0))
+    columns = displacement_units(model.length, model.body.size)
+    free = columns * free / max(np.abs(free).max(), 1e-300)
+    ranks = []
+    for step in (0.05, -0.05):
+        trial = y.copy()
+        data.body["acceleration"][:-1] = (step * free).reshape(-1, 6)
+        displace(model, data, trial)
+        start = State(pose.t, trial[: 7 * model.body.size], pose.v, pose.z, pose.coordinates)
+        moved, residual = newton(compiled, start, [], [], set())
+        if gap_size(compiled, residual) <= 1e-9:
+            load_state(compiled, data, moved)
+            ranks.append(Analysis(scaled_rows(model, data)).rank)
+    return ranks
+
+
+def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Share]:
+    """Joints with rows in redundant sets (where the projector N N' is not zero), unique reactions told apart."""
+    system, shares = compiled.system, []
+    if not N.shape[1]:
+        return shares
+    for joint in system.joints:
+        own = compiled.rows[id(joint)]
+        involved = int((np.linalg.norm(N[own], axis=1) > 1e-8).sum())
+        if not involved:
+            continue
+        moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
+        on = rows.body[own] == compiled.body_index[id(moving)]
+        G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
+        moment = G[3:] - np.cross(moment_arm(compiled, joint, moving), G[:3], axis=0)
+        name = f"{type(joint).__name__} '{system.name(joint)}'"
+        force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
+        shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
+    return shares
+
+
+def moment_arm(compiled: Compiled, joint: Any, body: Any) -> np.ndarray:
+    """From O of the body to the joint's point, world at the reference pose, in model lengths."""
+    return np.asarray((joint.point() - body.position) / compiled.model.length).reshape(3, 1)
+
+
+def verdict_text(
+    compiled: Compiled, rows: int, rank: int, n: int, misfit: float, as_built: float, offset: float
+) -> str:
+    """One line that says what the constraints amount to."""
+    driven = any(isinstance(joint, Driver) for joint in compiled.system.joints)
+    if misfit > 0.0:
+        return f"redundant within the as-built tolerance ({as_built:g} m): misfit {misfit:.3g} m"
+    if rank == n and not driven:
+        cause = f"; parts that miss each other by {offset:.6g} m take the last freedom" if offset else ""
+        return f"locked: the joints leave no freedom{cause}"
+    if rows > rank:
+        return f"redundant, consistent: {rows - rank} of {rows} rows repeat others"
+    return "regular: all rows are independent" + (", the drivers determine the motion" if rank == n else "")

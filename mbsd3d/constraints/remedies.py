@@ -1,0 +1,229 @@
+"""Cures for redundant joints: weaker types found by search and verified by rank.
+
+A weaker joint's rows are combinations T J_i of the rows of the joint it replaces. With N the left null space of J, the
+redundancy left after a replacement is the dimension of {n in span N: n_i in range T'}: small matrices, no new SVD of J.
+Every cure that is reported has then been verified by rebuilding the rows and taking their rank.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ..base.directions import perpendiculars
+from ..equations.at_state import load_state
+from ..equations.compiled import compile_system
+from ..equations.jacobian import BlockRows, block_rows
+from ..mechanism.bodies import GROUND
+from ..mechanism.drivers import Driver
+from ..mechanism.joints import (
+    AxisJoint,
+    Cylindrical,
+    Joint,
+    Planar,
+    PointJoint,
+    PointOnLine,
+    PointOnPlane,
+    Revolute,
+    Spherical,
+    Universal,
+)
+from ..mechanism.state import State
+from .rank import Analysis, without_rounding
+
+LIMIT = 12  # cures reported
+SEARCHED = 40  # joints among which single ones and pairs are searched; beyond, a set is built up greedily
+UNCOMMON = {Cylindrical: 1, Universal: 2, Planar: 3, PointOnPlane: 3}  # harder to build than Spherical or PointOnLine
+
+
+@dataclass(frozen=True)
+class Cure:
+    """Replacements (joint name -> weaker type, None = removed) after which all rows are independent."""
+
+    replacements: tuple[tuple[str, str | None], ...]
+    rows_removed: int
+    text: str
+
+
+def weaker(joint: Joint) -> list[Joint | None]:
+    """Weaker joints at the same place, None for no joint at all."""
+    if not isinstance(joint, PointJoint) or isinstance(joint, Driver):
+        return [None]
+    a, b, at, at_b, name = joint.a, joint.b, joint.at, joint.at_b, joint.name
+    options: list[Joint | None] = [Spherical(a, b, at=at, at_b=at_b, name=name)]
+    if isinstance(joint, AxisJoint):
+        axis, x, y = joint.axis, *perpendiculars(joint.axis)
+        options = [
+            Cylindrical(a, b, at=at, at_b=at_b, axis=axis, axis_b=joint.axis_b, name=name),
+            Universal(a, b, at=at, at_b=at_b, axis_a=x, axis_b=axis, name=name),
+            Universal(a, b, at=at, at_b=at_b, axis_a=y, axis_b=axis, name=name),
+            *options,
+            PointOnLine(a, b, at=at, at_b=at_b, axis=axis, name=name),
+            Planar(a, b, at=at, at_b=at_b, normal=axis, name=name),
+            PointOnPlane(a, b, at=at, at_b=at_b, normal=axis, name=name),
+            PointOnPlane(a, b, at=at, at_b=at_b, normal=x, name=name),
+        ]
+    return [*[option for option in options if type(option) is not type(joint)], None]
+
+
+def rows_of(compiled: Any, pose: State, joint: Joint) -> BlockRows:
+    """Scaled rows of a joint that may not be in the system, at the pose."""
+    from ..api.system import System
+
+    bodies = [body for body in joint.bodies() if body is not GROUND]
+    index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
+    alone = compile_system(System(bodies=bodies, joints=[joint]))
+    data, length = alone.data(), compiled.model.length
+    load_state(alone, data, State(pose.t, pose.q.reshape(-1, 7)[index[:-1]].ravel(), np.zeros(6 * len(bodies))))
+    metres = np.repeat([row.in_metres for row in joint.rows()], [row.n_rows for row in joint.rows()])
+    on = alone.model.row["body"]
+    rows = block_rows(alone.model, data)._replace(body=np.where(on >= 0, index[on], -1), n=int(index[-1]))
+    return rows.scaled(np.where(metres, 1.0 / length, 1.0), length)
+
+
+class Search:
+    """What replacements do to the redundant combinations N (columns); projectors are made when first asked for."""
+
+    def __init__(self, compiled: Any, pose: State, rows: BlockRows, N: np.ndarray) -> None:
+        self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
+        self.projectors: dict[tuple[Joint, Joint | None], np.ndarray | None] = {}
+
+    def own(self, joint: Joint) -> slice:
+        """Rows of a joint."""
+        return self.compiled.rows[id(joint)]
+
+    def candidates(self, joint: Joint) -> list[tuple[Joint, Joint | None]]:
+        """(joint, weaker joint) for all weaker joints with fewer rows."""
+        return [(joint, option) for option in weaker(joint) if self.lost([(joint, option)]) > 0]
+
+    def lost(self, chosen: list) -> int:
+        """Rows given up by a set of replacements."""
+        own = sum(self.own(joint).stop - self.own(joint).start for joint, _ in chosen)
+        return own - sum(row.n_rows for _, option in chosen if option is not None for row in option.rows())
+
+    def projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
+        """P that vanishes on range T' with J_option = T J_joint; None where the rows are not in the joint's own."""
+        if (joint, option) not in self.projectors:
+            self.projectors[joint, option] = self.make_projector(joint, option)
+        return self.projectors[joint, option]
+
+    def make_projector(self, joint: Joint, option: Joint | None) -> np.ndarray | None:
+        """See `projector`."""
+        own = self.rows.take(self.own(joint)).sparse().toarray()
+        if option is None:
+            return np.eye(own.shape[0])
+        J, used = rows_of(self.compiled, self.pose, option).sparse().toarray(), own.any(axis=0)
+        T = scipy.linalg.lstsq(own[:, used].T, J[:, used].T)[0].T
+        if np.abs(T @ own - J).max(initial=0.0) > 1e-8 * max(np.abs(J).max(initial=0.0), 1e-300):
+            return None
+        basis = scipy.linalg.orth(T.T) if T.size else np.zeros((own.shape[0], 0))
+        return np.eye(own.shape[0]) - basis @ basis.T
+
+    def cured(self, chosen: list) -> bool:
+        """No redundancy left, and not one row more than that given up: the mobility stays."""
+        k = self.N.shape[1]
+        if self.lost(chosen) != k:
+            return False
+        projectors = [self.projector(*c) for c in chosen]
+        if any(P is None for P in projectors):
+            return False
+        stacked = np.vstack([P @ self.N[self.own(c[0])] for P, c in zip(projectors, chosen, strict=True)])
+        return rank_in_N(stacked) == k
+
+    def greedy(self, joints: list) -> list:
+        """Replace joint by joint, most rows first, where just as many redundancies go as rows, until none is left."""
+        chosen, done, left, N = [], set(), self.N.shape[1], self.N.copy()
+        candidates = [(self.lost([c]), c) for joint in joints for c in self.candidates(joint)]
+        for lost, (joint, option) in sorted(candidates, key=lambda pair: -pair[0]):  # stable: joints in their order
+            own = N[self.own(joint)]
+            if joint in done or lost > left or rank_in_N(own) < lost:
+                continue
+            P = self.projector(joint, option)
+            if P is not None and rank_in_N(P @ own) == lost:
+                left -= remove_redundancies(P @ own, N)
+                done.add(joint)
+                chosen.append((joint, option))
+        return chosen if left == 0 else []
+
+
+def rank_in_N(B: np.ndarray) -> int:
+    """Rank of a few rows of combinations, entries of order one."""
+    touched = B.any(axis=0)
+    return int((scipy.linalg.svdvals(B[:, touched]) > 1e-9).sum()) if touched.any() else 0
+
+
+def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
+    """Replace the columns of N by combinations with B = 0, in place, zero columns for those that end; their number."""
+    touched = np.flatnonzero(B.any(axis=0))
+    _, R, pivot = scipy.linalg.qr(B[:, touched], mode="economic", pivoting=True)
+    rank = int((np.abs(np.diag(R)) > 1e-9).sum())
+    ended, others = touched[pivot[:rank]], touched[pivot[rank:]]
+    rows = np.flatnonzero(N[:, ended].any(axis=1))
+    change = N[np.ix_(rows, ended)] @ np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+    N[np.ix_(rows, others)] = without_rounding(N[np.ix_(rows, others)] - change)
+    N[:, ended] = 0.0
+    return rank
+
+
+def find_cures(compiled: Any, pose: State, rows: BlockRows, N: np.ndarray, mobility: int) -> list[Cure]:
+    """Single replacements, then pairs, then a greedy set; fewest joints touched and fewest rows lost first."""
+    search = Search(compiled, pose, rows, N)
+    involved = [j for j in compiled.system.joints if np.abs(N[compiled.rows[id(j)]]).max(initial=0.0) > 1e-8]
+    involved = [j for j in involved if not isinstance(j, Driver)]
+    candidates = [search.candidates(joint) for joint in involved[:SEARCHED]]
+    sets = [[c] for group in candidates for c in group if search.cured([c])]
+    if len(candidates) <= 20:
+        sets += [
+            [c, d]
+            for one, two in combinations(candidates, 2)
+            for c in one
+            for d in two
+            if c[1] is not None and d[1] is not None and search.cured([c, d])
+        ]
+    if not sets:
+        greedy = search.greedy(involved)
+        sets = [greedy] if greedy else []
+    cures = []
+    for chosen in sorted(sets, key=lambda s: (len(s), sum(UNCOMMON.get(type(option), 0) for _, option in s))):
+        if len(cures) == LIMIT:
+            break
+        if verified(compiled, pose, rows, chosen, mobility):
+            cures.append(describe(compiled, chosen, search.lost(chosen)))
+    return cures
+
+
+def verified(compiled: Any, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:
+    """Rebuild the rows with the replacements: all independent, and the mobility unchanged."""
+    swapped = [rows_of(compiled, pose, option) for _, option in chosen if option is not None]
+    kept = np.ones(rows.body.shape[0], bool)
+    for joint, _ in chosen:
+        kept[compiled.rows[id(joint)]] = False
+    parts = [rows.take(kept), *swapped]
+    cured = BlockRows(np.concatenate([p.body for p in parts]), np.concatenate([p.J for p in parts]), rows.n)
+    rank = Analysis(cured).rank
+    return rank == cured.body.shape[0] and 6 * rows.n - rank == mobility
+
+
+def describe(compiled: Any, chosen: list, lost: int) -> Cure:
+    """The cure in words."""
+    system, texts, pairs = compiled.system, [], []
+    for joint, option in chosen:
+        name = system.name(joint)
+        pairs.append((name, None if option is None else type(option).__name__))
+        if option is None:
+            texts.append(f"remove '{name}' ({type(joint).__name__})")
+        else:
+            detail = axis_text(option)
+            texts.append(f"'{name}' {type(joint).__name__} -> {type(option).__name__}{detail}")
+    left = compiled.model.row.size - lost
+    return Cure(tuple(pairs), lost, f"{' and '.join(texts)} ({left} rows, all independent)")
+
+
+def axis_text(option: Joint) -> str:
+    """Direction of a weaker joint, where it has one."""
+    axis = getattr(option, "axis", getattr(option, "normal", getattr(option, "axis_a", None)))
+    if axis is None or isinstance(option, Revolute):
+        return ""
+    return " along ({:.4g}, {:.4g}, {:.4g})".format(*(axis + 0.0))

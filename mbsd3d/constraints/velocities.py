@@ -1,0 +1,108 @@
+"""Consistent velocities of least kinetic energy: min v'M v / 2 subject to J v = b and to what the user gave."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array, vstack
+
+from ..base.checks import number
+from ..base.concurrency import one_thread
+from ..base.errors import AssemblyError
+from ..equations.at_state import coordinate_row, load_state
+from ..equations.compiled import Compiled
+from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
+from ..equations.mass_matrix import sparse_mass_matrix
+from ..mechanism.state import State
+from .least_squares import least
+
+
+def given_velocities(system: Any) -> np.ndarray:
+    """(6 n,) velocities the user gave, NaN where they are to be solved."""
+    v = np.full((len(system.bodies), 6), np.nan)
+    for i, body in enumerate(system.bodies):
+        if body.velocity is not None:
+            v[i, :3] = body.velocity
+        if body.omega is not None:
+            v[i, 3:] = body.omega
+    return v.ravel()
+
+
+def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: float = 1e-8) -> State:
+    """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
+    system, model, data = compiled.system, compiled.model, compiled.data()
+    load_state(compiled, data, pose)
+    J, b = [block_rows(model, data).sparse()], data.row["b"].copy()
+    names = [f"{type(joint).__name__} '{system.name(joint)}'" for joint in system.joints]
+    names = [names[j] for j in compiled.row_joint]
+    for key, value in rates.items():
+        joint = system.part(key, "joints")
+        x = joint.angle() or joint.slide()
+        if x is None:
+            raise ValueError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
+        J.append(csr_array(coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]))
+        b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
+        names.append(f"rate of '{system.name(joint)}'")
+    J = vstack(J, format="csr") if len(J) > 1 else J[0]
+    with one_thread():
+        v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+    return State(pose.t, pose.q, v, pose.z, pose.coordinates)
+
+
+def least_energy(
+    compiled: Compiled, pose: State, J: csr_array, b: np.ndarray, given: np.ndarray, names: list[str],
+    tolerance: float,
+) -> np.ndarray:  # fmt: skip
+    """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
+    model = compiled.model
+    known = ~np.isnan(given)
+    v = np.where(known, given, 0.0)
+    scale = displacement_units(model.length, model.body.size)
+    A = scaled(J, np.ones(J.shape[0]), scale)
+    unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
+    A = scaled(A, unit_rows, np.ones(known.size))
+    M = scaled(sparse_mass_matrix(compiled.system, pose), scale, scale)
+    M = M / max(np.abs(M.data).max(), 1e-300)
+    free = np.flatnonzero(~known)
+    if model.singular:
+        check_determined(compiled.system, A, M, np.arange(known.size))  # accelerations need what given values may hide
+        check_determined(compiled.system, A, M, free)
+    if free.size:
+        f, rest = -(M @ (v / scale))[free], (b - J @ v) * unit_rows
+        if free.size < known.size:
+            M, A = M[free][:, free], A[:, free]
+        v[free] += scale[free] * least(M, A, rest, f, passes=3)
+    residual = J @ v - b
+    size = np.abs(residual) * unit_rows
+    speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
+    if size.size and size.max() > tolerance * speed:
+        k = int(np.argmax(size))
+        raise AssemblyError(
+            "the given velocities contradict a joint (J v - b in m/s or rad/s)",
+            part=names[k], residual=float(residual[k]), time=pose.t,
+            advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
+        )  # fmt: skip
+    return v
+
+
+def check_determined(system: Any, A: csr_array, M: csr_array, free: np.ndarray) -> None:
+    """A motion without kinetic energy has an undetermined velocity: an error that names the massless body.
+
+    Dense, as the equations of such models are.
+    """
+    N = scipy.linalg.null_space(A[:, free].toarray(), rcond=1e-10) if A.shape[0] else np.eye(free.size)
+    if not N.shape[1]:
+        return
+    values, vectors = np.linalg.eigh(N.T @ (M[free][:, free] @ N))
+    if values[0] > 1e-14 * max(values[-1], 1e-300):
+        return
+    motion = np.zeros(M.shape[0])
+    motion[free] = N @ vectors[:, 0]
+    i = int(np.argmax(np.abs(motion))) // 6
+    name = system.name(system.bodies[i])
+    raise AssemblyError(
+        f"the velocity of body '{name}' is not determined: a motion the constraints allow moves no mass",
+        part=f"body '{name}'",
+        advice="give the body a mass or an inertia, or a joint that determines its motion",
+    )

@@ -1,0 +1,118 @@
+"""Kernels called from Python at one state: kinematics, rows and the scaled Jacobian."""
+
+from typing import Any
+
+import numpy as np
+
+from ..base.rotations import matrix
+from ..kernels.coordinates import coordinate
+from ..kernels.kinematics import kinematics
+from ..kernels.layout import Data
+from ..kernels.rows import rows
+from ..mechanism.state import State
+from .compiled import Compiled, initial_states
+from .jacobian import BlockRows, block_rows, displacement_units, scaled_rows
+
+
+def pack(compiled: Compiled, state: State) -> np.ndarray:
+    """y = (q, u, z) with u = (r_dot, R'w), audit states zero; own states that are not given start as declared."""
+    n = len(compiled.system.bodies)
+    if state.q.size != 7 * n:
+        raise ValueError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
+    v = state.v.reshape(n, 6)
+    R = matrix(state.q.reshape(n, 7)[:, 3:])
+    u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
+    z = np.zeros(compiled.model.state.size)
+    own = state.z if state.z.size else initial_states(compiled.system)
+    if own.size != compiled.model.z_work:
+        raise ValueError(
+            f"state: z has {own.size} own states, the forces of the system have {compiled.model.z_work}; give a state "
+            "of this system, or none"
+        )
+    z[: own.size] = own
+    return np.concatenate([state.q, u.ravel(), z])
+
+
+def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
+    """Fill kinematics and rows of ``data`` at a state; returns y."""
+    y = pack(compiled, state)
+    if state.coordinates is not None:
+        known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
+        data.coordinate["value"][:known] = state.coordinates[: data.coordinate.size]
+    data.coordinate["rate"] = 0.0
+    data.unwrap_time[0] = state.t
+    kinematics(compiled.model, data, y)
+    rows(compiled.model, data, state.t)
+    return y
+
+
+def driven_coordinates(compiled: Compiled, t: float) -> np.ndarray:
+    """Unwrapping references at a start: the signal where a coordinate is driven, else zero."""
+    reference = np.zeros(compiled.model.coordinate.size)
+    for joint, _ in compiled.drives:
+        for row in joint.primitives:
+            if len(row.coordinates) == 1:
+                reference[compiled.coordinate(row.coordinates[0])] = float(row.signal(t)) / row.values[0]
+    return reference
+
+
+def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[float, np.ndarray]:
+    """(value, gradient with respect to the world velocities (6 n,)) of hinge coordinate i."""
+    n = compiled.model.body.size
+    x, _, linear_a, angular_a, linear_b, angular_b = coordinate(compiled.model, data, i, t)
+    row = np.zeros((n + 1, 6))
+    a, b = compiled.model.coordinate["body"][i]
+    row[a] += np.concatenate([linear_a, angular_a])
+    row[b] += np.concatenate([linear_b, angular_b])
+    return x, row[:n].ravel()
+
+
+def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float) -> None:
+    """Kinematics and rows at y."""
+    kinematics(compiled.model, data, y)
+    rows(compiled.model, data, t)
+
+
+def rows_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> BlockRows:
+    """Scaled rows at y."""
+    load_rows(compiled, data, y, t)
+    return scaled_rows(compiled.model, data)
+
+
+def check_quaternions(system: Any, state: State) -> None:
+    """ValueError for an orientation that is no unit quaternion."""
+    for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
+        norm = np.linalg.norm(e)
+        if not abs(norm - 1.0) <= 1e-6:
+            raise ValueError(
+                f"state: the quaternion of '{system.name(body)}' has norm {norm:.9g} instead of 1; divide it by that"
+            )
+
+
+def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tuple[np.ndarray, str] | None:
+    """(residual of all rows, its unit) of a start, loaded in ``data``, whose c or J v - b is too large; else None.
+
+    ``tolerance`` is that of c, in units of the model's length and radians; that of J v - b ten times as much.
+    """
+    row, scale = data.row, compiled.model.row["scale"]
+    if not row.size:
+        return None
+    rates = v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)
+    speed = max(1.0, float(np.abs(rates).max(initial=0.0)))
+    slip = block_rows(compiled.model, data).sparse() @ v - row["b"]
+    checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
+    for residual, unit, limit in checks:
+        if np.abs(residual * scale).max() > limit:
+            return residual, unit
+    return None
+
+
+def worst_joint(compiled: Compiled, residual: np.ndarray) -> tuple[str, float]:
+    """(text naming the joint with the largest residual, its size)."""
+    size = np.abs(residual) * compiled.model.row["scale"]
+    k = int(np.argmax(size))
+    joint = compiled.system.joints[compiled.row_joint[k]]
+    metres = compiled.model.row["scale"][k] != 1.0 or compiled.model.length == 1.0
+    group = residual[compiled.rows[id(joint)]]
+    largest = float(np.abs(residual[k])) if not metres else float(np.linalg.norm(group[: min(3, group.size)]))
+    return f"{type(joint).__name__} '{compiled.system.name(joint)}'", largest

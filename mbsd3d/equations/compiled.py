@@ -1,0 +1,177 @@
+"""From the description to the arrays of the kernels."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..kernels import kinds
+from ..kernels.jit import announce_compilation
+from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
+from ..mechanism.bodies import GROUND
+from ..mechanism.drivers import Driver
+from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.measures import Measure
+from ..mechanism.primitives import Coordinate
+from .tables import (
+    Signals,
+    body_table,
+    coordinate_table,
+    force_table,
+    key_of,
+    measure_table,
+    own_length,
+    primitive_table,
+    row_table,
+    state_layout,
+)
+
+
+@dataclass(frozen=True)
+class Switches:
+    """Teaching switches and the way constraints are stabilised."""
+
+    gyroscopic: bool = True
+    centripetal: bool = True
+    gamma: bool = True
+    stabilisation: str = "projection"
+    baumgarte: tuple[float, float] = (20.0, 100.0)
+
+    def __post_init__(self) -> None:
+        if self.stabilisation not in STABILISATIONS:
+            names = ", ".join(f"'{name}'" for name in STABILISATIONS)
+            raise ValueError(f"stabilisation {self.stabilisation!r} is unknown; give one of {names}")
+        factors = np.array(self.baumgarte, dtype=float)
+        if factors.shape != (2,) or not np.isfinite(factors).all() or (factors < 0.0).any():
+            raise ValueError(f"baumgarte {self.baumgarte!r}: give two finite factors a [1/s] >= 0 and b [1/s^2] >= 0")
+
+
+STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """The arrays of a system, and where each part is in them."""
+
+    system: Any
+    model: Model
+    body_index: dict[int, int]  # id(body) -> index, the ground is n
+    rows: dict[int, slice]  # id(joint) -> its rows
+    coordinate_index: dict[tuple, int]  # key of a Coordinate -> index
+    drives: list[tuple[Any, int]]  # (driver, row) of every driven row
+    row_joint: np.ndarray  # (m,) index into system.joints
+    switches: Switches
+
+    def coordinate(self, coordinate: Coordinate) -> int:
+        """Index of a hinge coordinate."""
+        return self.coordinate_index[key_of(coordinate)]
+
+    def data(self, dtype: type = float) -> Data:
+        """A fresh work space; the functions of custom forces are compiled for ``dtype`` here."""
+        link(self.system, self.model, dtype)
+        return new_data(self.model, dtype)
+
+
+def link(system: Any, model: Model, dtype: type) -> None:
+    """Put the addresses of the custom functions for real or complex numbers into the table of forces."""
+    for i, force in enumerate(system.forces):
+        if isinstance(force, FunctionForce):
+            model.force["address"][i, int(dtype is complex)] = force.address(dtype)
+
+
+def initial_states(system: Any) -> np.ndarray:
+    """(k,) initial values of the force elements' own states."""
+    return np.array([x for force in system.forces for x in force.record().states], float)
+
+
+def switch_fields(switches: Switches) -> dict[str, Any]:
+    """The fields of the model that the switches set."""
+    return {
+        "gyroscopic": float(switches.gyroscopic),
+        "centripetal": float(switches.centripetal),
+        "gamma": float(switches.gamma),
+        "stabilisation": STABILISATIONS[switches.stabilisation],
+        "baumgarte_velocity": float(switches.baumgarte[0]),
+        "baumgarte_position": float(switches.baumgarte[1]),
+    }
+
+
+def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
+    """The arrays of a system; what depends on neither measures nor switches is lowered once per system."""
+    announce_compilation()
+    switches = switches or Switches()
+    if measures:
+        return lower(system, measures, switches)
+    known: Compiled = system.lowered
+    return replace(known, model=known.model._replace(**switch_fields(switches)), switches=switches)
+
+
+def lower(system: Any, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
+    """Lower a system to arrays."""
+    index = {id(body): i for i, body in enumerate(system.bodies)}
+    index[id(GROUND)] = len(system.bodies)
+    rows_of_joint = [joint.primitives for joint in system.joints]
+    primitives = [row for rows in rows_of_joint for row in rows]
+    records = [force.record() for force in system.forces]
+    wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
+    wanted += [x for row in primitives for x in row.coordinates]
+    wanted += [r.coordinate for r in records]
+    read = [x for r in records for x in r.measures]  # those of the caller last: results are stored without theirs
+    wanted += [x.coordinate for x in (*read, *measures)]
+    coordinates = list({key_of(x): x for x in wanted if x is not None}.values())
+    where = {key_of(x): i for i, x in enumerate(coordinates)}
+    signals, length = Signals(), own_length(system)
+    bodies, singular = body_table(system)
+    forces = force_table(records, index, where, signals, len(measures))
+    first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
+    rows_table = primitive_table(primitives, index, where, signals)
+    per_row = row_table(primitives, rows_table["body"], length)
+    counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
+    ends = np.cumsum([0, *counts])
+    row_joint = np.repeat(np.arange(len(counts)), counts)
+    model = Model(
+        body=bodies,
+        primitive=rows_table,
+        row=per_row,
+        coordinate=coordinate_table(coordinates, index),
+        force=forces,
+        measure=measure_table([*measures, *read], index, where, first_state),
+        number=np.array([x for r in records for x in r.numbers], float),
+        **signals.arrays(),
+        **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),
+        gravity=np.array(system.gravity, float),
+        length=length,
+        singular=int(singular),
+        **switch_fields(switches),
+    )
+    slices = [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
+    driven = [int(k) for k in np.flatnonzero(per_row["drive"] >= 0)]
+    return Compiled(
+        system=system,
+        model=model,
+        body_index=index,
+        rows={id(joint): part for joint, part in zip(system.joints, slices, strict=True)},
+        coordinate_index=where,
+        drives=[(system.joints[row_joint[k]], k) for k in driven if isinstance(system.joints[row_joint[k]], Driver)],
+        row_joint=row_joint,
+        switches=switches,
+    )
+
+
+def new_data(model: Model, dtype: type = float) -> Data:
+    """A fresh work space with the ground in its place."""
+    fields = data_records(dtype)
+    data = Data(
+        body=table(fields["body"], model.body.size + 1),
+        row=table(fields["row"], model.row.size),
+        force=table(fields["force"], model.force.size),
+        coordinate=table(fields["coordinate"], model.coordinate.size),
+        unwrap_time=np.zeros(1),
+        z=np.zeros(model.z_work, dtype),
+        state_rate=np.zeros(model.z_work, dtype),
+        pose=table(fields["pose"], MOST_BODIES),
+        wrench=np.zeros(6 * MOST_BODIES + 1, dtype),
+    )
+    data.body["e"][-1] = 1.0, 0.0, 0.0, 0.0
+    data.body["R"][-1] = np.eye(3).ravel()
+    return data

@@ -1,0 +1,29 @@
+"""The dense reference-point mass matrix, body by body."""
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import bsr_array, csr_array
+
+from ..base.rotations import matrix, skew
+from ..mechanism.state import State
+
+
+def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """The 6x6 block M_b = [[m 1, -m [s]x], [m [s]x, I_O]] with s = R r_G, I_O = R I_G R' + m [s]x[s]x'; or a stack."""
+    R, m = matrix(e), np.asarray(mass)[..., None, None]
+    S = skew(np.einsum("...ij,...j->...i", R, com))
+    block = np.empty((*R.shape[:-2], 6, 6))
+    block[..., :3, :3] = m * np.eye(3)
+    block[..., :3, 3:] = -m * S
+    block[..., 3:, :3] = m * S
+    block[..., 3:, 3:] = R @ inertia @ R.swapaxes(-1, -2) + m * S @ S.swapaxes(-1, -2)
+    return block
+
+
+def sparse_mass_matrix(system: Any, pose: State) -> csr_array:
+    """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
+    n = len(system.bodies)
+    com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))
+    blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], com, mass, inertia)
+    return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))

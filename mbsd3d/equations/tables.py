@@ -1,0 +1,177 @@
+"""The tables of the kernels from the parts of a system: one function per table of `Model`."""
+
+from typing import Any
+
+import numpy as np
+
+from ..base.directions import matched_perpendiculars, perpendiculars
+from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
+from ..mechanism.bodies import GROUND
+from ..mechanism.measures import MEASURES, Measure
+from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
+from ..mechanism.signals import Signal
+
+
+def key_of(x: Coordinate) -> tuple:
+    """Two coordinates are the same when kind, bodies and geometry are."""
+    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b])
+    return (x.kind, id(x.a), id(x.b), geometry.tobytes())
+
+
+def own_length(system: Any) -> float:
+    """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
+    largest = 0.0
+    heavy = [body for body in system.bodies if body.mass > 0.0]
+    if heavy:
+        moments = np.linalg.eigvalsh([body.inertia for body in heavy])[:, -1]
+        largest = float(np.sqrt((moments / [body.mass for body in heavy]).max()))
+    records = [force.record() for force in system.forces]
+    pairs = [pair for r in records if r.points for pair in zip(r.bodies, r.points, strict=True)]
+    pairs += [(body, joint.point()) for joint in system.joints for body in joint.bodies()]
+    arms = [point - body.centre for body, point in pairs if body is not GROUND]
+    if arms:
+        largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
+    return largest or 1.0
+
+
+class Signals:
+    """Collects signals into the flat tables of the kernels."""
+
+    def __init__(self) -> None:
+        self.spans: list[tuple[int, int]] = []
+        self.terms: list[tuple[int, int, int]] = []
+        self.data: list[float] = []
+
+    def add(self, signal: Signal | None) -> int:
+        """Index of a signal, -1 for none."""
+        if signal is None:
+            return -1
+        first = len(self.terms)
+        for term in signal.terms():
+            start = len(self.data)
+            self.data.extend(np.asarray(term.data, float))
+            self.terms.append((term.kind, start, len(self.data)))
+        self.spans.append((first, len(self.terms)))
+        return len(self.spans) - 1
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The fields of the model."""
+        signal, term = table(SIGNAL, len(self.spans)), table(TERM, len(self.terms))
+        signal[:] = self.spans
+        term[:] = self.terms
+        return {"signal": signal, "term": term, "term_data": np.array(self.data, float)}
+
+
+def body_table(system: Any) -> tuple[np.ndarray, bool]:
+    """(masses, inertias and their square roots, whether one of them is singular)."""
+    out, singular = table(BODY, len(system.bodies)), False
+    for i, body in enumerate(system.bodies):
+        out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
+        moments, C = np.linalg.eigh(body.inertia)
+        if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
+            singular = True
+            continue
+        out["whiten"][i] = (C / np.sqrt(moments)).T.ravel()
+        out["whiten_mass"][i] = 1.0 / np.sqrt(body.mass)
+    return out, singular
+
+
+def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np.ndarray:
+    """The table of hinge coordinates."""
+    out = table(COORDINATE, len(coordinates))
+    for i, x in enumerate(coordinates):
+        out["kind"][i], out["body"][i] = COORDINATES[x.kind], (index[id(x.a)], index[id(x.b)])
+        out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
+        if x.kind == "slide":
+            out["axis"][i, 0] = x.a.local_axis(x.axis)
+        else:
+            x_a, y_a = perpendiculars(x.axis)
+            x_b, _ = matched_perpendiculars(x.axis, x.axis_b)
+            out["axis"][i] = x.a.local_axis(x_a), x.a.local_axis(y_a), x.b.local_axis(x_b)
+    return out
+
+
+def primitive_table(
+    primitives: list[Primitive], index: dict[int, int], where: dict[tuple, int], signals: Signals
+) -> np.ndarray:
+    """The table of constraint primitives."""
+    out, first = table(PRIMITIVE, len(primitives)), 0
+    for i, row in enumerate(primitives):
+        out["kind"][i], out["row"][i], out["rows"][i] = row.kind, first, row.n_rows
+        out["signal"][i] = signals.add(row.signal)
+        out["body"][i] = -1
+        out["coordinate"][i] = -1
+        out["value"][i, : len(row.values)] = row.values
+        for slot, body in enumerate(row.bodies):
+            out["body"][i, slot] = index[id(body)]
+        for slot, (body, point) in enumerate(zip(row.bodies, row.points, strict=False)):
+            out["point"][i, slot] = body.local_point(point)
+        for name, axes in (("axis", row.axes), ("second_axis", row.second_axes)):
+            for slot, (body, axis) in enumerate(zip(row.bodies, axes, strict=False)):
+                out[name][i, slot] = body.local_axis(axis)
+        for slot, x in enumerate(row.coordinates):
+            out["coordinate"][i, slot] = where[key_of(x)]
+        first += row.n_rows
+    return out
+
+
+def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) -> np.ndarray:
+    """What is known of each single row."""
+    counts = [row.n_rows for row in primitives]
+    out = table(ROW, sum(counts))
+    driven = np.repeat(np.array([row.signal is not None for row in primitives], bool), counts)
+    metres = np.repeat(np.array([row.in_metres for row in primitives], bool), counts)
+    out["body"] = np.repeat(bodies, counts, axis=0).reshape(-1, 4)
+    out["holonomic"] = [h for row in primitives for h in row.holonomic]
+    out["scale"] = np.where(metres, 1.0 / length, 1.0)
+    out["drive"] = -1
+    out["drive"][driven] = np.arange(driven.sum())
+    return out
+
+
+def force_table(
+    records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals, first_measure: int
+) -> np.ndarray:
+    """The table of force elements; the measures they read stand in order from ``first_measure`` on."""
+    out = table(FORCE, len(records))
+    for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
+        out[counts] = [len(getattr(r, counts)) for r in records]
+        out[name] = np.cumsum([0, *out[counts]])[:-1]
+    out["measure"] += first_measure
+    for i, r in enumerate(records):
+        out["kind"][i] = r.kind
+        out["bodies"][i] = len(r.bodies)
+        out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
+        out["signal"][i] = [signals.add(s) for s in r.signals]
+        out["coordinate"][i] = -1 if r.coordinate is None else where[key_of(r.coordinate)]
+        out["value"][i, : len(r.values)] = r.values
+        for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=bool(r.points))):
+            out["point"][i, slot] = body.local_point(point)
+        for slot, body in enumerate(r.bodies[:2]):
+            out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in r.frame.T]).ravel()
+    return out
+
+
+def measure_table(
+    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], first_state: dict[int, int]
+) -> np.ndarray:
+    """The table of measures."""
+    out = table(MEASURE, len(measures))
+    for i, x in enumerate(measures):
+        out["kind"][i], out["body"][i], out["axis"][i] = MEASURES[x.kind], (index[id(x.a)], index[id(x.b)]), x.axis
+        out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
+        out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
+        out["state"][i] = -1 if x.part is None else first_state[id(x.part)] + x.index
+    return out
+
+
+def state_layout(system: Any, records: list, n_driven: int, length: float) -> dict[str, Any]:
+    """Layout of z and the units its errors are measured in."""
+    scales = [scale for r in records for scale in r.scales]
+    own, n_forces = len(scales), len(system.forces)
+    mass = system.total_mass() or 1.0
+    works = n_forces + n_driven
+    out = table(STATE, own + works + 6)
+    out["unit"] = [unit * length**k for unit, k, _ in scales] + [mass] * works + [mass] * 3 + [mass * length] * 3
+    out["power"] = [j for _, _, j in scales] + [2.0] * works + [1.0] * 6
+    return {"z_work": own, "z_drive": own + n_forces, "z_impulse": own + works, "state": out}

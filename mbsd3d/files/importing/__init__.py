@@ -1,0 +1,1 @@
+"""Models of MuJoCo (MJCF) and ROS (URDF), read in a guarded process."""

@@ -1,0 +1,215 @@
+"""A system from the facts of a compiled MuJoCo model (`import_worker`), and what of them has no counterpart here."""
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...api.system import System
+from ...base.inertia import combine
+from ...base.rotations import matrix
+from ...mechanism.bodies import GROUND, Body
+from ...mechanism.couplings import Gear, RackPinion
+from ...mechanism.drivers import AngleDriver, SlideDriver
+from ...mechanism.forces.standard import TorsionSpring
+from ...mechanism.joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.shapes.geoms import shapes
+
+KINDS = (
+    "actuator", "armature", "contact", "equality", "extension", "flex", "fluid", "frictionloss", "gravcomp", "limit",
+    "mocap", "passive", "tendon",
+)  # fmt: skip
+SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by: rounding, not tolerances of a part
+
+
+class Imported(NamedTuple):
+    """A system and what was done on the way.
+
+    ``merged`` maps bodies without a joint to the body they are part of; ``renamed`` maps names the system uses to those
+    of the file (a joint of the name of a body); ``dropped`` lists what was left out because ``drop`` says so; ``idle``
+    counts what has no effect on the motion (geoms, sites, cameras, sensors, key frames).
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import read_mjcf
+    >>> text = '''<mujoco><worldbody><body name="arm"><joint name="arm"/><geom size="0.1"/>
+    ...   <body name="hand" pos="0 0 1"><geom size="0.2"/></body></body></worldbody></mujoco>'''
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "arm.xml")
+    ...     _ = path.write_text(text)
+    ...     found = read_mjcf(path)
+    >>> found.merged, found.idle
+    ({'hand': 'arm'}, {'geom': 2})
+    """
+
+    system: System
+    merged: dict[str, str]
+    renamed: dict[str, str]
+    dropped: tuple[str, ...]
+    idle: dict[str, int]
+
+
+class Builder:
+    """A system from the facts of a compiled model."""
+
+    def __init__(self, facts: dict[str, Any], unknown: list[tuple[str, str]], drop: tuple[str, ...]) -> None:
+        self.facts, self.drop = facts, drop
+        self.foreign = [tuple(entry) for entry in facts["foreign"]] + unknown
+        self.bodies: dict[int, Any] = {0: GROUND}
+        self.group = grouped(body["weld"] for body in facts["bodies"])  # what is welded to a body, itself first
+        self.joints_of = grouped(joint["body"] for joint in facts["joints"])
+        self.names: set[str] = {GROUND.name}
+        self.renamed: dict[str, str] = {}
+        self.joints: list[Joint] = []
+        self.forces: list[TorsionSpring] = []
+        self.joint_of: dict[int, Joint] = {}  # number of a MuJoCo joint that is a joint of its own
+
+    def build(self) -> Imported:
+        """All parts, or an error that names what is left over."""
+        bodies, merged = self.facts["bodies"], {}
+        for i, body in enumerate(bodies):
+            if i and body["weld"] == i:
+                self.bodies[i] = self.body(i)
+            elif i:
+                merged[body["name"]] = GROUND.name if body["weld"] == 0 else bodies[body["weld"]]["name"]
+        for i in list(self.bodies)[1:]:
+            self.join(i, self.joints_of.get(i, []))
+        for equality in self.facts["equalities"]:
+            self.close(equality)
+        left = [f"{kind}: {what}" for kind, what in self.foreign if kind not in self.drop]
+        if left:
+            shown = "; ".join(left[:20]) + (f"; and {len(left) - 20} more" if len(left) > 20 else "")
+            kinds = sorted({kind for kind, _ in self.foreign if kind in KINDS})
+            remedy = f"; leave out with drop={kinds}" if kinds else ""
+            raise ValueError(f"cannot import {shown}{remedy}, or change the file")
+        system = System(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
+        dropped = tuple(f"{kind}: {what}" for kind, what in self.foreign)
+        return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})
+
+    def name(self, wanted: str, kind: str) -> str:
+        """A name of its own: joints and bodies share one list of names here."""
+        name = wanted
+        while name in self.names:
+            name = f"{name} ({kind})"
+        if name != wanted:
+            self.renamed[name] = wanted
+        self.names.add(name)
+        return name
+
+    def body(self, i: int) -> Body:
+        """A body with all that is welded to it; R'(x_G - x_O) and R' I_G R put it into its own axes."""
+        group = [self.facts["bodies"][k] for k in self.group[i]]
+        r, R = np.array(group[0]["position"]), matrix(group[0]["quaternion"])
+        parts = [
+            (part["mass"], R.T @ (np.array(part["centre"]) - r), R.T @ np.array(part["inertia"]) @ R) for part in group
+        ]
+        whole = combine([part for part in parts if part[0] > 0.0] or parts[:1])
+        name, e = self.name(group[0]["name"], "body"), np.array(group[0]["quaternion"])
+        look = shapes([geom for part in group for geom in part["geoms"]], r, e, R)
+        return Body(name, **vars(whole), position=r, orientation=e, shape=look)
+
+    def parent(self, i: int) -> Any:
+        """The body that carries body i."""
+        return self.bodies[self.facts["bodies"][self.facts["bodies"][i]["parent"]]["weld"]]
+
+    def join(self, i: int, places: list[int]) -> None:
+        """The joint between a body and its parent, with its springs and dampers."""
+        parts = [self.facts["joints"][k] for k in places]
+        if [part["type"] for part in parts] != ["free"]:
+            name = "-".join(part["name"] for part in parts)
+            made = joint_of(self.parent(i), self.bodies[i], parts, self.name(name, "joint"))
+            if made is None:
+                types = ", ".join(f"{part['type']} {part['name']}" for part in parts)
+                self.foreign.append(("joints", f"{types} of body {self.bodies[i].name}, which make no joint of mbsd3d"))
+                return
+            self.joints.append(made)
+            for k, part in zip(places, parts, strict=True):
+                coordinate = made.angle() if part["type"] == "hinge" else made.slide()
+                if part["type"] in ("hinge", "slide") and coordinate is not None:
+                    self.joint_of[k] = made
+        for k, part in zip(places, parts, strict=True):
+            self.spring(part, self.joint_of.get(k))
+
+    def spring(self, part: dict[str, Any], joint: Joint | None) -> None:
+        """-k (x - x0) - c x_dot on a coordinate, x counted from the reference pose."""
+        if part["stiffness"] == 0.0 and part["damping"] == 0.0:
+            return
+        wanted = "angle" if part["type"] == "hinge" else "slide"
+        if joint is None or (wanted == "slide" and joint.angle() is not None):
+            self.foreign.append(("passive", f"stiffness or damping of {part['type']} {part['name']}"))
+            return
+        name = self.name(f"{part['name']} spring", "spring")
+        values = {"stiffness": part["stiffness"], "damping": part["damping"], "angle": part["rest"]}
+        self.forces.append(TorsionSpring(joint, **values, name=name))
+
+    def close(self, equality: dict[str, Any]) -> None:
+        """A loop closure or a coupling."""
+        name = self.name(equality["name"], "equality")
+        made = self.coupling(equality, name) if equality["type"] == "joint" else self.closure(equality, name)
+        if made is None:
+            self.foreign.append(("equality", f"{equality['name']} ({equality['type']})"))
+        else:
+            self.joints.append(made)
+
+    def closure(self, equality: dict[str, Any], name: str) -> Joint | None:
+        """Two points kept together, or two bodies kept as they are at the reference pose."""
+        a, b = (self.bodies[self.facts["bodies"][k]["weld"]] for k in equality["bodies"])
+        at, at_b = equality["points"]
+        if a is b or equality["turn"] > SMALL:
+            return None
+        return (Fixed if equality["type"] == "weld" else Spherical)(a, b, at=at, at_b=at_b, name=name)
+
+    def coupling(self, equality: dict[str, Any], name: str) -> Joint | None:
+        """y = a0 + a1 x of two coordinates counted from the reference pose; without x, y stays at a0."""
+        y, x = equality["joints"]
+        a0, a1, *rest = equality["polynomial"]
+        kinds = [self.facts["joints"][k]["type"] for k in (y, x) if k >= 0]
+        if y not in self.joint_of or (x >= 0 and x not in self.joint_of):
+            return None
+        follower = self.joint_of[y]
+        if x < 0:
+            return (AngleDriver if kinds == ["hinge"] else SlideDriver)(follower, a0, name=name)
+        if a0 != 0.0 or any(rest) or a1 == 0.0 or kinds == ["slide", "slide"]:
+            return None
+        leader = self.joint_of[x]
+        if kinds == ["hinge", "hinge"]:
+            return Gear(leader, follower, ratio=a1, name=name)
+        if kinds == ["slide", "hinge"]:
+            return RackPinion(leader, follower, radius=a1, name=name)
+        return RackPinion(follower, leader, radius=1.0 / a1, name=name)
+
+
+def grouped(keys: Iterable[int]) -> dict[int, list[int]]:
+    """Key -> the places where it stands."""
+    found: dict[int, list[int]] = {}
+    for place, key in enumerate(keys):
+        found.setdefault(key, []).append(place)
+    return found
+
+
+def joint_of(a: Any, b: Any, parts: list[dict[str, Any]], name: str) -> Joint | None:
+    """The joint that allows the same motion as MuJoCo's joints of one body, or None."""
+    hinges = [part for part in parts if part["type"] == "hinge"]
+    slides = [part for part in parts if part["type"] == "slide"]
+    first = parts[0]
+    at = (hinges or parts)[0]["anchor"]
+    axes = np.array([part["axis"] for part in (*hinges, *slides)])
+    meet = all(np.linalg.norm(np.subtract(part["anchor"], at)) < SMALL for part in hinges)
+    if first["type"] == "ball":
+        return Spherical(a, b, at=at, name=name) if len(parts) == 1 else None
+    match len(hinges), len(slides):
+        case 1, 0:
+            return Revolute(a, b, at=at, axis=axes[0], name=name)
+        case 0, 1:
+            return Prismatic(a, b, at=at, axis=axes[0], name=name)
+        case 1, 1 if np.linalg.norm(axes[0] - axes[1]) < SMALL:
+            return Cylindrical(a, b, at=at, axis=axes[0], name=name)
+        case 2, 0 if meet and abs(axes[0] @ axes[1]) < SMALL:
+            return Universal(a, b, at=at, axis_a=axes[0], axis_b=axes[1], name=name)
+        case 3, 0 if meet and abs(np.linalg.det(axes)) > 1e-3:  # at 0 the hinges are locked
+            return Spherical(a, b, at=at, name=name)
+        case 1, 2 if np.abs(axes[1:] @ axes[0]).max() < SMALL and np.linalg.norm(np.cross(*axes[1:])) > 1e-3:
+            return Planar(a, b, at=at, normal=axes[0], name=name)
+    return None

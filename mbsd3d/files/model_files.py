@@ -1,0 +1,133 @@
+"""Model files: the description of a system as JSON or TOML that people read and edit.
+
+A file is text from anywhere: its size, encoding and nesting are limited before anything is made of it.
+"""
+
+import json
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import tomlkit
+
+from ..api.system import System
+from ..base.paths import read_text, write_atomically
+from .description import describe, read_system
+
+NONE = {"type": "None"}  # TOML has no null
+DEPTH = 32  # levels of a dotted key in TOML; the parser's time grows with the square of it
+# A key with its dots, possessive, so that the time is linear; a quote without end goes to the end of its line.
+KEY = r"""(?>[\w-]++|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?)"""
+DOTTED = re.compile(rf"{KEY}(?>[ \t]*+\.[ \t]*+{KEY})*+")
+
+
+def to_json(data: dict[str, Any]) -> str:
+    """JSON with one part per line."""
+    lines = []
+    for key, value in data.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            text = "[\n" + ",\n".join(f"    {json.dumps(part, ensure_ascii=False)}" for part in value) + "\n  ]"
+        else:
+            text = json.dumps(value, ensure_ascii=False)
+        lines.append(f"  {json.dumps(key)}: {text}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def from_json(text: str) -> Any:
+    """The data of a JSON text; a key that stands twice is refused."""
+    return json.loads(text, object_pairs_hook=unique)
+
+
+def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A dict of pairs without duplicates."""
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"key '{key}' stands twice in one object (value {str(value)[:40]}); keep one")
+        found[key] = value
+    return found
+
+
+def to_toml(data: dict[str, Any]) -> str:
+    """TOML with a table per part."""
+    return tomlkit.dumps({key: exchanged(value, None, NONE) for key, value in data.items()})
+
+
+def from_toml(text: str) -> Any:
+    """The data of a TOML text."""
+    if '"""' in text or "'''" in text:
+        raise ValueError("texts of several lines are not used in model files; write each text in one line")
+    for key in DOTTED.finditer(text):
+        if key[0].count(".") > DEPTH:
+            line = text.count("\n", 0, key.start()) + 1
+            raise ValueError(f"line {line} has more than {DEPTH} dots in one name; a model nests a few levels only")
+    return exchanged(tomllib.loads(text), NONE, None)
+
+
+def exchanged(value: Any, old: Any, new: Any) -> Any:
+    """The value with ``new`` wherever ``old`` stands."""
+    if value == old and type(value) is type(old):
+        return new
+    if isinstance(value, dict):
+        return {key: exchanged(item, old, new) for key, item in value.items()}
+    return [exchanged(item, old, new) for item in value] if isinstance(value, list) else value
+
+
+class Form(NamedTuple):
+    """A kind of file: how it is written and read, and how large it may be [bytes] to be read within seconds."""
+
+    write: Callable[[dict], str]
+    read: Callable[[str], Any]
+    limit: int
+
+
+FORMS = {".json": Form(to_json, from_json, 16_000_000), ".toml": Form(to_toml, from_toml, 1_000_000)}
+
+
+def form_of(path: Path) -> Form:
+    """By the suffix."""
+    if path.suffix.lower() not in FORMS:
+        raise ValueError(f"'{path}': a model file ends in {' or '.join(FORMS)}; give such a name")
+    return FORMS[path.suffix.lower()]
+
+
+def write_model(system: System, path: str | Path, *, replace: bool = False) -> Path:
+    """Write a model file; see `System.to_file`."""
+    path = Path(path)
+    form = form_of(path)
+    data = describe(system)
+    text = form.write(data)
+    try:
+        content = text.encode()
+    except UnicodeEncodeError as error:
+        raise ValueError(f"'{path}': {text[error.start]!r} in a name is no character; name the part anew") from error
+    if len(content) > form.limit:
+        raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
+    with named(path):
+        again = form.read(text)
+    if again != data:
+        raise ValueError(f"'{path}': the model would not come back from {path.suffix} as it is; use another kind")
+    return write_atomically(path, content, replace=replace)
+
+
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Errors inside name the file."""
+    try:
+        yield
+    except RecursionError:
+        raise ValueError(f"'{path}' is nested too deep; a model nests a few levels only") from None
+    except ValueError as error:
+        raise ValueError(f"'{path}': {error}") from error
+
+
+def read_model(path: str | Path) -> System:
+    """Read a model file; see `System.from_file`."""
+    path = Path(path)
+    form = form_of(path)
+    text = read_text(path, form.limit)
+    with named(path):
+        return read_system(form.read(text))[0]

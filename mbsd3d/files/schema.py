@@ -1,0 +1,155 @@
+"""What a file may hold: one msgspec Struct per class, derived from the fields of its dataclass.
+
+A new joint, force or signal needs nothing here. Annotations decide; where one is ``Any``, the name of the field does:
+the same word means the same thing in all parts.
+"""
+
+import pkgutil
+import typing
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import cache
+from importlib import import_module
+from types import MappingProxyType, NoneType, UnionType
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+
+from .. import mechanism
+from ..equations.compiled import Switches
+from ..mechanism.bodies import Body, Ground
+from ..mechanism.forces.element import ForceElement
+from ..mechanism.joints import Joint
+from ..mechanism.measures import Condition, Measure
+from ..mechanism.primitives import Coordinate
+from ..mechanism.shapes import Shape
+from ..mechanism.signals import Signal
+from ..mechanism.state import State
+from ..results.record import METHODS, Record
+
+VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
+ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
+WORDS = MappingProxyType(
+    dict.fromkeys(("a", "b", "carrier"), Body)
+    | dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
+    | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
+    | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
+    | dict.fromkeys(("lengths", "radii"), VECTOR)
+    | {"shape": Shape | str | list}
+)
+BASES = (Joint, ForceElement, Signal, Shape)
+ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
+PLAIN = (float, int, str, bool, NoneType)
+
+
+@cache
+def types() -> Mapping[str, type]:
+    """Name -> class of all a file may hold: every part class without subclasses, and what a record is made of."""
+    for module in pkgutil.walk_packages(mechanism.__path__, f"{mechanism.__name__}."):  # so that all classes are known
+        import_module(module.name)
+    found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}
+    others = (Body, Measure, Condition, Coordinate, State, Switches, Record, *METHODS)
+    return MappingProxyType(found | {kind.__name__: kind for kind in others})
+
+
+def below(base: type) -> set[type]:
+    """All classes of the package derived from ``base``."""
+    own = {kind for kind in base.__subclasses__() if kind.__module__.startswith(f"{mechanism.__name__}.")}
+    return own.union(*(below(kind) for kind in own))
+
+
+def meaning(field: Field) -> Any:
+    """The annotation of a field, or what its name stands for where the annotation does not say."""
+    return WORDS.get(field.name, Any) if field.type is Any else field.type
+
+
+def members(annotation: Any) -> tuple:
+    """The alternatives of a union, through the items of tuples: ``tuple[Body, ...] | None`` -> (Body, None)."""
+    inner = typing.get_args(annotation) if isinstance(typing.get_origin(annotation), type | UnionType) else ()
+    if typing.get_origin(annotation) is typing.Union:
+        inner = typing.get_args(annotation)
+    return tuple(x for item in inner for x in members(item)) if inner else (annotation,)
+
+
+@cache
+def roles(kind: type) -> Mapping[str, str]:
+    """Field -> "body" or "joint" where a name stands for a part, "signal", "shape", and "array" of numbers."""
+    found = {}
+    for field in fields(kind):
+        classes = [x for x in members(meaning(field)) if isinstance(x, type)]
+        for role, base in ROLES:
+            if any(issubclass(x, base) for x in classes):
+                found[field.name] = role
+    return MappingProxyType(found)
+
+
+def json_type(annotation: Any) -> Any:
+    """The type of the JSON value that stands for an annotation."""
+    if annotation in (VECTOR, ROWS, *PLAIN):
+        return annotation
+    origin = typing.get_origin(annotation)
+    if origin in (UnionType, typing.Union):
+        alternatives = [json_type(x) for x in typing.get_args(annotation)]
+        return Any if Any in alternatives else typing.Union[tuple(alternatives)]  # noqa: UP007 - their number varies
+    kind = origin or annotation
+    if not isinstance(kind, type):
+        return Any
+    if issubclass(kind, Body | Ground | Joint):
+        return str
+    if issubclass(kind, Mapping | Signal | Shape) or is_dataclass(kind):
+        return dict
+    if not issubclass(kind, Sequence | np.ndarray):
+        return Any
+    items = [x for x in typing.get_args(annotation) if x is not ...]
+    return list[json_type(items[0])] if len(items) == 1 and issubclass(kind, Sequence) else list
+
+
+@cache
+def struct(kind: type) -> type[msgspec.Struct]:
+    """The Struct of a class: its fields, the optional ones unset, no others."""
+    wanted = []
+    for field in fields(kind):
+        if not field.init:
+            continue
+        accepted = json_type(meaning(field))
+        if field.default is MISSING and field.default_factory is MISSING:
+            wanted.append((field.name, accepted))
+            continue
+        if accepted is not Any:
+            accepted = accepted | msgspec.UnsetType | (None if field.default is None else msgspec.UnsetType)
+        wanted.append((field.name, accepted, msgspec.UNSET))
+    return msgspec.defstruct(kind.__name__, wanted, tag_field="type", forbid_unknown_fields=True, kw_only=True)
+
+
+class Document(msgspec.Struct, forbid_unknown_fields=True):
+    """A system: what its parts hold is checked one by one."""
+
+    format: str
+    version: int
+    gravity: VECTOR
+    bodies: list[dict[str, Any]]
+    joints: list[dict[str, Any]] = []
+    forces: list[dict[str, Any]] = []
+
+
+def place_of(path: tuple) -> str:
+    """("bodies", 3, "mass") as ``$.bodies[3].mass``."""
+    return "$" + "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
+
+
+def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> None:
+    """Refuse data that do not fit a schema.
+
+    Raises
+    ------
+    ValueError
+        Saying what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
+    """
+    try:
+        msgspec.convert(data, schema)
+    except msgspec.ValidationError as error:
+        message, _, inside = str(error).partition(" - at `$")
+        names = ", ".join(schema.__struct_fields__)
+        remedy = f"; give {names}" if message.startswith("Object ") else ""
+        raise ValueError(f"{what}: {message} - at `{place_of(path)}{inside.rstrip('`')}`{remedy}") from None

@@ -1,0 +1,154 @@
+"""Solutions in one file, without pickle, and files that are written whole or not at all."""
+
+import io
+import json
+import zipfile
+import zlib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..api.solution import Solution
+from ..base.paths import package_version, with_suffix, write_atomically
+from ..equations.compiled import Compiled, compile_system
+from ..mechanism.state import State
+from ..results.record import Record
+from .description import FORMAT, Writer, check_format, describe, read_system
+
+SOLUTION = "mbsd3d solution"
+DERIVED = ("q", "z")  # slices of the array "state"
+BROKEN = (
+    OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, NotImplementedError, RecursionError,
+    zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
+def save(solution: Solution, path: str | Path) -> Path:
+    """Write a solution and its system to one file: arrays, and the rest as JSON text; no pickle.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of a system that `describe` can write; of a CustomForce all but its function is kept.
+    path : str or Path
+        ".npz" is appended if it is missing; an older file is replaced in one go.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If a part cannot be described, or the folder cannot be written.
+    """
+    system, record = solution.system, solution.record
+    write, known = Writer(system), solution.__dict__.get("certificate")
+    count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
+    final = solution.final
+    if final.coordinates is not None:
+        final = replace(final, coordinates=final.coordinates[:count])
+    document = {
+        "format": SOLUTION,
+        "version": FORMAT,
+        "written_by": package_version(),
+        "system": describe(system, without_functions=True),
+        "record": write.part(record, "record"),
+        "final": write.part(final, "final state"),
+        "estimate": {"error": known and known.error, "order": known and known.order},
+    }
+    arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in DERIVED}
+    arrays["coordinate"] = arrays["coordinate"][:, :count]
+    text = np.frombuffer(json.dumps(document, allow_nan=False).encode(), np.uint8)
+    buffer = io.BytesIO()
+    np.savez(buffer, json=text, **arrays)
+    return write_atomically(with_suffix(path, ".npz"), buffer.getvalue())
+
+
+def load(path: str | Path) -> Solution:
+    """Read a file of ``solution.save``; everything a solution can do works on the result.
+
+    Parameters
+    ----------
+    path : str or Path
+        With or without ".npz".
+
+    Returns
+    -------
+    Solution
+        The same numbers, bit for bit; its certificate is checked anew.
+
+    Raises
+    ------
+    ValueError
+        If the file is missing, truncated, of another kind or version, or its parts do not fit together.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from mbsd3d import Body, System, load, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 0.5, output=3)
+    >>> with TemporaryDirectory() as folder:
+    ...     again = load(flight.save(f"{folder}/flight"))
+    >>> bool((again.position("stone") == flight.position(stone)).all())
+    True
+    """
+    source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
+    if not source.is_file():
+        raise ValueError(f"'{source}': there is no such file; give one written by solution.save(path)")
+    try:
+        with source.open("rb") as handle:
+            return read_solution(handle)
+    except BROKEN as error:
+        reason = str(error) or type(error).__name__
+        raise ValueError(
+            f"'{source}' cannot be read as a solution, it is of another kind, truncated or changed ({reason}); "
+            "give a file written by solution.save(path), or run the simulation again"
+        ) from error
+
+
+def read_solution(handle: Any) -> Solution:
+    """Arrays and text of an open file, checked against each other: kernels do not check bounds."""
+    if not zipfile.is_zipfile(handle):
+        raise ValueError("no complete .npz file")
+    handle.seek(0)
+    with np.load(handle, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    document = json.loads(bytes(arrays.pop("json")))
+    check_format(document, SOLUTION, "its text")
+    system, reader = read_system(document["system"])
+    record = reader.part(document["record"], ("record",), Record)
+    final = reader.part(document["final"], ("final",), State)
+    record.rank_events = list(record.rank_events)
+    compiled = compile_system(system, (), record.switches)
+    check_arrays(compiled, arrays, final)
+    n = len(system.bodies)
+    arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
+    arrays["z"] = arrays["state"][:, 13 * n :]
+    solution = Solution(compiled, arrays, record, final)
+    estimate = document["estimate"]
+    if estimate["error"] is None:
+        return solution
+    return solution.with_certificate(replace(solution.certificate, **estimate))
+
+
+def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:
+    """Every array is there with the shape the model gives it."""
+    model, system, n = compiled.model, compiled.system, len(compiled.system.bodies)
+    rows, coordinates, elements = compiled.row_joint.size, len(compiled.coordinate_index), len(system.forces)
+    shapes = {
+        "t": (), "state": (13 * n + model.z_impulse + 6,), "v": (n, 6), "acceleration": (n, 6), "lam": (rows,),
+        "coordinate": (coordinates,), "potential": (elements,), "power": (elements,), "residual": (2,),
+    }  # fmt: skip
+    samples = np.shape(arrays["t"])[:1]
+    for name, shape in shapes.items():
+        array = arrays[name]
+        if not isinstance(array, np.ndarray) or array.dtype != float or array.shape != (*samples, *shape):
+            raise ValueError(f"array '{name}' has shape {np.shape(array)}, its system needs {(*samples, *shape)}")
+    sizes = (final.q.size, final.z.size, coordinates if final.coordinates is None else np.size(final.coordinates))
+    if sizes != (7 * n, model.z_work, coordinates):
+        raise ValueError("the final state does not fit the system")

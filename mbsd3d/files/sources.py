@@ -1,0 +1,95 @@
+"""Where a command takes its system from: model files, models of other programs, Python files with ``build()``."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from traceback import walk_tb
+from types import ModuleType
+from typing import Any
+
+from ..api.system import System
+from ..base.errors import Mbsd3dError
+
+
+def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
+    """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
+
+    Raises
+    ------
+    ValueError
+        Naming the file and the place in it.
+    """
+    suffix = Path(file).suffix.lower()
+    if suffix in (".xml", ".urdf"):
+        return imported(file, suffix, drop)
+    if drop:
+        raise ValueError(f"--drop is for imported models (.xml, .urdf), '{file}' is none; leave it out")
+    if suffix in (".json", ".toml"):
+        return System.from_file(file), []
+    if suffix != ".py":
+        raise ValueError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
+    return built_by(file), []
+
+
+def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
+    """The System of an MJCF or URDF file, and what was dropped, merged and renamed."""
+    from .importing.importers import read_mjcf, read_urdf
+
+    found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
+    lines = [f"left out {part}" for part in found.dropped]
+    lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]
+    lines += [f"'{name}' was '{before}' in the file" for name, before in found.renamed.items()]
+    return found.system, lines
+
+
+def built_by(file: str) -> System:
+    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
+
+    Raises
+    ------
+    ValueError
+        Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
+    """
+    path = Path(file)
+    try:
+        source = path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"'{file}': {error.strerror}; give a Python file with build()") from error
+    module = ModuleType(f"model {path.stem}")
+    module.__file__ = str(path)
+    with importable(module, path.parent):
+        guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
+        build = getattr(module, "build", None)
+        if not callable(build):
+            raise ValueError(f"'{file}' has no function build(); define build() and let it return a System")
+        system = guarded(file, build)
+    if not isinstance(system, System):
+        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
+    return system
+
+
+@contextmanager
+def importable(module: Any, folder: Path) -> Iterator[None]:
+    """Inside, the module is known to Python (dataclasses ask for it) and its folder is searched for imports."""
+    place = str(folder.resolve())
+    sys.modules[module.__name__] = module
+    sys.path.insert(0, place)
+    try:
+        yield
+    finally:
+        sys.path.remove(place)
+        del sys.modules[module.__name__]
+
+
+def guarded(file: str, function: Callable[[], Any]) -> Any:
+    """Call code of the user; its errors become a ValueError with file and line."""
+    try:
+        return function()
+    except SyntaxError as error:
+        raise ValueError(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
+    except (Exception, SystemExit) as error:
+        lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
+        where = f", line {lines[-1]}" if lines else ""
+        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
+        raise ValueError(f"'{file}'{where}: {kind}{error}") from error

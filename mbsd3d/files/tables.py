@@ -1,0 +1,114 @@
+"""Solutions as tables for other programs: an xarray Dataset, a CSV file, and the meaning of every column."""
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..api.solution import Solution
+from ..base.paths import package_version, with_suffix, write_atomically
+from ..results.columns import QUANTITIES, Column, columns, components
+
+
+def to_csv(solution: Solution, path: str | Path) -> Path:
+    """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
+
+    Parameters
+    ----------
+    solution : Solution
+        Its numbers are written such that they read back equal.
+    path : str or Path
+        ".csv" is appended if it is missing; an older file is replaced in one go.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If the folder cannot be written.
+    """
+    header, table = ["time [s]"], [solution.t]
+    for column in columns(solution):
+        labels = [f".{label}" for label in components(column.values)[1]] or [""]
+        name = ".".join(text for text in (column.part, column.quantity) if text)
+        header += [f"{name}{label} [{column.unit}]" for label in labels]
+        values = np.broadcast_to(column.values, solution.t.shape) if column.values.ndim == 0 else column.values
+        table += list(values.reshape(solution.t.size, len(labels)).T)
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(header)
+    rows.writerows(zip(*(values.astype(float).tolist() for values in table), strict=True))
+    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+
+
+def to_xarray(solution: Solution) -> Any:
+    """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of any system.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3); every
+        variable carries units, frame and description. Quantities a joint does not have are NaN.
+    """
+    import xarray
+
+    found, system = columns(solution), solution.system
+    efforts, states = ([column for column in found if column.kind == kind] for kind in ("driver", "own_state"))
+    names = {
+        "body": [body.name for body in system.bodies],
+        "joint": [system.name(joint) for joint in system.joints],
+        "driver": [column.part for column in efforts],
+        "own_state": [column.part for column in states],
+    }
+    grouped: dict[tuple[str, str], list[Column]] = {}
+    for column in found:
+        grouped.setdefault((column.kind, column.quantity), []).append(column)
+    variables = {key[1]: variable(key[0], group, names, solution.t.size) for key, group in grouped.items()}
+    labels = {"axis": ["x", "y", "z"], "quaternion": ["e0", "e1", "e2", "e3"]} | {k: v for k, v in names.items() if v}
+    labels["time"] = ("time", solution.t, {"units": "s", "description": "time"})
+    if efforts:
+        labels["driver_unit"] = ("driver", [column.unit for column in efforts])
+    if states:
+        labels["state_unit"] = ("own_state", [column.unit for column in states])
+    return xarray.Dataset(variables, labels, attributes(solution))
+
+
+def variable(kind: str, group: list[Column], names: dict[str, list[str]], samples: int) -> tuple[list[str], Any, dict]:
+    """Dimensions, values and attributes of one quantity of all parts of a kind."""
+    unit, frame, description = QUANTITIES[group[0].quantity]
+    attrs = {"units": unit, "frame": frame, "description": description}
+    values = group[0].values
+    dimension = [name for name in components(values)[:1] if name]
+    if not kind:
+        return ["time", *dimension], values, attrs
+    if values.ndim == 0:
+        return [kind], np.array([int(column.values) for column in group]), attrs
+    whole = np.full((samples, len(names[kind]), *values.shape[1:]), np.nan)
+    for column in group:
+        whole[:, names[kind].index(column.part)] = column.values
+    return ["time", kind, *dimension], whole, attrs
+
+
+def attributes(solution: Solution) -> dict[str, Any]:
+    """What netCDF can hold of how the solution was made."""
+    certificate = solution.certificate
+    return {
+        "method": str(solution.record.method),
+        "rtol": float(solution.record.rtol),
+        "steps": int(solution.record.steps),
+        "stopped_by": solution.record.stopped_by or "end of the run",
+        "certificate_passed": int(certificate.passed),
+        "certificate": str(certificate),
+        "gravity": solution.system.gravity.tolist(),
+        "mbsd3d_version": package_version(),
+    }

@@ -1,0 +1,290 @@
+"""`linearize`: the equations of small motions about an equilibrium or a steady motion, as one matrix A."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ..api.system import System
+from ..base.checks import number
+from ..base.concurrency import on_one_thread
+from ..constraints.nearby_poses import closed
+from ..constraints.row_choice import schur_of
+from ..equations.compiled import Compiled, compile_system
+from ..equations.jacobian import RANK_TOLERANCE, displacement_units
+from ..kernels.jit import announce_compilation, mark_warm
+from ..mechanism.measures import Measure, check_members
+from ..mechanism.state import State
+from ..run.simulation import accelerations, check_state, check_system
+from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
+from .steady_motion import Units, check_signals, find_generator, natural_units
+from .symmetry import Generator
+from .tangent_space import Tangent, tangent_space
+from .variations import Field, Variations
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Linearization:
+    """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
+
+    Attributes
+    ----------
+    A : (n, n) array
+        In SI units; of the states x, or of the outputs y if any were asked for.
+    states, state_units : tuple of str
+        What x (or y) stands for: "x of frame" is the displacement of the centre of mass, "theta_x of frame" the
+        rotation, "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism
+        if that turns as a whole. All other displacements follow from the constraints.
+    eigenvalues : (n,) complex array
+        [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.modes.spectrum`.
+    modes : tuple of Mode
+        One per real eigenvalue and per complex pair.
+    generator : Generator
+        The steady motion that was found.
+    residual : float
+        Largest violation of what was assumed, in the model's own units of length and time.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> found = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))]))
+    >>> found.eigenvalues.imag.round(6), found.generator.turning  # sqrt(m g l / (I + m l^2))
+    (array([ 4.952272, -4.952272]), False)
+    """
+
+    compiled: Compiled
+    state: State
+    generator: Generator
+    space: Tangent
+    units: Units
+    full: np.ndarray  # (n_x, n_x) A of the states x
+    A: np.ndarray
+    residual: float
+    outputs: tuple[Measure, ...] = ()
+    L: np.ndarray | None = None  # (outputs, n_x) y = L x
+
+    @property
+    def system(self) -> Any:
+        """The system that was linearised."""
+        return self.compiled.system
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states or outputs."""
+        return tuple(x.label for x in self.outputs) or self.space.names(self.system)
+
+    @property
+    def state_units(self) -> tuple[str, ...]:
+        """Their units."""
+        return tuple(x.unit for x in self.outputs) or self.space.unit_names(self.compiled.model)
+
+    @cached_property
+    def scale(self) -> np.ndarray:
+        """(n,) sizes of the states that belong to a motion of one model length."""
+        x = self.units.x[self.space.chosen]
+        return x if self.L is None else np.linalg.norm(self.L * x, axis=1)
+
+    @cached_property
+    def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
+        """(eigenvalues, vectors of the states as columns)."""
+        values, vectors = spectrum(self.A * self.scale / self.scale[:, None] / self.units.rate)
+        return values * self.units.rate, vectors * self.scale[:, None]
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """[1/s] sorted by frequency, then real part."""
+        return self.spectrum[0]
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
+        return make_modes(self)
+
+    @cached_property
+    def joint_gradients(self) -> list:
+        """See `mbsd3d.linear.modes.joint_gradients`."""
+        return joint_gradients(self)
+
+    def mode(self, k: int) -> Mode:
+        """Mode number k, counted from zero."""
+        if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
+            raise ValueError(
+                f"linearization.mode: {k!r} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+            )
+        return self.modes[k]
+
+    def deviation(self, value: complex, vector: np.ndarray) -> np.ndarray:
+        """(N,) X of all bodies for a vector of the states, or for one of the outputs: L x = y, (A - s) x least."""
+        if self.L is None:
+            return self.space.E @ vector
+        x = self.units.x[self.space.chosen]
+        shifted = self.full * x / x[:, None] / self.units.rate - value / self.units.rate * np.eye(x.size)
+        L = self.L * x / self.scale[:, None]
+        seen, unseen = np.linalg.pinv(L) @ (vector / self.scale), scipy.linalg.null_space(L)
+        if unseen.shape[1]:
+            seen = seen - unseen @ np.linalg.lstsq(shifted @ unseen, shifted @ seen, rcond=1e-12)[0]
+        return self.space.E @ (x * seen)
+
+    def __repr__(self) -> str:
+        return table(self)
+
+    def plot(self) -> Any:
+        """Matplotlib figure of the eigenvalues in the complex plane."""
+        return plot_eigenvalues(self)
+
+
+@on_one_thread  # small dense algebra: more threads only wait for each other
+def linearize(
+    system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
+) -> Linearization:
+    """The linear equations of small motions about an equilibrium or a relative equilibrium.
+
+    States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
+    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and own states of force elements, all
+    in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
+    carried along: ``x_dot = A x`` with the generator of the turn subtracted. A is exact to rounding: derivatives are
+    complex steps, the row set is frozen.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        An equilibrium or a steady motion; None = ``system.state()``.
+    outputs : sequence of Measure or None
+        y = L x whose rates depend on y alone: A is then the unique A_y with ``L A = A_y L``. Divides cyclic coordinates
+        out, which otherwise leave zeros with Jordan blocks.
+    tolerance : float
+        Largest residual of the conditions of a steady motion, in units of the model's length and its fastest rate.
+
+    Returns
+    -------
+    Linearization
+        Printed: a table of the modes; ``.plot()`` draws the eigenvalues, ``.mode(k).animate()`` moves the mechanism.
+
+    Notes
+    -----
+    Straight motion at constant speed is steady in world axes, also with wheels that spin, if they are symmetric about
+    their axes. A turn needs axes that turn along: there a displacement of everything, which stands still in the world,
+    shows as a pair of eigenvalues +-i Omega. A body that drifts through space while it turns is not covered, nor are
+    independent mechanisms that move at different speeds.
+
+    Raises
+    ------
+    ValueError
+        If the state is no (relative) equilibrium, the equations change along the motion (an unbalanced wheel), a
+        signal varies with time, the position is singular, nothing can move, or the outputs do not close; each with
+        the part and the residual.
+    AssemblyError
+        If the state does not meet a joint.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from mbsd3d.linearization import linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> hinge = Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    >>> swing = linearize(System([rod], [hinge])).mode(0)  # sqrt(m g l / (I + m l^2))
+    >>> round(swing.eigenvalue.imag, 9), swing.label
+    (4.952272206, "angle of 'hinge'")
+    """
+    check_system(system, "linearize")
+    tolerance = number(tolerance, "linearize: tolerance", positive=True)
+    outputs = checked_outputs(system, outputs)
+    check_signals(system)
+    check_state(state, "linearize")
+    start = accelerations(system, state).state(0)  # refuses a state that does not meet the joints
+    compiled = compile_system(system, outputs)
+    announce_compilation("linearisation")
+    field = Field(compiled, start, len(outputs))
+    at = field.at(field.t, field.y)
+    space = tangent_space(compiled, at)
+    if not space.E.shape[1]:
+        raise ValueError("linearize: joints and drivers leave no freedom, nothing can deviate; free a joint")
+    check_regular(field, space)
+    units = natural_units(compiled.model, at, space)
+    generator, later, Q = find_generator(field, at, space, units, tolerance)
+    whole, error = matrix_of(compiled, at, space, generator, units, tolerance)
+    mark_warm("linearisation")
+    error = max(error, generator.residual)
+    found = Linearization(compiled, start, generator, space, units, whole, whole, error, outputs)
+    return with_outputs(found, at, later, Q, tolerance) if outputs else found
+
+
+def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
+    """Measures of parts of this system."""
+    if isinstance(outputs, Measure):
+        outputs = (outputs,)
+    for x in outputs or ():
+        if not isinstance(x, Measure):
+            raise ValueError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
+        check_members(system, x, "linearize: outputs")
+    return tuple(outputs or ())
+
+
+def check_regular(field: Field, space: Tangent) -> None:
+    """Small motions are linear only where the rank of the rows is the same all around."""
+    model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
+    schur, random = schur_of(model, chosen), np.random.default_rng(0)
+    unit = displacement_units(model.length, model.body.size)
+    X = space.E[: unit.size, : space.configuration] @ random.normal(size=space.configuration)
+    for step in 0.02 * X / np.abs(X / unit).max(initial=1e-300) * np.array([[1.0], [-1.0]]):
+        y = closed(model, field.real, schur, field.t, field.y, step)
+        beside = None if y is None else field.rows_at(field.t, y).size
+        if beside != chosen.size:
+            there = "do not close" if y is None else f"have rank {beside}"
+            raise ValueError(
+                f"linearize: singular position: the joints' rows have rank {chosen.size} here and {there} beside it, "
+                "so small motions are not linear; move away from the dead centre"
+            )
+
+
+def matrix_of(
+    compiled: Compiled, at: Variations, space: Tangent, generator: Generator, units: Units, tolerance: float
+) -> tuple[np.ndarray, float]:
+    """(A, largest residual of (F - [Omega]x) E = E A): the tangent space is carried into itself."""
+    transported = (at.F - generator.transport(compiled.model.body.size, compiled.model.z_work)) @ space.E
+    A = transported[space.chosen]
+    columns = units.x[space.chosen]
+    left = np.abs((transported - space.E @ A) * columns / units.x[:, None]).max() / units.rate
+    if left > 10.0 * tolerance:
+        raise ValueError(
+            f"linearize: what the joints allow is not the same all along the motion (residual {left:.2g}); "
+            "linearise about an equilibrium or a steady motion"
+        )
+    return A, float(left)
+
+
+def with_outputs(
+    found: Linearization, at: Variations, later: Variations, Q: np.ndarray, tolerance: float
+) -> Linearization:
+    """Divide by what the outputs do not see: the unique A_y with L A = A_y L."""
+    x, E = found.units.x[found.space.chosen], found.space.E
+    L = at.L @ E
+    size = np.linalg.norm(L * x, axis=1)
+    names = [f"'{measure.label}'" for measure in found.outputs]
+    for name, measure, value in zip(names, found.outputs, at.outputs, strict=True):
+        if measure.kind == "distance" and value == 0.0:
+            raise ValueError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
+    changed = np.abs((later.L @ Q @ E - L) * x).max(axis=1)
+    for name, length, change in zip(names, size, changed, strict=True):
+        if length == 0.0 or change > 10.0 * tolerance * length:
+            why = "does not depend on the states" if length == 0.0 else "is not the same function all along the motion"
+            raise ValueError(f"linearize: output {name} {why}; leave it out or give another")
+    scaled, A = L * x / size[:, None], found.full * x / x[:, None] / found.units.rate
+    s = scipy.linalg.svdvals(scaled)
+    if len(names) > x.size or s[-1] <= RANK_TOLERANCE * s[0]:
+        raise ValueError(f"linearize: the outputs {', '.join(names)} depend on each other; leave one out")
+    A_y = scaled @ A @ np.linalg.pinv(scaled)
+    left = np.abs(scaled @ A - A_y @ scaled).max(axis=1)
+    k = int(np.argmax(left))
+    if left[k] > 10.0 * tolerance * max(1.0, np.abs(A_y).max()):
+        raise ValueError(
+            f"linearize: the outputs do not close: the rate of {names[k]} depends on more than the outputs (residual "
+            f"{left[k]:.2g}); add what it depends on, e.g. rates of the angles"
+        )
+    A_y *= found.units.rate * size[:, None] / size
+    return replace(found, L=L, A=A_y, residual=max(found.residual, float(left[k])))

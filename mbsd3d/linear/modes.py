@@ -1,0 +1,289 @@
+"""Eigenvalues and modes of a linearisation: numbers, labels, shapes that move, and a figure."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ..api.viewable import Viewable
+from ..base.checks import number
+from ..base.concurrency import on_one_thread
+from ..base.errors import AssemblyError
+from ..constraints.nearby_poses import closed
+from ..constraints.row_choice import choose_rows
+from ..equations.at_state import coordinate_row, load_state
+from ..results.body_motion import Poses
+
+ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
+MARKERS = "osD^v<>pP*X"
+NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+
+
+@on_one_thread
+def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and vectors (columns) of a dimensionless matrix, zeros divided out first.
+
+    Cyclic coordinates leave Jordan blocks of zeros, of which an eigenvalue solver makes 1e-8, or 1e-5 where blocks are
+    longer. Here null spaces are split off one by one, ``Q'AQ = [[N, X], [0, B]]`` with N nilpotent, so zeros are exact
+    and B has no others. The vectors of zeros span the null spaces of A, A^2, ...; the first ones are eigenvectors.
+    """
+    n, k = A.shape[0], 0
+    Q, cut = np.eye(n), ZERO * np.linalg.norm(A, 2)
+    while k < n:
+        _, s, Vt = scipy.linalg.svd((Q.T @ A @ Q)[k:, k:])
+        null = int((s <= cut).sum())
+        if not null:
+            break
+        Q[:, k:] = Q[:, k:] @ np.roll(Vt, null, axis=0).T
+        k += null
+    T = Q.T @ A @ Q
+    values, W = scipy.linalg.eig(T[k:, k:]) if k < n else (np.zeros(0), np.zeros((0, 0)))
+    N, X = T[:k, :k], T[:k, k:]
+    top = [np.linalg.solve(value * np.eye(k) - N, X @ w) for value, w in zip(values, W.T, strict=True)]
+    upper = np.array(top).reshape(values.size, k).T
+    vectors = Q @ np.block([[np.eye(k), upper], [np.zeros((n - k, k)), W]]).astype(complex)
+    values = np.r_[np.zeros(k), values].astype(complex)
+    order = sorted(range(n), key=lambda i: (sorting(values[i]), i))
+    return values[order], vectors[:, order]
+
+
+def sorting(value: complex) -> tuple[int, int, bool]:
+    """By frequency, then growth, the conjugate last; rounding does not change the order."""
+    return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
+
+    ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
+    all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from mbsd3d.linearization import linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> swing = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))])).mode(0)
+    >>> round(swing.frequency, 9), abs(round(swing.damping_ratio, 9))
+    (0.788178601, 0.0)
+    >>> swing.motion(amplitude=0.1, samples=5).position("rod").shape  # .animate() shows it
+    (5, 3)
+    """
+
+    linearization: Any
+    eigenvalue: complex
+    translation: np.ndarray
+    rotation: np.ndarray
+    vector: np.ndarray  # of the states (or outputs), same scale
+
+    @property
+    def frequency(self) -> float:
+        """Damped frequency [Hz], 0 if it does not oscillate."""
+        return abs(self.eigenvalue.imag) / (2.0 * np.pi)
+
+    @property
+    def natural_frequency(self) -> float:
+        """|eigenvalue| / 2 pi [Hz]."""
+        return abs(self.eigenvalue) / (2.0 * np.pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """-Re / |eigenvalue|, negative where the motion grows; 0 for a zero eigenvalue."""
+        return -self.eigenvalue.real / abs(self.eigenvalue) if self.eigenvalue else 0.0
+
+    @property
+    def time_to_double(self) -> float:
+        """[s] for a growing mode, else infinite."""
+        return float(np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real > 0.0 else np.inf
+
+    @property
+    def time_to_half(self) -> float:
+        """[s] for a decaying mode, else infinite."""
+        return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
+
+    def shape(self, body: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
+        k = self.linearization.compiled.body_index[id(self.linearization.system.part(body))]
+        return self.translation[k], self.rotation[k]
+
+    @cached_property
+    def label(self) -> str:
+        """The largest joint coordinate, or the largest displacement of a body if no joint moves a third as much."""
+        compiled, system = self.linearization.compiled, self.linearization.system
+        length = compiled.model.length
+        moves = np.hstack([self.translation / length, self.rotation])
+        found = []
+        for joint, kind, gradient in self.linearization.joint_gradients:
+            change = gradient @ np.hstack([self.translation, self.rotation]).ravel()
+            name = f"{kind} of '{system.name(joint)}'"
+            found.append((abs(change) / (length if kind == "slide" else 1.0), name))
+        largest = max((size for size, _ in found), default=0.0)
+        if largest > 1e-9 and largest > np.abs(moves).max() / 3.0:
+            return next(name for size, name in found if size > largest * (1.0 - 1e-6))  # of equal ones the first
+        if not np.abs(moves).max() > 1e-9:
+            return f"{self.linearization.states[int(np.argmax(np.abs(self.vector / self.linearization.scale)))]}"
+        k = int(np.argmax(np.abs(moves).ravel() > np.abs(moves).max() * (1.0 - 1e-6)))
+        return f"{NAMES[k % 6]} of '{system.name(system.bodies[k // 6])}'"
+
+    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
+        """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
+
+        Parameters
+        ----------
+        amplitude : float
+            Of the largest displacement at its largest [model lengths or radians].
+        cycles : float
+            Periods; for a mode that does not oscillate, time constants; for a zero eigenvalue, to and fro.
+        samples : int
+            At least 2.
+
+        Returns
+        -------
+        Motion
+            With ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``.
+
+        Raises
+        ------
+        ValueError
+            For fewer than 2 samples or a number that is none.
+        AssemblyError
+            If the joints do not close at so large an amplitude.
+        """
+        amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
+        if samples < 2:
+            raise ValueError(f"motion: samples = {samples}; give at least 2")
+        value = self.eigenvalue
+        rate = (abs(value.imag) / (2.0 * np.pi)) or abs(value.real) or 1.0
+        t = np.linspace(0.0, cycles / rate, int(samples))
+        wave = np.exp(value * t) if value else np.sin(2.0 * np.pi * t).astype(complex)
+        wave *= amplitude / np.abs(wave).max()
+        return moving_poses(self, t, wave)
+
+    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
+        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
+        moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
+        seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
+        return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Poses, Viewable):
+    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
+
+    compiled: Any
+    t: np.ndarray
+    arrays: dict[str, np.ndarray]
+
+
+@on_one_thread
+def make_modes(linearization: Any) -> tuple[Mode, ...]:
+    """Modes of all eigenvalues, one per complex pair."""
+    n, values = linearization.compiled.model.body.size, linearization.eigenvalues
+    size = linearization.units.x
+    modes = []
+    for value, vector in zip(values, linearization.spectrum[1].T, strict=True):
+        if value.imag < 0.0:
+            continue
+        X = linearization.deviation(value, vector)
+        moves = np.abs(X / size)[: 6 * n]
+        if moves.max() <= 1e-9 * np.abs(X / size).max():  # only velocities or own states take part
+            moves = np.abs(X / size)
+        k = int(np.argmax(moves > moves.max() * (1.0 - 1e-6)))  # of equal ones the first, whatever rounding does
+        factor = size[k] / X[k]
+        X, vector = X * factor, vector * factor
+        pose = X[: 6 * n].reshape(n, 6)
+        modes.append(Mode(linearization, complex(value), pose[:, :3], pose[:, 3:], vector))
+    return tuple(modes)
+
+
+def joint_gradients(linearization: Any) -> list[tuple[Any, str, np.ndarray]]:
+    """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
+    compiled, state, found = linearization.compiled, linearization.state, []
+    data, n = compiled.data(), compiled.model.body.size
+    load_state(compiled, data, state)
+    s = data.body["s"][:n]
+    for joint in linearization.system.joints:
+        for kind, x in (("angle", joint.angle()), ("slide", joint.slide())):
+            if x is not None:
+                row = coordinate_row(compiled, data, compiled.coordinate(x), state.t)[1].reshape(n, 6).copy()
+                row[:, 3:] += np.cross(row[:, :3], s)  # delta r_O = delta r_G + s x delta theta
+                found.append((joint, kind, row.ravel()))
+    return found
+
+
+def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
+    """Poses r + Re(translation wave), exp(Re(rotation wave)) o e, then closed by the joints."""
+    found, compiled = mode.linearization, mode.linearization.compiled
+    model, data, n = compiled.model, compiled.data(), compiled.model.body.size
+    start = load_state(compiled, data, found.state)
+    schur = choose_rows(model, data)[0]
+    poses = np.empty((t.size, 7 * n))
+    shape = np.hstack([mode.translation, mode.rotation]).ravel()
+    for k in range(t.size):
+        y = closed(model, data, schur, found.state.t, start, (shape * wave[k]).real)
+        if y is None:
+            raise AssemblyError(
+                f"motion: the joints do not close at sample {k} of the mode '{mode.label}'",
+                advice="give a smaller amplitude",
+            )  # fmt: skip
+        poses[k] = y[: 7 * n]
+    return Motion(compiled, t, {"q": poses.reshape(t.size, n, 7)})
+
+
+def table(linearization: Any) -> str:
+    """One line per mode."""
+    g = linearization.generator
+    steady = f", turning at {np.linalg.norm(g.rotation):.6g} rad/s as a whole" if g.turning else ""
+    lines = [
+        f"{linearization.A.shape[0]} states, residual {linearization.residual:.1e}{steady}",
+        f"{'eigenvalue [1/s]':>28} {'f [Hz]':>11} {'damping':>10}  mode",
+    ]
+    for mode in linearization.modes:
+        s, damping = mode.eigenvalue, mode.damping_ratio if abs(mode.damping_ratio) > 1e-9 else 0.0
+        real = s.real if damping else 0.0  # rounding is not printed
+        shown = f"{real:.6g} +- {s.imag:.6g}i" if s.imag else f"{real:.6g}"
+        lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {damping:>10.4f}  {mode.label}")
+    return "\n".join(lines)
+
+
+def plot_eigenvalues(linearization: Any, dark: bool = False) -> Any:
+    """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
+    from ..base.style import house, theme
+
+    look = theme(dark)
+    with house(look):
+        return draw_eigenvalues(linearization, look)
+
+
+def draw_eigenvalues(linearization: Any, look: Any) -> Any:
+    """The figure of `plot_eigenvalues` in a theme."""
+    from matplotlib.figure import Figure
+
+    from ..base.style import dress
+
+    figure = Figure(figsize=(7.5, 4.6), layout="constrained")
+    axes, values = figure.subplots(), linearization.eigenvalues
+    marks = [(mode.label, mode.eigenvalue) for mode in linearization.modes if mode.eigenvalue]
+    zeros = int((values == 0.0).sum())
+    for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
+        points = np.array([s, s.conjugate()] if s.imag else [s])
+        style = {
+            "color": look.colour(k) if s else look.ink,
+            "marker": MARKERS[k % len(MARKERS)] if s else "x",
+        }
+        axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=label, **style)
+    axes.axhline(0.0, color=look.muted, linewidth=0.8)
+    axes.axvline(0.0, color=look.muted, linewidth=0.8)
+    size = float(np.abs(values).max(initial=0.0)) or 1.0
+    low, high = min(values.real.min(), 0.0) - 0.1 * size, max(values.real.max(), 0.0) + 0.1 * size
+    axes.set_xlim(low, high)
+    axes.axvspan(0.0, high, color=look.lines[1], alpha=0.06, linewidth=0.0)
+    axes.set_ylim(*np.array([-1.1, 1.1]) * max(np.abs(values.imag).max(), 0.1 * size))
+    dress(axes, look)
+    axes.set_xlabel("real part (growth) [1/s]")
+    axes.set_ylabel("imaginary part [rad/s]")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
+    return figure

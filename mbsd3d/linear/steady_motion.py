@@ -1,0 +1,164 @@
+"""Is the state an equilibrium or a steady motion, and are the linear equations the same all along it?"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..api.system import System
+from ..equations.at_state import worst_joint
+from ..equations.jacobian import displacement_units
+from ..kernels import kinds
+from ..kernels.layout import Model
+from ..mechanism.drivers import Driver
+from ..mechanism.signals import Signal
+from .symmetry import Generator, candidates, carried, motion_residuals
+from .tangent_space import Tangent
+from .variations import Field, Variations
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """Sizes that make the linear equations dimensionless."""
+
+    x: np.ndarray  # (N,) of the entries of X: length, radian, and their rates
+    rate: float  # [1/s]
+
+
+def natural_units(model: Model, at: Variations, space: Tangent) -> Units:
+    """The model's length, and as rate the fastest of: stiffness, damping, angular velocity, gravity."""
+    n, c, v = 6 * model.body.size, space.configuration, space.velocity
+    one = displacement_units(model.length, 2 * model.body.size)
+    chosen = space.chosen[: c + v]
+    pull = np.abs((at.F @ space.E)[n : 2 * n, : c + v] / one[:n, None] * one[chosen])
+    stiffness, damping = pull[:, :c].max(initial=0.0), pull[:, c:].max(initial=0.0)
+    fall = np.linalg.norm(model.gravity) / model.length
+    rate = max(np.sqrt(stiffness), damping, np.abs(at.velocity[:, 3:]).max(), np.sqrt(fall)) or 1.0
+    x = np.r_[one[:n], rate * one[:n], np.ones(model.z_work)]
+    for j in range(2 * n, x.size):  # own states: what causes a unit acceleration, or what a unit motion causes
+        cause, effect = np.abs(at.F[n : 2 * n, j] / x[n : 2 * n]).max(), np.abs(at.F[j, : 2 * n] * x[: 2 * n]).max()
+        x[j] = rate / cause if cause else effect / rate or 1.0
+    return Units(x, float(rate))
+
+
+def check_signals(system: System) -> None:
+    """Motions may be uniform (a ramp), speeds and loads constant; anything else has no fixed linear equations."""
+    for joint in system.joints:
+        for row in joint.rows():
+            degree = 0 if row.kind == kinds.TURN_RATE else 1
+            if row.signal is not None and varies(row.signal, degree):
+                what = "a constant speed" if isinstance(joint, Driver) and degree == 0 else "a constant or a ramp"
+                raise ValueError(f"linearize: the signal of '{system.name(joint)}' varies with time; give {what}")
+    for force in system.forces:
+        if any(signal is not None and varies(signal, 0) for signal in force.record().signals):
+            raise ValueError(f"linearize: the signal of '{system.name(force)}' varies with time; give a constant")
+
+
+def varies(signal: Signal, degree: int) -> bool:
+    """True if a signal is more than a polynomial of this degree."""
+    for term in signal.terms():
+        if term.kind == kinds.POLYNOMIAL:
+            more = term.data[degree + 1 :]
+        elif term.kind == kinds.SINE:
+            more = term.data[0] * term.data[1:2]
+        else:
+            pieces = int(term.data[0])
+            powers = term.data[pieces + 2 :].reshape(pieces, 4)[:, ::-1]
+            more = np.r_[powers[:, degree + 1 :].ravel(), np.ptp(powers[:, degree])]
+        if np.any(more != 0.0):
+            return True
+    return False
+
+
+def find_generator(
+    field: Field, at: Variations, space: Tangent, units: Units, tolerance: float
+) -> tuple[Generator, Variations, np.ndarray]:
+    """(generator, variations at a later state of the same motion, rotation of X up to there).
+
+    Raises
+    ------
+    ValueError
+        With the body or joint, the residual and what to do.
+    """
+    model, system = field.compiled.model, field.compiled.system
+    wrong, changing = [], []
+    for g in candidates(model, at, field.y, units.rate):
+        slip, drift = motion_residuals(model, at, g, units.rate)
+        if max(slip.max(), drift.max(), rest_of_states(at, units, model)) > tolerance:
+            wrong.append((max(slip.max(), drift.max()), motion_message(system, at, units, slip, drift, model)))
+            continue
+        later, Q = later_variations(field, at, g, units)
+        change, part = change_along(field, at, later, Q, space, units)
+        if change <= 10.0 * tolerance:
+            return replace(g, residual=float(max(slip.max(), drift.max(), change))), later, Q
+        changing.append((change, change_message(change, part)))
+    raise ValueError(f"linearize: {min(changing or wrong)[1]}")
+
+
+def rest_of_states(at: Variations, units: Units, model: Model) -> float:
+    """Largest rate of an own state of a force element, dimensionless."""
+    return float(np.abs(at.z_rate / units.x[12 * model.body.size :]).max(initial=0.0)) / units.rate
+
+
+def motion_message(
+    system: System, at: Variations, units: Units, slip: np.ndarray, drift: np.ndarray, model: Model
+) -> str:
+    """Why the state is no relative equilibrium, by body."""
+    if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):
+        k = int(np.argmax(np.abs(at.z_rate)))
+        return f"own state z{k} of a force element changes at {at.z_rate[k]:.3g} per s; start from its steady value"
+    i, residual = int(np.argmax(np.maximum(slip, drift))), max(slip.max(), drift.max())
+    body, remedy = f"body '{system.name(system.bodies[i])}'", "linearise about an equilibrium or a steady motion"
+    a = np.linalg.norm(at.acceleration[i, :3]), np.linalg.norm(at.acceleration[i, 3:])
+    if max(a[0] / model.length, a[1]) < residual * units.rate**2:
+        return f"{body} does not move with the mechanism as a whole (residual {residual:.2g}); {remedy}"
+    return (
+        f"{body} accelerates by {a[0]:.3g} m/s^2 and {a[1]:.3g} rad/s^2, not as in a steady motion (residual "
+        f"{residual:.2g}): the state is no equilibrium; {remedy}, e.g. from system.assemble() with its angles and rates"
+    )
+
+
+def later_variations(field: Field, at: Variations, g: Generator, units: Units) -> tuple[Variations, np.ndarray]:
+    """Everything once more after a radian of the fastest rotation (or a length), and the rotation of X."""
+    model = field.compiled.model
+    turn, drift = max(np.abs(g.spin).max(), np.abs(g.rotation).max()), np.abs(g.translation).max() / model.length
+    speed = next((x for x in (turn, drift) if x > 1e-6 * units.rate), units.rate)  # below that: rounding, at rest
+    tau = 1.0 / speed
+    y, Q = carried(model, at, g, field.y, tau)
+    N = 12 * model.body.size
+    whole = np.eye(at.F.shape[0])
+    whole[:N, :N] = np.kron(np.eye(N // 3), Q)
+    return field.at(field.t + tau, y), whole
+
+
+def change_along(
+    field: Field, at: Variations, later: Variations, Q: np.ndarray, space: Tangent, units: Units
+) -> tuple[float, str]:
+    """(largest change of rows, accelerations and F along the motion, dimensionless; the part it is found at)."""
+    compiled, x = field.compiled, units.x[space.chosen]
+    model, E = compiled.model, Q @ space.E * x
+    scale = model.row["scale"]
+    left = np.abs(np.column_stack([later.C @ E, later.c])).max(axis=1, initial=0.0) * scale
+    speed = np.abs(np.column_stack([later.D @ E, later.slip])).max(axis=1, initial=0.0) * scale / units.rate
+    row = np.maximum(left, speed)
+    n = 6 * model.body.size
+    turned = np.kron(np.eye(n // 3), Q[:3, :3]) @ at.acceleration.ravel()
+    drift = np.abs(later.acceleration.ravel() - turned) / units.x[n : 2 * n]
+    field_change = np.abs(later.F @ E - Q @ at.F @ (space.E * x)) / units.x[:, None]
+    both = field_change.max(axis=1)
+    both[n : 2 * n] = np.maximum(both[n : 2 * n], drift)
+    both /= units.rate
+    if row.max(initial=0.0) > both.max():
+        return float(row.max()), worst_joint(compiled, row / scale)[0]
+    k = int(np.argmax(both))
+    if k >= 2 * n:
+        return float(both[k]), f"own state z{k - 2 * n} of a force element"
+    return float(both[k]), f"body '{compiled.system.name(compiled.system.bodies[k % n // 6])}'"
+
+
+def change_message(change: float, part: str) -> str:
+    """The equations are periodic at best."""
+    return (
+        f"the linear equations change along the motion (by {change:.2g}, most at {part}): something that turns is not "
+        "symmetric about its axis, or a part holds the motion to a place or a time; eigenvalues do not exist, make it "
+        "symmetric or integrate over a period"
+    )

@@ -1,0 +1,183 @@
+"""First-order variations of the equations of motion at a state, by complex steps through the kernels.
+
+    X = (delta r_G, delta theta per body | delta v_G, delta w per body | delta z),   X_dot = F X,   world axes
+
+with r_G the centre of mass: the displacement of a reference point off the axis of a spinning wheel would turn with
+the wheel. ``delta theta_dot = delta w + w x delta theta``; C X and D X are the variations of the residuals c and of
+J v - b, L X those of the measures. One imaginary step of 1e-30 gives a column of F, C, D and L exact to rounding.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.errors import AssemblyError
+from ..base.rotations import H, matrix, skew
+from ..constraints.row_choice import choose_rows, schur_of
+from ..equations.at_state import load_rows, load_state
+from ..equations.compiled import Compiled
+from ..kernels.coordinates import remember
+from ..kernels.dynamics import accelerate
+from ..kernels.kinematics import kinematics
+from ..kernels.layout import Data, Model, Schur
+from ..kernels.probes import measure
+from ..kernels.rows import rows
+from ..kernels.saddle import SOLVED, factor
+from ..mechanism.state import State
+
+STEP = 1e-30  # its square is lost in any real part, and no difference is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Variations:
+    """The field and its derivatives at one state of n bodies, N = 12 n + own states of the force elements."""
+
+    F: np.ndarray  # (N, N) X_dot = F X
+    C: np.ndarray  # (rows, N) of the residuals c; zero in nonholonomic rows
+    D: np.ndarray  # (rows, N) of J v - b
+    L: np.ndarray  # (outputs, N) of the measures
+    outputs: np.ndarray  # (outputs,) their values
+    centre: np.ndarray  # (n, 3) r_G [m]
+    velocity: np.ndarray  # (n, 6) v_G, w
+    acceleration: np.ndarray  # (n, 6) their rates
+    z_rate: np.ndarray  # own states
+    c: np.ndarray  # (rows,) residuals
+    slip: np.ndarray  # (rows,) J v - b
+
+
+class Field:
+    """The equations of motion of a system near a state, for complex states."""
+
+    def __init__(self, compiled: Compiled, state: State, outputs: int) -> None:
+        self.compiled, self.t, self.outputs = compiled, state.t, outputs
+        self.real, self.data = compiled.data(), compiled.data(complex)
+        self.y = load_state(compiled, self.real, state)
+        remember(compiled.model, self.real, state.t)  # hinge angles go on from here, also at a later time
+        self.data.coordinate[:] = self.real.coordinate
+        self.data.unwrap_time[:] = self.real.unwrap_time
+
+    def rows_at(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Independent rows at a state; they are frozen while it is varied."""
+        load_rows(self.compiled, self.real, y, t)
+        return np.sort(choose_rows(self.compiled.model, self.real)[0].place["row"])
+
+    def at(self, t: float, y: np.ndarray) -> Variations:
+        """All variations at a state y."""
+        model, moves = self.compiled.model, directions(self.compiled.model, y)
+        schur = schur_of(model, self.rows_at(t, y), complex)
+        here, change = self.derivatives(schur, t, y, moves)
+        n = model.body.size
+        X_dot = np.zeros((moves.shape[1], moves.shape[1]))
+        X_dot[: 6 * n] = change["position_rate"]
+        X_dot[6 * n : 12 * n] = change["acceleration"]
+        X_dot[12 * n :] = change["z_rate"]
+        acceleration, velocity = here["acceleration"].reshape(n, 6), here["velocity"].reshape(n, 6)
+        holonomic = model.row["holonomic"][:, None] == 1
+        return Variations(
+            X_dot, np.where(holonomic, change["c"], 0.0), change["slip"], change["outputs"], here["outputs"],
+            here["centre"].reshape(n, 3), velocity, acceleration, here["z_rate"], here["c"], here["slip"],
+        )  # fmt: skip
+
+    def derivatives(
+        self, schur: Schur, t: float, y: np.ndarray, moves: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """(values at y, their derivatives along the columns of ``moves``): the kernels once per column."""
+        model, data, k = self.compiled.model, self.data, moves.shape[1]
+        tables = {"body": data.body, "row": data.row}
+        copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
+        z_rate, outputs = np.empty((k, model.z_work), complex), np.empty((k, self.outputs), complex)
+        for j, move in enumerate(moves.T):
+            solve(model, data, schur, t, y + 1j * STEP * move)
+            for key, table in tables.items():
+                copies[key][j] = table.view(np.uint8)
+            z_rate[j] = data.state_rate[: model.z_work]
+            outputs[j] = [measure(model, data, i, t) for i in range(self.outputs)]
+        body, row = (copies[key].view(table.dtype) for key, table in tables.items())
+        columns = {**values(model, body, row), "z_rate": z_rate, "outputs": outputs}
+        self.check_finite(columns)
+        return {key: x[0].real for key, x in columns.items()}, {key: x.imag.T / STEP for key, x in columns.items()}
+
+    def output_rates(self, t: float, y: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """(outputs, k) derivatives of the measures along the columns of ``moves``."""
+        model, data = self.compiled.model, self.data
+        found = np.empty((moves.shape[1], self.outputs))
+        for j, move in enumerate(moves.T):
+            kinematics(model, data, y + 1j * STEP * move)
+            found[j] = [measure(model, data, i, t).imag / STEP for i in range(self.outputs)]
+        return found.T
+
+    def check_finite(self, columns: dict[str, np.ndarray]) -> None:
+        """Every force has derivatives; a function of the user's that fails for complex numbers has none."""
+        system, power = self.compiled.system, self.data.force["power"]
+        for force, value in zip(system.forces, power, strict=True):
+            if not np.isfinite(value):
+                raise ValueError(
+                    f"linearize: {type(force).__name__} '{system.name(force)}' has no derivative at this state; "
+                    "linearise about another one, or give a function that also takes complex numbers"
+                )
+        if not all(np.isfinite(x).all() for x in columns.values()):
+            raise ValueError("linearize: the equations have no finite derivative at this state; give another one")
+
+
+def directions(model: Model, y: np.ndarray) -> np.ndarray:
+    """(ny, N) the change of y = (q, u, z) with X: r = r_G - s, e_dot = H w / 2, u = (r_dot, R'w)."""
+    n, k = model.body.size, model.z_work
+    moves = np.zeros((y.size, 12 * n + k))
+    for i in range(n):
+        e, u = y[7 * i + 3 : 7 * i + 7], y[7 * n + 6 * i : 7 * n + 6 * i + 6]
+        R = matrix(e)
+        S, W = skew(R @ model.body["com"][i]), skew(R @ u[3:])
+        q, p = slice(7 * i, 7 * i + 3), slice(7 * n + 6 * i, 7 * n + 6 * i + 3)
+        x, v = 6 * i, 6 * n + 6 * i
+        moves[q, x : x + 3] = np.eye(3)
+        moves[q, x + 3 : x + 6] = S
+        moves[7 * i + 3 : 7 * i + 7, x + 3 : x + 6] = 0.5 * H(e)
+        moves[p, v : v + 3] = np.eye(3)
+        moves[p, v + 3 : v + 6] = S
+        moves[p, x + 3 : x + 6] = W @ S
+        moves[p.stop : p.stop + 3, v + 3 : v + 6] = R.T
+        moves[p.stop : p.stop + 3, x + 3 : x + 6] = R.T @ W
+    moves[13 * n : 13 * n + k, 12 * n :] = np.eye(k)
+    return moves
+
+
+def solve(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> None:
+    """Fill ``data`` at a complex state."""
+    kinematics(model, data, y)
+    rows(model, data, t)
+    if factor(model, data, schur) != SOLVED or accelerate(model, data, schur, t) != SOLVED:
+        raise AssemblyError(
+            "linearize: the equations of motion have no solution", time=t,
+            advice="see system.check(); give massless bodies joints that determine their motion",
+        )  # fmt: skip
+
+
+def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndarray]:
+    """Everything of bodies (k, n + 1) and rows (k, m) that is varied, (k, ...) at k complex states of one real part."""
+    k, n = body.shape[0], model.body.size
+    moving, body = np.concatenate([body["velocity"], body["w"]], axis=-1), body[:, :n]  # the ground is at rest
+    s, w = body["s"], body["w"]
+    v_dot, w_dot = body["acceleration"][..., :3], body["acceleration"][..., 3:]
+    v_G = body["velocity"] + cross(w, s)
+    a_G = v_dot + cross(w_dot, s) + cross(w, cross(w, s))
+    on = np.where(model.row["body"] < 0, n, model.row["body"])  # unused slots: the ground
+    turn_rate = w + cross(w.real, turns(body["e"]))
+    return {
+        "position_rate": np.concatenate([v_G, turn_rate], axis=-1).reshape(k, -1),
+        "acceleration": np.concatenate([a_G, w_dot], axis=-1).reshape(k, -1),
+        "centre": (body["r"] + s).reshape(k, -1),
+        "velocity": np.concatenate([v_G, w], axis=-1).reshape(k, -1),
+        "c": row["c"],
+        "slip": np.einsum("kisj,kisj->ki", row["J"], moving[:, on]) - row["b"],
+    }
+
+
+def turns(e: np.ndarray) -> np.ndarray:
+    """(k, n, 3) the rotation delta theta that complex quaternions (k, n, 4) stand for: i delta theta = 2 H' e."""
+    return 2j * np.einsum("bij,kbi->kbj", H(e[0].real), e.imag)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(..., 3) a x b: numpy's takes several times as long for a few vectors."""
+    ahead, behind = [1, 2, 0], [2, 0, 1]
+    return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]

@@ -1,0 +1,156 @@
+"""Bodies: frozen descriptions of rigid parts at one reference pose, in world coordinates."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..base.checks import number, vector
+from ..base.inertia import check_inertia
+from ..base.rotations import as_quaternion, matrix
+
+
+class Ground:
+    """The fixed frame every mechanism stands on; its axes are the world axes."""
+
+    name = "ground"
+    position = np.zeros(3)
+    com = np.zeros(3)
+    centre = np.zeros(3)
+    orientation = np.array([1.0, 0.0, 0.0, 0.0])
+
+    def __repr__(self) -> str:
+        return "GROUND"
+
+    def __reduce__(self) -> str:
+        return "GROUND"
+
+    def local_point(self, point: np.ndarray) -> np.ndarray:
+        """The point itself: ground axes are world axes."""
+        return np.asarray(point, float)
+
+    def local_axis(self, axis: np.ndarray) -> np.ndarray:
+        """The axis itself."""
+        return np.asarray(axis, float)
+
+
+GROUND = Ground()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Body:
+    """A rigid body at the reference pose.
+
+    Parameters
+    ----------
+    name : str
+        Unique in its system; results can be asked for by name.
+    mass : float
+        [kg] >= 0; 0 is legal where the constraints still determine the motion.
+    inertia : (3,) or (3, 3) array_like
+        About the centre of mass, body axes [kg m^2]; principal moments obey the triangle rule.
+    com : (3,) array_like
+        r_G, centre of mass from the reference point O, body axes [m].
+    position : (3,) array_like
+        Reference point O at the reference pose, world [m].
+    orientation : (4,) or (3, 3) array_like
+        Unit quaternion (e0, e1, e2, e3), scalar first, body -> world, or a rotation matrix; see `rotation`.
+    velocity, omega : (3,) array_like or None
+        Velocity of O [m/s] and angular velocity [rad/s] at the start, world axes; None = solved from the constraints
+        with least kinetic energy.
+    shape : Shape, list of Shape, str or (k, 3) array_like, optional
+        How the body is drawn: one or more of `mbsd3d.shapes`; "ellipsoid", "box" or "cylinder", the homogeneous solid
+        with its mass and inertia; a polyline in body axes from O [m]. None = the ellipsoid. Only drawn: mass and
+        inertia are as given.
+
+    Raises
+    ------
+    ValueError
+        Naming the body, the value and the remedy.
+
+    Examples
+    --------
+    >>> Body("top", mass=15.0, inertia=(0.234375, 0.46875, 0.234375), position=(0, 1, 0)).mass
+    15.0
+    """
+
+    name: str
+    mass: float
+    inertia: Any
+    com: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    position: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    velocity: Any = field(default=None, kw_only=True)
+    omega: Any = field(default=None, kw_only=True)
+    shape: Any = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise ValueError(f"body name {self.name!r}: give a non-empty text")
+        what = f"body '{self.name}'"
+        mass = number(self.mass, f"{what}: mass", minimum=0.0)
+        set_field = object.__setattr__
+        set_field(self, "mass", mass)
+        inertia = check_inertia(self.inertia, mass, what)
+        inertia.setflags(write=False)
+        set_field(self, "inertia", inertia)
+        set_field(self, "com", vector(self.com, f"{what}: com"))
+        set_field(self, "position", vector(self.position, f"{what}: position"))
+        orientation = as_quaternion(self.orientation, f"{what}: orientation")
+        orientation.setflags(write=False)
+        set_field(self, "orientation", orientation)
+        for name in ("velocity", "omega"):
+            if getattr(self, name) is not None:
+                set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
+        if self.shape is not None:
+            from .shapes.guesses import as_shape
+
+            set_field(self, "shape", as_shape(self))
+
+    def __repr__(self) -> str:
+        return f"Body('{self.name}', mass={self.mass:g})"
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """R at the reference pose, body -> world; read-only."""
+        R = matrix(self.orientation)
+        R.setflags(write=False)
+        return R
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """Centre of mass r + R r_G at the reference pose, world [m]; read-only."""
+        centre = self.position + self.axes @ self.com
+        centre.setflags(write=False)
+        return centre
+
+    def local_point(self, point: np.ndarray) -> np.ndarray:
+        """R'(p - r): a world point at the reference pose in body axes from O [m]."""
+        return self.axes.T @ (np.asarray(point, float) - self.position)
+
+    def local_axis(self, axis: np.ndarray) -> np.ndarray:
+        """R' a: a world direction at the reference pose in body axes."""
+        return self.axes.T @ np.asarray(axis, float)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What joints and force elements share: a name, and fields that are checked and converted once."""
+
+    name: str | None = field(default=None, kw_only=True)
+
+    role: ClassVar[str] = "part"
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
+
+    def check(self, what: str) -> None:
+        """Validate and convert the fields; errors start with ``what``."""
+        raise NotImplementedError
+
+    def set(self, **values: Any) -> None:
+        """Write converted values into the frozen fields."""
+        for key, value in values.items():
+            object.__setattr__(self, key, value)

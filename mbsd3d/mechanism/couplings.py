@@ -1,0 +1,266 @@
+"""Couplings: rows on the angles and slides of other joints."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import number, vector
+from ..kernels import kinds
+from .bodies import GROUND, Body, Ground
+from .joints import AxisJoint, Joint, coordinate_of
+from .primitives import ZERO, Coordinate, Primitive, ratio
+from .tooth_contact import Axle, line_of_action
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling(Joint):
+    """Row on the coordinates of other joints; a and b are those of the joint it acts through."""
+
+    def through(self) -> Joint:
+        """The joint whose bodies carry the reaction."""
+        raise NotImplementedError
+
+    @property
+    def a(self) -> Any:
+        """Body a of the joint it acts through."""
+        return self.through().a
+
+    @property
+    def b(self) -> Any:
+        """Body b of the joint it acts through."""
+        return self.through().b
+
+    def point(self) -> np.ndarray:
+        return self.through().point()
+
+    def partners(self) -> list[Joint]:
+        return [self.through()]
+
+
+@dataclass(frozen=True, eq=False)
+class Gear(Coupling):
+    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Gear, Revolute, System
+    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("one", "two"))
+    >>> a = Revolute(GROUND, one, at=(0, 0, 0), axis=(0, 0, 1), name="a")
+    >>> b = Revolute(GROUND, two, at=(0.3, 0, 0), axis=(0, 0, 1), name="b")
+    >>> System([one, two], [a, b, Gear(a, b, ratio=-0.5)]).check().mobility
+    1
+    """
+
+    hinge_a: Joint
+    hinge_b: Joint
+    ratio: float = field(kw_only=True)
+
+    def through(self) -> Joint:
+        return self.hinge_b
+
+    def partners(self) -> list[Joint]:
+        return [self.hinge_a, self.hinge_b]
+
+    def check(self, what: str) -> None:
+        for hinge in (self.hinge_a, self.hinge_b):
+            coordinate_of(hinge, "angle", what)
+        if self.hinge_a is self.hinge_b:
+            raise ValueError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
+        self.set(ratio=number(self.ratio, f"{what}: ratio"))
+        if self.ratio == 0.0:
+            raise ValueError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
+
+
+@dataclass(frozen=True, eq=False)
+class RackPinion(Coupling):
+    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Prismatic, RackPinion, Revolute, System
+    >>> wheel, bar = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("wheel", "bar"))
+    >>> a = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0, 1, 0), name="a")
+    >>> b = Prismatic(GROUND, bar, at=(0, 0, 0.2), axis=(1, 0, 0), name="b")
+    >>> System([wheel, bar], [a, b, RackPinion(a, b, radius=0.2)]).check().mobility
+    1
+    """
+
+    pinion: Joint
+    rack: Joint
+    radius: float = field(kw_only=True)
+
+    def through(self) -> Joint:
+        return self.rack
+
+    def partners(self) -> list[Joint]:
+        return [self.pinion, self.rack]
+
+    def check(self, what: str) -> None:
+        coordinate_of(self.pinion, "angle", what)
+        coordinate_of(self.rack, "slide", what)
+        self.set(radius=number(self.radius, f"{what}: radius"))
+
+    def rows(self) -> list[Primitive]:
+        return [ratio(self.pinion.angle(), -self.radius, self.rack.slide(), 1.0, in_metres=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class GearMesh(Coupling):
+    """Teeth of two gears in contact at a pitch point (1 row): n . (v_b - v_a) = 0 there, n the line of action.
+
+    The residual is c = n . (u_b x d_b) theta_b - n . (u_a x d_a) theta_a [m] plus terms that vanish with the rows of
+    the hinges, so that the reaction is the tooth force itself: on gear b, through the pitch point, along n. With
+    F_t = torque / radius: F_r = F_t tan(pressure_angle) / cos(helix_angle), F_a = F_t tan(helix_angle). (`Gear` couples
+    the same angles by pure torques and loads no bearing.)
+
+    Parameters
+    ----------
+    hinge_a, hinge_b : Revolute, Cylindrical or Screw
+        Hinges of the gears. Axes may be parallel (external or internal mesh), meet (bevel) or cross.
+    at : (3,) array_like
+        Pitch point, world at the reference pose [m]; it stays where it is in the carrier.
+    pressure_angle : float
+        Normal pressure angle [rad], 0 <= angle < pi/2; default 20 degrees.
+    helix_angle : float
+        Helix angle of gear a [rad], > 0 right-handed; of bevel gears the spiral angle.
+    flank : 1 or -1
+        The flanks that touch: those that push gear b forwards or backwards. The row holds both ways; where
+        `normal_force` is negative the other flanks touch, and the radial force has the wrong sense.
+    carrier : Body, GROUND or None
+        Body in which the axes of both gears rest; None = the common body of the hinges. A planet carrier, where the
+        sun turns on the ground about the axis of the carrier: gear i is then body b of hinge i. (A ring that is fixed
+        to the ground meshes by the hinge of the carrier itself: its gear is the ground.)
+
+    Raises
+    ------
+    ValueError
+        For hinges without a common body, a point that is no pitch point, angles out of range.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("one", "two"))
+    >>> a = Revolute(GROUND, one, at=(0, 0, 0), axis=(0, 0, 1), name="a")
+    >>> b = Revolute(GROUND, two, at=(0.3, 0, 0), axis=(0, 0, 1), name="b")
+    >>> mesh = GearMesh(a, b, at=(0.1, 0, 0), helix_angle=0.2)
+    >>> System([one, two], [a, b, mesh]).check().mobility, round(mesh.ratio, 12)
+    (1, -0.5)
+    """
+
+    hinge_a: Joint
+    hinge_b: Joint
+    at: Any = field(kw_only=True)
+    pressure_angle: float = field(default=np.pi / 9, kw_only=True)
+    helix_angle: float = field(default=0.0, kw_only=True)
+    flank: int = field(default=1, kw_only=True)
+    carrier: Any = field(default=None, kw_only=True)
+
+    def through(self) -> Joint:
+        return self.hinge_b
+
+    def partners(self) -> list[Joint]:
+        return [self.hinge_a, self.hinge_b]
+
+    @property
+    def a(self) -> Any:
+        """Gear a."""
+        return self.gear(self.hinge_a)
+
+    @property
+    def b(self) -> Any:
+        """Gear b, on which the reaction is given."""
+        return self.gear(self.hinge_b)
+
+    @property
+    def ratio(self) -> float:
+        """Rate of gear b over rate of gear a, both about the axes of their hinges and relative to the carrier."""
+        first, second = self.levers()
+        return first / second
+
+    def check(self, what: str) -> None:
+        for hinge in (self.hinge_a, self.hinge_b):
+            coordinate_of(hinge, "angle", what)
+            if not isinstance(hinge, AxisJoint):
+                raise ValueError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
+        if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
+            raise ValueError(f"{what}: carrier = {self.carrier!r} is not a body; give a Body or GROUND")
+        angles = [number(getattr(self, key), f"{what}: {key}") for key in ("pressure_angle", "helix_angle")]
+        if not 0.0 <= angles[0] < np.pi / 2 or abs(angles[1]) >= np.pi / 2:
+            raise ValueError(
+                f"{what}: pressure_angle {angles[0]:g} rad and helix_angle {angles[1]:g} rad: give radians, "
+                "0 <= pressure_angle < pi/2 and |helix_angle| < pi/2"
+            )
+        if self.flank not in (1, -1):
+            raise ValueError(f"{what}: flank {self.flank!r} is unknown; give 1 or -1")
+        self.set(at=vector(self.at, f"{what}: at"), pressure_angle=angles[0], helix_angle=angles[1])
+        bodies = {id(body) for body in (self.support(what), self.a, self.b)}
+        if len(bodies) < 3:
+            raise ValueError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
+        for hinge in (self.hinge_a, self.hinge_b):
+            if self.gear(hinge) is GROUND and self.carrier not in (None, hinge.a, hinge.b):
+                raise ValueError(f"{what}: the gear on '{hinge.name}' is the ground; give it as body b of the hinge")
+        self.direction(what)
+
+    def support(self, what: str = "GearMesh") -> Any:
+        """The carrier."""
+        if self.carrier is not None:
+            return self.carrier
+        first, second = self.hinge_a, self.hinge_b
+        for body in (first.a, first.b):
+            if body is second.a or body is second.b:
+                return body
+        raise ValueError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
+
+    def gear(self, hinge: Joint) -> Any:
+        """The gear on a hinge: what is not the carrier."""
+        return hinge.a if hinge.b is self.support() else hinge.b
+
+    def axle(self, hinge: Joint) -> Axle:
+        """Axis of the gear on a hinge, as the carrier has it."""
+        return Axle(hinge.at, hinge.axis) if self.gear(hinge) is hinge.b else Axle(hinge.at_b, hinge.axis_b)
+
+    def direction(self, what: str = "GearMesh") -> np.ndarray:
+        """Line of action n: unit direction of the force on gear b, world at the reference pose."""
+        axles = [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
+        return line_of_action(*axles, self.at, self.pressure_angle, self.helix_angle, self.flank, what)
+
+    def levers(self) -> list[float]:
+        """n . (u_i x d_i) of both gears: their pitch velocities along n per angular velocity [m]."""
+        n, axles = self.direction(), [self.axle(hinge) for hinge in (self.hinge_a, self.hinge_b)]
+        return [float(n @ np.cross(axle.axis, axle.arm(self.at))) for axle in axles]
+
+    def point(self) -> np.ndarray:
+        return self.at
+
+    def reaction_points(self, solution: Any) -> np.ndarray:
+        """(samples, 3) pitch points, carried by the carrier."""
+        return solution.body_point(self.support(), self.at)
+
+    def normal_force(self, solution: Any) -> np.ndarray:
+        """(samples,) tooth force [N] along the line of action; negative where the other flanks touch."""
+        n = solution.body_axis(self.support(), self.direction())
+        return np.einsum("ti,ti->t", solution.reaction(self).force, n)
+
+    def rows(self) -> list[Primitive]:
+        n, carrier = self.direction(), self.support()
+        bodies, points, axes, tilts, levers, angles = [], [], [], [], [], []
+        for sign, hinge in ((-1.0, self.hinge_a), (1.0, self.hinge_b)):
+            gear, mount = self.gear(hinge), self.axle(hinge)
+            hub, spin = (hinge.at_b, hinge.axis_b) if gear is hinge.b else (hinge.at, hinge.axis)
+            moment = np.cross(self.at - mount.point, n)
+            bodies += [carrier, gear]
+            points += [mount.point, hub]
+            axes += [sign * n, spin]
+            tilts += [sign * np.cross(moment, mount.axis), ZERO]  # x . axis = 0, gradient: moment across the axis
+            levers.append(sign * float(moment @ mount.axis))
+            angles.append(Coordinate("angle", carrier, gear, mount.axis, spin))
+        return [
+            Primitive(
+                kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),
+                values=tuple(levers), coordinates=tuple(angles),
+            )
+        ]  # fmt: skip

@@ -1,0 +1,241 @@
+"""Forces by a function of the user's, compiled once and called from the compiled time loop through its address."""
+
+import functools
+import inspect
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core import types
+from numba.extending import is_jitted
+
+from ...base.checks import sequence, vector
+from ...kernels import kinds
+from ...kernels.custom import RETURNED
+from ...kernels.layout import MOST_BODIES, data_records
+from ..bodies import GROUND, Body, Ground
+from .element import ForceElement, ForceRecord
+
+ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
+
+
+def wrapped(function: Callable) -> Callable:
+    """The function behind pointers and counts; an exception leaves the mark of RETURNED as it is."""
+    array = numba.carray
+
+    def call(t, poses, k, z, states, numbers, n, wrench, z_dot):
+        loads = array(wrench, (RETURNED + 1,))
+        try:
+            function(
+                t, array(poses, (k,)), array(z, (states,)), array(numbers, (n,)), loads[: 6 * k].reshape((k, 6)),
+                array(z_dot, (states,)),
+            )  # fmt: skip
+            loads[RETURNED] = 0.0
+        except Exception:  # numba knows no narrower one
+            loads[RETURNED] = np.nan
+
+    return call
+
+
+def uncompiled(function: Callable) -> Callable:
+    """The same for a process without the compiler, where the arrays arrive as they are and exceptions go up."""
+    plain = getattr(function, "py_func", function)
+
+    def call(t, poses, k, z, states, numbers, n, wrench, z_dot):
+        plain(t, poses[:k], z, numbers, wrench[: 6 * k].reshape(k, 6), z_dot)
+        wrench[RETURNED] = 0.0
+
+    return call
+
+
+@functools.lru_cache(maxsize=256)
+def callback(function: Callable, dtype: type) -> Any:
+    """The C function for real or complex numbers; ``.address`` is where it is."""
+    real = types.complex128 if dtype is complex else types.float64
+    pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
+    compiled = function if is_jitted(function) else numba.njit(error_model="numpy", boundscheck=True)(function)
+    pointer, size = types.CPointer, types.intp
+    signature = types.void(
+        types.float64, pointer(pose), size, pointer(real), size, pointer(types.float64), size, pointer(real),
+        pointer(real),
+    )  # fmt: skip
+    found = numba.cfunc(signature)(wrapped(compiled))
+    returned = compiled.nopython_signatures[-1].return_type
+    if returned is not types.none:
+        raise TypeError(f"it returns {returned}, which nobody reads; fill loads and z_dot and return nothing")
+    return found
+
+
+def reason(error: Exception) -> str:
+    """First line of numba's message that says something."""
+    if isinstance(error, KeyError):  # all that numba says of a field that a record does not have
+        return f"bodies have no {error}, they have r, R, velocity, w"
+    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line).strip() for line in str(error).splitlines()]
+    telling = [line for line in lines if line and not line.startswith("Failed in nopython mode")]
+    return (telling or [type(error).__name__])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionForce(ForceElement):
+    """What a force by a function is besides its function; see `CustomForce`."""
+
+    on: Any = field(kw_only=True)
+    points: Sequence[Any] | None = field(default=None, kw_only=True)
+    parameters: Sequence[float] = field(default=(), kw_only=True)
+    states: Sequence[float] = field(default=(), kw_only=True)
+    scales: Sequence[float] | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        if not isinstance(self.on, Body | Ground | list | tuple):
+            raise ValueError(f"{what}: on {self.on!r}; give a Body, GROUND or a tuple of them")
+        on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
+        if not 1 <= len(on) <= MOST_BODIES:
+            raise ValueError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
+        for body in on:
+            if not isinstance(body, Body | Ground):
+                raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+        points = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else list(self.points)
+        if len(points) != len(on):
+            raise ValueError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
+        states = sequence(self.states, f"{what}: states")
+        scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
+        if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
+            raise ValueError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
+        points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(points))
+        parameters = sequence(self.parameters, f"{what}: parameters")
+        self.set(on=on, points=points, parameters=parameters, states=states, scales=scales)
+
+    def record(self) -> ForceRecord:
+        return ForceRecord(
+            kinds.CUSTOM,
+            self.on,
+            self.points,
+            numbers=self.parameters,
+            states=self.states,
+            scales=tuple((scale, 0.0, 0.0) for scale in self.scales),
+        )
+
+    def address(self, dtype: type) -> Any:
+        """Where the function for real or complex numbers is; 0 = there is none."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class SavedForce(FunctionForce):
+    """A `CustomForce` read back with a saved solution: without its function, so the system cannot be run again."""
+
+    def address(self, dtype: type) -> Any:
+        return 0
+
+
+@dataclass(frozen=True, eq=False)
+class CustomForce(FunctionForce):
+    """Loads of a function of your own, plain or jitted by numba; the time loop calls it without being recompiled.
+
+    The function has the fixed signature ``function(t, bodies, z, parameters, loads, z_dot)``:
+
+    ========== ================= ===================================================================================
+    t          float             time [s]
+    bodies     (k,) records      per point: ``.r`` (3,) position [m], ``.R`` (3, 3) orientation body -> world,
+                                 ``.velocity`` (3,) of the point [m/s], ``.w`` (3,) angular velocity [rad/s]; world
+    z          (n,)              own states
+    parameters (p,) float        the numbers given
+    loads      (k, 6)            to be filled: force [N] at the point and moment about it [N m], world; zero before
+    z_dot      (n,)              to be filled: rates of the own states [1/s]; zero before
+    ========== ================= ===================================================================================
+
+    It returns nothing. A place beyond the end of an array stops the run with an error, unless the function is jitted
+    already: numba then checks it only if told so (``boundscheck=True``).
+    Forces between bodies must be given for each of them, with opposite signs. Nothing is stored (potential 0): the
+    power ``sum(force . velocity + moment . w)`` is integrated as its work, so the energy balance stays exact.
+    The arrays are complex where derivatives are taken by a complex step: use ``np`` functions, and neither ``abs``,
+    ``np.linalg.norm`` nor comparisons of what depends on them (write ``x.real < 0``). One function shared by many
+    forces is compiled once; what differs belongs into ``parameters``.
+
+    Parameters
+    ----------
+    function : callable
+        See above. Compiled when the force is made; a second time, for complex numbers, when these are first used.
+    on : Body or sequence of up to 4
+        Bodies it reads and acts on, in the order of ``bodies`` and ``loads``; GROUND is allowed.
+    points : sequence of (3,) array_like or None
+        A point of each body, world at the reference pose [m]; None = their reference points.
+    parameters : sequence of float
+    states : sequence of float
+        Initial values of the own states.
+    scales : sequence of float or None
+        Sizes against which errors of the own states are measured while they are smaller; None = 1 for each.
+
+    Raises
+    ------
+    ValueError
+        For a function that does not compile or takes other arguments, and for wrong bodies, points or numbers.
+
+    Examples
+    --------
+    Two magnets attracting each other with ``strength / gap^2``:
+
+    >>> import numpy as np
+    >>> from mbsd3d import GROUND, Body, CustomForce, System, accelerations
+    >>> def magnet(t, bodies, z, parameters, loads, z_dot):
+    ...     gap = bodies[1].r - bodies[0].r
+    ...     square = np.sum(gap * gap)
+    ...     loads[0, :3] = parameters[0] / square * gap / np.sqrt(square)
+    ...     loads[1, :3] = -loads[0, :3]
+    >>> ball = Body("ball", mass=0.5, inertia=(1e-3, 1e-3, 1e-3), position=(0, 0, 2))
+    >>> pull = CustomForce(magnet, on=(GROUND, ball), parameters=(8.0,), name="magnet")
+    >>> system = System([ball], forces=[pull], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(ball)[0, 2]), 12)
+    -4.0
+    """
+
+    function: Callable
+    callbacks: dict = field(default_factory=dict, init=False, repr=False)  # keeps the code at the addresses alive
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        plain = getattr(self.function, "py_func", self.function)
+        if not inspect.isfunction(plain):
+            raise ValueError(f"{what}: function {self.function!r} is not a function; give a plain or a jitted one")
+        if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
+            raise ValueError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
+        self.address(float)
+
+    def address(self, dtype: type) -> Any:
+        if numba.config.DISABLE_JIT:
+            return uncompiled(self.function)
+        if dtype not in self.callbacks:
+            try:
+                self.callbacks[dtype] = callback(self.function, dtype)
+            except Exception as error:  # numba has several families of them
+                raise ValueError(self.uncompilable(dtype, reason(error))) from error
+        return self.callbacks[dtype].address
+
+    def uncompilable(self, dtype: type, why: str) -> str:
+        """What to say of a function that numba refuses."""
+        force = f"force '{self.name}' (CustomForce)" if self.name else "CustomForce without a name"
+        kind, remedy = "", "use what numba supports"
+        if dtype is complex:
+            kind = " for the complex numbers of exact derivatives (GeneralizedAlpha, linearize)"
+            remedy = "compare real parts, x.real < 0, and use np functions"
+        return f"{force}: function '{self.function.__name__}' does not compile{kind}: {why}; {remedy}"
+
+    def saved(self) -> "SavedForce":
+        """What of it a file can hold: all but the function."""
+        return SavedForce(
+            on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
+            name=self.name,
+        )  # fmt: skip
+
+
+def check_runnable(system: Any) -> None:
+    """ValueError for a system whose custom forces have lost their functions."""
+    for force in system.forces:
+        if isinstance(force, SavedForce):
+            raise ValueError(
+                f"force '{system.name(force)}': its function was not saved with the solution, so the system cannot be "
+                "run; build it again with CustomForce(function, ...)"
+            )

@@ -1,0 +1,100 @@
+"""Feedback of measures: what a controller, a rider or a governor does with what it sees."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...base.checks import number, sequence
+from ...kernels import kinds
+from ..joints import Joint
+from ..measures import Measure, unit_powers
+from .element import ForceElement, ForceRecord, hinge_coordinate
+
+
+def one_each(values: Any, count: int, what: str) -> tuple[float, ...]:
+    """One finite number per measure."""
+    given = sequence(values, what)
+    if len(given) != count:
+        raise ValueError(f"{what}: {len(given)} values for {count} measures; give one per measure")
+    return given
+
+
+@dataclass(frozen=True, eq=False)
+class StateFeedback(ForceElement):
+    """Load ``-sum_i g_i (x_i - r_i)`` on body b of a hinge, the opposite one on a; its work is counted.
+
+    ``x_i`` is measure i, or with a time constant its first-order filter: own states ``z_i`` with
+    ``z_dot_i = (y_i - z_i) / tau``. The filters start at the references, so that the load starts from zero, unless
+    the start state says otherwise (``State.z``).
+
+    Parameters
+    ----------
+    measures : sequence of Measure
+        What is seen, from `mbsd3d.measures`.
+    gains : sequence of float
+        g_i [N m or N per unit of measure i]; one per measure.
+    on : Joint
+        Hinge or slider along whose coordinate the load acts.
+    reference : sequence of float or None
+        r_i, in the units of the measures; None = zeros.
+    time_constant : float or None
+        tau > 0 [s]; None = no filter.
+
+    Raises
+    ------
+    ValueError
+        For lengths that differ, numbers that are not finite, something that is no measure, a joint without coordinate.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, accelerations, measures
+    >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+    >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> seen = [measures.angle(hinge), measures.rate(hinge)]
+    >>> servo = StateFeedback(measures=seen, gains=(30.0, 4.0), on=hinge, reference=(0.2, 0.0))
+    >>> system = System([arm], [hinge], [servo])
+    >>> round(float(accelerations(system).alpha(arm)[0, 2]), 12)  # 30 * 0.2 / (0.5 + 2 * 0.5^2)
+    6.0
+    """
+
+    measures: Sequence[Measure] = field(kw_only=True)
+    gains: Sequence[float] = field(kw_only=True)
+    on: Joint = field(kw_only=True)
+    reference: Sequence[float] | None = field(default=None, kw_only=True)
+    time_constant: float | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        hinge_coordinate(self.on, f"{what}: on")
+        seen = (self.measures,) if not isinstance(self.measures, Sequence) else tuple(self.measures)
+        if not seen:
+            raise ValueError(f"{what}: no measures; give at least one of mbsd3d.measures")
+        for measure in seen:
+            if not isinstance(measure, Measure):
+                raise ValueError(f"{what}: {measure!r} is not a measure; build one with mbsd3d.measures")
+        tau = self.time_constant
+        wanted = (0.0,) * len(seen) if self.reference is None else self.reference
+        self.set(
+            measures=seen,
+            gains=one_each(self.gains, len(seen), f"{what}: gains"),
+            reference=one_each(wanted, len(seen), f"{what}: reference"),
+            time_constant=None if tau is None else number(tau, f"{what}: time_constant", positive=True),
+        )
+
+    def record(self) -> ForceRecord:
+        x, filtered = hinge_coordinate(self.on, ""), self.time_constant is not None
+        return ForceRecord(
+            kinds.FEEDBACK,
+            (x.a, x.b),
+            values=(self.time_constant,) if filtered else (),
+            coordinate=x,
+            measures=self.measures,
+            numbers=(*self.gains, *self.reference),
+            states=self.reference if filtered else (),
+            scales=tuple(unit_powers(measure) for measure in self.measures) if filtered else (),
+        )
+
+    def bodies(self) -> tuple:
+        return (*self.record().bodies, *(body for measure in self.measures for body in (measure.a, measure.b)))
+
+    def partners(self) -> tuple:
+        return (self.on, *(measure.part for measure in self.measures if measure.part is not None))

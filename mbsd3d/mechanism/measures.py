@@ -1,0 +1,215 @@
+"""Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import number, vector
+from ..base.directions import unit
+from ..kernels import kinds
+from .bodies import GROUND, Body, Ground
+from .forces.element import ForceElement
+from .joints import Joint, coordinate_of
+from .primitives import ZERO, Coordinate, check_kind
+
+MEASURES = {
+    "coordinate": kinds.COORDINATE,
+    "coordinate rate": kinds.COORDINATE_RATE,
+    "position": kinds.POSITION,
+    "velocity": kinds.VELOCITY,
+    "omega": kinds.TURN,
+    "lean": kinds.LEAN,
+    "lean rate": kinds.LEAN_RATE,
+    "distance": kinds.GAP,
+    "state": kinds.OWN_STATE,
+}
+OF_JOINTS = ("coordinate", "coordinate rate")
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+UNITS_OF = {
+    "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
+    "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measure:
+    """A scalar function of the state; build one with the functions of this module."""
+
+    kind: str  # a key of MEASURES
+    label: str
+    unit: str
+    a: Any = GROUND
+    b: Any = GROUND
+    point_a: np.ndarray = field(default_factory=lambda: ZERO)
+    point_b: np.ndarray = field(default_factory=lambda: ZERO)
+    axis: np.ndarray = field(default_factory=lambda: ZERO)
+    coordinate: Coordinate | None = None
+    part: Any = None  # force element whose own state it is,
+    index: int = 0  # and which one
+
+    def __post_init__(self) -> None:
+        """Also a file may describe a measure, and kernels do not check."""
+        check_kind(self.kind, MEASURES, "Measure")
+        states = 0 if self.part is None else len(self.part.record().states)
+        fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
+        own = 0 <= self.index < states if self.kind == "state" else self.part is None
+        if self.unit not in UNITS_OF[self.kind] or not fits or not own:
+            raise ValueError(
+                f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
+                "function of mbsd3d.measures"
+            )
+
+    def __repr__(self) -> str:
+        return f"<measure: {self.label} [{self.unit}]>"
+
+    def __gt__(self, value: float) -> "Condition":
+        return Condition(self, number(value, f"threshold of {self.label}"), 1.0)
+
+    def __lt__(self, value: float) -> "Condition":
+        return Condition(self, number(value, f"threshold of {self.label}"), -1.0)
+
+    __ge__, __le__ = __gt__, __lt__  # a run ends where the value is reached
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A measure crosses a value upwards (direction 1) or downwards (-1)."""
+
+    measure: Measure
+    value: float
+    direction: float
+
+    def __bool__(self) -> bool:
+        raise ValueError(
+            f"condition '{self}' is neither true nor false before a run, so 'and', 'or' and 'a < x < b' would drop a "
+            "part of it; give stop_when a single comparison"
+        )
+
+    def __str__(self) -> str:
+        return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
+
+
+def check_members(system: Any, measure: Measure, what: str) -> None:
+    """A measure speaks of bodies and forces of this system, or a ValueError."""
+    members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
+    for part in (measure.a, measure.b, measure.part or GROUND):
+        if id(part) not in members:
+            kind = "force" if part is measure.part else "body"
+            raise ValueError(
+                f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
+            )
+
+
+def unit_powers(measure: Measure) -> tuple[float, float, float]:
+    """(1, k, j) such that errors of a measure are judged against length^k speed^j."""
+    return (1.0, *UNITS[measure.unit])
+
+
+def label(part: Any) -> str:
+    """Name of a part for messages."""
+    return getattr(part, "name", None) or type(part).__name__
+
+
+def angle(hinge: Joint) -> Measure:
+    """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
+    x = coordinate_of(hinge, "angle", "measures.angle")
+    return Measure("coordinate", f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
+
+
+def rate(hinge: Joint) -> Measure:
+    """Rate of the angle of a hinge [rad/s]."""
+    x = coordinate_of(hinge, "angle", "measures.rate")
+    return Measure("coordinate rate", f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
+
+
+def slide(slider: Joint) -> Measure:
+    """Displacement of a sliding joint [m]."""
+    x = coordinate_of(slider, "slide", "measures.slide")
+    return Measure("coordinate", f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
+
+
+def slide_rate(slider: Joint) -> Measure:
+    """Speed of a sliding joint [m/s]."""
+    x = coordinate_of(slider, "slide", "measures.slide_rate")
+    return Measure("coordinate rate", f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
+
+
+def _body(body: Any, what: str) -> None:
+    if not isinstance(body, Body | Ground):
+        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+
+
+def _point(body: Any, at: Any, what: str) -> np.ndarray:
+    """World point at the reference pose; None = centre of mass."""
+    if at is not None:
+        return vector(at, f"{what}: at")
+    return body.centre
+
+
+def position(body: Body, *, axis: Any, at: Any = None) -> Measure:
+    """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
+    _body(body, "measures.position")
+    point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
+    return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
+
+
+def velocity(body: Body, *, axis: Any, at: Any = None) -> Measure:
+    """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
+    _body(body, "measures.velocity")
+    point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
+    return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
+
+
+def omega(body: Body, *, axis: Any) -> Measure:
+    """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
+    _body(body, "measures.omega")
+    return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
+
+
+def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+    """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
+
+    ``lateral`` is given in world axes at the reference pose.
+    """
+    _body(body, "measures.lean")
+    axis = body.local_axis(unit(lateral, "measures.lean: lateral"))
+    return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
+
+
+def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+    """Rate of `lean` [rad/s]."""
+    _body(body, "measures.lean_rate")
+    axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
+    return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
+
+
+def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
+    """Distance between a point of a and a point of b [m]; None = centre of mass."""
+    for body in (a, b):
+        _body(body, "measures.distance")
+    point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
+    return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
+
+
+def state(force: ForceElement, index: int = 0) -> Measure:
+    """An own state of a force element, e.g. of a filter or of a `CustomForce`.
+
+    Parameters
+    ----------
+    force : ForceElement
+        One with own states.
+    index : int
+        Which of them, from 0.
+
+    Raises
+    ------
+    ValueError
+        If there is no such state.
+    """
+    record = force.record() if isinstance(force, ForceElement) else None
+    states = record.states if record else ()
+    if type(index) is not int or not 0 <= index < len(states):
+        raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
+    what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
+    return Measure("state", f"state {index} of {label(force)}", what, part=force, index=index)

@@ -1,0 +1,95 @@
+"""Constraint primitives as data in world coordinates of the reference pose; joints and drivers are lists of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..kernels import kinds
+from .signals import Signal
+
+ZERO = np.zeros(3)
+COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE}
+
+
+def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
+    """One of the kinds there are, or a ValueError that lists them."""
+    if kind not in known:
+        raise ValueError(f"{what}: kind {kind!r} is unknown; give one of {', '.join(map(repr, known))}")
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinate:
+    """A hinge coordinate between bodies a and b: an angle about ``axis`` (zero at the reference pose) or a slide.
+
+    Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis. Slide:
+    ``axis . (point_b - point_a)``. World coordinates at the reference pose.
+    """
+
+    kind: str  # a key of COORDINATES
+    a: Any
+    b: Any
+    axis: np.ndarray
+    axis_b: np.ndarray
+    point_a: np.ndarray = field(default_factory=lambda: ZERO)
+    point_b: np.ndarray = field(default_factory=lambda: ZERO)
+
+    def __post_init__(self) -> None:
+        check_kind(self.kind, COORDINATES, "Coordinate")
+
+
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """Rows between up to four bodies: kind, bodies of the slots, points, axes, scalars; see kernels/rows.py."""
+
+    kind: int
+    bodies: tuple
+    points: tuple = ()
+    axes: tuple = ()
+    second_axes: tuple = ()
+    values: tuple = ()
+    coordinates: tuple[Coordinate, ...] = ()
+    signal: Signal | None = None
+    in_metres: bool = True
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows."""
+        return kinds.ROWS_OF[self.kind]
+
+    @property
+    def holonomic(self) -> tuple[bool, ...]:
+        """Which rows have a residual c(q, t)."""
+        if self.kind == kinds.ROLL:
+            return (True, False, False)
+        return (self.kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * self.n_rows
+
+
+def coincide(a: Any, b: Any, at: np.ndarray, at_b: np.ndarray) -> Primitive:
+    """p_b - p_a = 0 (3 rows)."""
+    return Primitive(kinds.COINCIDE, (a, b), points=(at, at_b))
+
+
+def perpendicular(a: Any, b: Any, axis_a: np.ndarray, axis_b: np.ndarray) -> Primitive:
+    """x_a . y_b = 0 (1 row)."""
+    return Primitive(kinds.DOT, (a, b), axes=(axis_a, axis_b), in_metres=False)
+
+
+def in_plane(
+    a: Any, b: Any, normal: np.ndarray, at: np.ndarray, at_b: np.ndarray, signal: Signal | None = None
+) -> Primitive:
+    """n_a . (p_b - p_a) = 0, or = f(t) (1 row)."""
+    return Primitive(kinds.IN_PLANE, (a, b), points=(at, at_b), axes=(normal, ZERO), signal=signal)
+
+
+def ratio(
+    first: Coordinate, factor: float, second: Coordinate | None = None, factor_second: float = 0.0, *,
+    signal: Signal | None = None, in_metres: bool = False,
+) -> Primitive:  # fmt: skip
+    """factor x0 + factor_second x1 = 0, or = f(t) (1 row over two or four bodies)."""
+    both = (first,) if second is None else (first, second)
+    bodies = tuple(body for x in both for body in (x.a, x.b))
+    return Primitive(
+        kinds.RATIO, bodies, values=(factor, factor_second), coordinates=both, signal=signal, in_metres=in_metres
+    )

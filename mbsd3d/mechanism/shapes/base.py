@@ -1,0 +1,129 @@
+"""What all shapes of bodies share: a place in the body, a colour, and for most a surface."""
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...base.checks import number, vector
+from ...base.directions import perpendiculars
+from ...base.rotations import AXES, as_quaternion, matrix
+from .surfaces import Mesh, moved
+
+HEX = re.compile(r"#[0-9a-fA-F]{6}")
+CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What all shapes share: a place in the body, and perhaps a colour.
+
+    Parameters
+    ----------
+    at : (3,) array_like or None
+        Centre of the shape from O, body axes [m]; None = centre of mass of the body (`MeshFile`, `Lines`: O).
+    orientation : (4,) or (3, 3) array_like
+        Axes of the shape -> body axes: unit quaternion, scalar first, or rotation matrix; see `rotation`.
+    colour : str or None
+        "#rrggbb" or a name matplotlib knows; None = that of the body.
+
+    Raises
+    ------
+    ValueError
+        Naming shape, value and remedy.
+    """
+
+    at: Any = field(default=None, kw_only=True)
+    orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    colour: str | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        what = type(self).__name__
+        orientation = as_quaternion(self.orientation, f"{what}: orientation")
+        orientation.setflags(write=False)
+        at = None if self.at is None else vector(self.at, f"{what}: at")
+        self.set(at=at, orientation=orientation, colour=hex_colour(self.colour, what))
+        self.check(what)
+
+    def check(self, what: str) -> None:
+        """Validate and convert the fields of one kind; errors start with ``what``."""
+        raise NotImplementedError
+
+    def set(self, **values: Any) -> None:
+        """Write converted values into the frozen fields."""
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    def set_sizes(self, what: str, *names: str) -> None:
+        """Convert fields that are lengths > 0 [m]."""
+        self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in names})
+
+    def origin(self, body: Any) -> np.ndarray:
+        """Centre of the shape from O, body axes [m]."""
+        return body.com if self.at is None else self.at
+
+
+class Solid(Shape):
+    """A shape with a surface."""
+
+    def surface(self) -> Mesh:
+        """Triangles in the axes of the shape from its centre."""
+        raise NotImplementedError
+
+    def mesh(self, body: Any) -> Mesh:
+        """Triangles in body axes from O.
+
+        Parameters
+        ----------
+        body : Body
+            Whose centre of mass is the centre of the shape unless ``at`` is given.
+
+        Returns
+        -------
+        Mesh
+            [m]
+        """
+        return moved(self.surface(), matrix(self.orientation), self.origin(body))
+
+
+class Round(Solid):
+    """A body of revolution about ``axis``, of which `about_z` gives the triangles about z."""
+
+    axis: Any
+
+    def check(self, what: str) -> None:
+        axis = self.axis if isinstance(self.axis, str) else vector(self.axis, f"{what}: axis")
+        if (axis not in AXES) if isinstance(axis, str) else not axis.any():
+            raise ValueError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
+        self.set(axis=axis)
+
+    def about_z(self) -> Mesh:
+        """Triangles about z."""
+        raise NotImplementedError
+
+    def surface(self) -> Mesh:
+        axis = np.array(AXES[self.axis] if isinstance(self.axis, str) else self.axis)
+        z = axis / np.linalg.norm(axis)
+        return moved(self.about_z(), np.column_stack([*perpendiculars(z), z]), np.zeros(3))
+
+
+def positive(values: ArrayLike, what: str) -> np.ndarray:
+    """(3,) finite numbers > 0."""
+    found = vector(values, what)
+    if found.min() <= 0.0:
+        raise ValueError(f"{what}: {found.tolist()} are not all positive; give three numbers > 0 [m]")
+    return found
+
+
+def hex_colour(colour: Any, what: str) -> str | None:
+    """The colour as "#rrggbb"."""
+    if colour is None or (isinstance(colour, str) and HEX.fullmatch(colour)):
+        return colour
+    from matplotlib.colors import is_color_like, to_hex, to_rgba
+
+    known = isinstance(colour, str) and not CYCLE.fullmatch(colour) and is_color_like(colour)
+    if not known or to_rgba(colour)[3] < 1.0:
+        raise ValueError(f"{what}: colour {colour!r} is unknown; give '#rrggbb' or a name such as 'steelblue'")
+    return to_hex(colour)

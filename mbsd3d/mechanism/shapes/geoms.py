@@ -1,0 +1,34 @@
+"""Shapes of imported bodies, from MuJoCo's geoms (`import_worker`); meshes, planes and height fields have none here."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...base.rotations import conjugate, multiply
+from .base import Shape
+from .kinds import Box, Capsule, Cylinder, Ellipsoid, Sphere
+
+
+def shapes(geoms: list[Mapping[str, Any]], r: np.ndarray, e: np.ndarray, R: np.ndarray) -> list[Shape] | None:
+    """Shapes of the geoms of a body at (r, e), with R = matrix(e); None where none can be drawn."""
+    found = []
+    for geom in geoms:
+        a, b, c = geom["size"]
+        place = {
+            "at": R.T @ (np.array(geom["position"]) - r),
+            "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
+            "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
+        }
+        match geom["type"] if geom["shown"] else "":
+            case "box":
+                found.append(Box((2 * a, 2 * b, 2 * c), **place))
+            case "sphere":
+                found.append(Sphere(a, **place))
+            case "capsule":
+                found.append(Capsule(a, 2 * b, **place))
+            case "cylinder":
+                found.append(Cylinder(a, 2 * b, **place))
+            case "ellipsoid":
+                found.append(Ellipsoid((a, b, c), **place))
+    return found or None

@@ -1,0 +1,216 @@
+"""The kinds of shapes."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...base.checks import number
+from ...base.rotations import matrix
+from .base import Round, Shape, Solid, positive
+from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, moved, read_mesh, torus
+
+
+@dataclass(frozen=True, eq=False)
+class Box(Solid):
+    """Box with edges ``lengths`` (3,) > 0 [m] along its axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body
+    >>> leaf = Body("leaf", 20.0, (6.7, 8.0, 1.4), com=(0.45, 0, 0), shape=Box((0.9, 0.04, 2.0)))
+    >>> leaf.shape.mesh(leaf).vertices.max(axis=0)
+    array([0.9 , 0.02, 1.  ])
+    """
+
+    lengths: Any
+
+    def check(self, what: str) -> None:
+        self.set(lengths=positive(self.lengths, f"{what}: lengths"))
+
+    def surface(self) -> Mesh:
+        return moved(block(), np.diag(self.lengths), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid(Solid):
+    """Ellipsoid with half axes ``radii`` (3,) > 0 [m] along its axes.
+
+    >>> float(Ellipsoid((1.0, 2.0, 3.0)).surface().vertices[:, 2].max())
+    3.0
+    """
+
+    radii: Any
+
+    def check(self, what: str) -> None:
+        self.set(radii=positive(self.radii, f"{what}: radii"))
+
+    def surface(self) -> Mesh:
+        return moved(ball(), np.diag(self.radii), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere(Solid):
+    """Sphere of ``radius`` > 0 [m].
+
+    >>> float(Sphere(0.5).surface().vertices[:, 2].max())
+    0.5
+    """
+
+    radius: float
+
+    def check(self, what: str) -> None:
+        self.set_sizes(what, "radius")
+
+    def surface(self) -> Mesh:
+        return moved(ball(), self.radius * np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder(Round):
+    """Cylinder of ``radius`` and ``length`` > 0 [m] about ``axis``: "x", "y", "z" or a (3,) vector.
+
+    >>> Cylinder(0.5, 2.0, "x").surface().vertices.max(axis=0).round(12)
+    array([1. , 0.5, 0.5])
+    """
+
+    radius: float
+    length: float
+    axis: str | Sequence[float] = "z"
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set_sizes(what, "radius", "length")
+
+    def about_z(self) -> Mesh:
+        return moved(cylinder(), np.diag((self.radius, self.radius, self.length)), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Disc(Round):
+    """Flat cylinder: ``radius`` > 0, ``thickness`` > 0 along ``axis`` [m]; None is a tenth of the radius.
+
+    >>> Disc(0.5).thickness
+    0.05
+    """
+
+    radius: float
+    thickness: float | None = None
+    axis: str | Sequence[float] = "z"
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set_sizes(what, "radius")
+        self.set(thickness=0.1 * self.radius if self.thickness is None else self.thickness)
+        self.set_sizes(what, "thickness")
+
+    def about_z(self) -> Mesh:
+        return moved(cylinder(), np.diag((self.radius, self.radius, self.thickness)), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Torus(Round):
+    """Ring: a tube of radius ``tube`` [m] about a circle of ``radius`` > tube [m]; outer radius = radius + tube.
+
+    >>> Torus(0.3, 0.02, "y").surface().vertices.max(axis=0).round(3)
+    array([0.32 , 0.017, 0.32 ])
+    """
+
+    radius: float
+    tube: float
+    axis: str | Sequence[float] = "z"
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set_sizes(what, "radius", "tube")
+        if self.tube >= self.radius:
+            raise ValueError(
+                f"{what}: tube {self.tube} is not below radius {self.radius}; give that of its centre line"
+            )
+
+    def about_z(self) -> Mesh:
+        return torus(self.radius, self.tube)
+
+
+@dataclass(frozen=True, eq=False)
+class Capsule(Round):
+    """Cylinder with half balls on both ends; ``length`` [m] is that of the cylinder alone, overall length + 2 radius.
+
+    >>> float(Capsule(0.5, 2.0).surface().vertices[:, 2].max())
+    1.5
+    """
+
+    radius: float
+    length: float
+    axis: str | Sequence[float] = "z"
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set_sizes(what, "radius", "length")
+
+    def about_z(self) -> Mesh:
+        return capsule(self.radius, self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile(Solid):
+    """Triangles of an STL, OBJ, PLY or GLB file times ``scale`` [m per unit of the file], from O or ``at``.
+
+    The path is kept as it is given, a relative one counts from the working folder; the file is read when drawn, and
+    refused if it has more than 20 000 triangles. Colours and materials of the file are not used.
+
+    >>> MeshFile("crank.stl", 0.001).path
+    'crank.stl'
+    """
+
+    path: str
+    scale: float = 1.0
+
+    def check(self, what: str) -> None:
+        try:
+            path = os.fspath(self.path)
+        except TypeError:
+            raise ValueError(f"{what}: path is {self.path!r}; give the name of a file") from None
+        if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
+            raise ValueError(f"{what}: path '{path}' is no mesh; give a file that ends in {', '.join(SUFFIXES)}")
+        self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
+
+    def origin(self, body: Any) -> np.ndarray:
+        return np.zeros(3) if self.at is None else self.at
+
+    def surface(self) -> Mesh:
+        return moved(read_mesh(self.path, f"MeshFile '{self.path}'"), self.scale * np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Lines(Shape):
+    """Polyline through ``points`` (k, 3) [m], from O unless ``at`` is given; rows of NaN separate its strokes.
+
+    >>> Lines([(0, 0, 0), (1, 0, 0)]).points.shape
+    (2, 3)
+    """
+
+    points: Any
+
+    def check(self, what: str) -> None:
+        remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
+        try:
+            points = np.array(self.points, dtype=float)
+        except (TypeError, ValueError):
+            raise ValueError(f"{what}: points are not numeric; {remedy}") from None
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ValueError(f"{what}: points have shape {points.shape}; {remedy}")
+        lifted = np.isnan(points).all(axis=1)
+        if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
+            raise ValueError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
+        points.setflags(write=False)
+        self.set(points=points)
+
+    def origin(self, body: Any) -> np.ndarray:
+        return np.zeros(3) if self.at is None else self.at
+
+    def line(self, body: Any) -> np.ndarray:
+        """(k, 3) points in body axes from O [m]."""
+        return self.points @ matrix(self.orientation).T + self.origin(body)

@@ -1,0 +1,199 @@
+"""What a plot shows: every quantity of a solution as panels of named lines with a label and a unit; no plotting."""
+
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
+
+WORDS = {
+    "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
+    "com": "centre of mass", "orientation": "quaternion",
+}  # fmt: skip
+AXIS_NAMES, QUATERNION_NAMES = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
+
+
+class Panel(NamedTuple):
+    """One pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
+
+    label: str
+    unit: str
+    lines: list[tuple[str, np.ndarray]]
+    note: str = ""
+    log: bool = False
+
+    def in_degrees(self) -> "Panel":
+        """The same in degrees, if it is in radians."""
+        for unit in ("rad", "rad/s", "rad/s²"):
+            if self.unit == f"[{unit}]":
+                lines = [(name, np.degrees(values)) for name, values in self.lines]
+                return self._replace(unit=f"[{unit.replace('rad', '°')}]", lines=lines)
+        return self
+
+
+def unit_of(quantity: str) -> str:
+    """Unit as it is printed on an axis."""
+    unit = QUANTITIES[quantity].unit
+    return "[-]" if unit == "1" else f"[{unit.replace('^2', '²')}]"
+
+
+def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
+    """One part: its components in one panel. Several: a panel per component."""
+    if len(parts) == 1:
+        part, values = next(iter(parts.items()))
+        owner = f" of {part}" if part else ""
+        return [Panel(label + owner, unit, list(zip(names, values.T, strict=True)))]
+    return [
+        Panel(f"{label} {name}", unit, [(part, values[:, k]) for part, values in parts.items()])
+        for k, name in enumerate(names)
+    ]
+
+
+def body_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """A quantity of bodies; none given = all."""
+    bodies = [solution.system.part(part) for part in parts] or solution.system.bodies
+    names = QUATERNION_NAMES if quantity == "orientation" else AXIS_NAMES
+    found = {body.name: getattr(solution, quantity)(body) for body in bodies}
+    return vector_panels(WORDS.get(quantity, quantity), unit_of(quantity), names, found)
+
+
+def joint_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Angle, slide or rate of joints; none given = all that have one."""
+    system = solution.system
+    joints = [system.part(part, "joints") for part in parts]
+    if not joints:
+        kinds = {"rate": ("angle", "slide")}.get(quantity, (quantity,))
+        joints = [joint for joint in system.joints if any(getattr(joint, kind)() is not None for kind in kinds)]
+    groups: dict[str, list] = {}
+    for joint in joints:
+        name = "slide_rate" if quantity == "rate" and joint.angle() is None else quantity
+        groups.setdefault(name, []).append((system.name(joint), getattr(solution, quantity)(joint)))
+    if not groups:
+        raise ValueError(f"no joint of this system has the quantity {quantity}; give another quantity")
+    return [scalar_panel(name.replace("_", " "), unit_of(name), lines) for name, lines in groups.items()]
+
+
+def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> Panel:
+    """Lines of one unit; a single one is named by the axis."""
+    return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
+
+
+def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Torques and forces of drivers; none given = all."""
+    drivers = [solution.system.part(part, "joints") for part in parts]
+    drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
+    if not drivers:
+        raise ValueError("this system has no driver, so there is no effort; give another quantity")
+    return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
+
+
+def state_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Own states of forces; none given = all."""
+    forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
+    found = [column for force in forces for column in columns_of_states(solution, force)]
+    if not found:
+        raise ValueError("these forces have no own states; give another quantity")
+    return panels_by_unit("state", found)
+
+
+def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
+    """One panel per unit."""
+    groups: dict[str, list] = {}
+    for column in found:
+        groups.setdefault(column.unit, []).append((column.part, column.values))
+    return [scalar_panel(label, f"[{unit}]", lines) for unit, lines in groups.items()]
+
+
+def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Force and moment: components of one joint, magnitudes of several; none given = all."""
+    system = solution.system
+    joints = [system.part(part, "joints") for part in parts] or system.joints
+    if not joints:
+        raise ValueError("this system has no joint, so there is no reaction; give another quantity")
+    found = {system.name(joint): solution.reaction(joint) for joint in joints}
+    shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
+    note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
+    panels = []
+    for kind in ("force", "moment"):
+        unit, values = unit_of(f"reaction_{kind}"), {name: getattr(x, kind) for name, x in found.items()}
+        if len(joints) == 1:
+            panels += [p._replace(note=note) for p in vector_panels(f"reaction {kind}", unit, AXIS_NAMES, values)]
+        else:
+            sizes = [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]
+            panels.append(Panel(f"|reaction {kind}|", unit, sizes, note))
+    return panels
+
+
+def energy_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Kinetic, potential and total energy, and work."""
+    return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
+
+
+def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Momentum, and angular momentum about the world origin."""
+    panels = []
+    for kind, values in vars(solution.momentum()).items():
+        panels += vector_panels(f"{kind} momentum", unit_of(f"{kind}_momentum"), AXIS_NAMES, {"": values})
+    return panels
+
+
+def drift_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+    """Constraint residuals."""
+    return [
+        Panel(f"{kind} drift", unit_of(f"{kind}_drift"), [("largest", values)], log=True)
+        for kind, values in vars(solution.drift()).items()
+    ]
+
+
+PANELS: dict[str, Callable[[Any, str, tuple], list[Panel]]] = {
+    "energy": energy_panels,
+    **dict.fromkeys(BODY_QUANTITIES, body_panels),
+    **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
+    "reaction": reaction_panels,
+    "effort": effort_panels,
+    "state": state_panels,
+    "momentum": momentum_panels,
+    "drift": drift_panels,
+}
+OF_THE_SYSTEM = ("energy", "momentum", "drift")
+
+
+def panels_of(solution: Any, quantity: Any, parts: tuple = ()) -> list[Panel]:
+    """Panels of a quantity of some parts, or of several quantities.
+
+    Parameters
+    ----------
+    solution : Solution
+    quantity : str, or sequence of str and (str, part, ...)
+        See `mbsd3d.plotting.plots.plot_quantity`.
+    parts : tuple
+        Whose, where one quantity is asked for; none = all that have it.
+
+    Raises
+    ------
+    ValueError
+        For an unknown quantity or part, or a part without the quantity.
+    """
+    if not isinstance(quantity, str):
+        return panels_of_several(solution, quantity, parts)
+    if quantity not in PANELS:
+        raise ValueError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
+    if parts and quantity in OF_THE_SYSTEM:
+        raise ValueError(f"{quantity} is that of the whole system; give no parts")
+    return PANELS[quantity](solution, quantity, parts)
+
+
+def panels_of_several(solution: Any, wanted: Any, parts: tuple) -> list[Panel]:
+    """Panels of a list of quantities, each with or without parts."""
+    example = "e.g. ['energy', ('angle', 'hinge')]"
+    if parts:
+        raise ValueError(f"curves: parts of several quantities stand beside them; give {example}")
+    try:
+        entries = [(entry,) if isinstance(entry, str) else tuple(entry) for entry in wanted]
+    except TypeError:
+        entries = []
+    if not entries or not all(entry and isinstance(entry[0], str) for entry in entries):
+        raise ValueError(f"{wanted!r} is no quantity; give a name, or a list of names and tuples, {example}")
+    return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

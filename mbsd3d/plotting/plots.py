@@ -1,0 +1,232 @@
+"""Figures of a solution over time. Nothing shows by itself: every function returns a Figure.
+
+Lines differ in colour, and in their dashes too once the colours are used up; see `mbsd3d.base.style`.
+"""
+
+import io
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from cycler import cycler
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
+
+from ..base.paths import write_atomically
+from ..base.style import LINE, Theme, dress, house, theme
+from .panels import Panel, panels_of
+
+DASHES = ("-", "--", ":", "-.")
+FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
+MOST = 14  # lines of a legend
+DECADE = -18  # smallest residual shown; what is below is chance
+
+
+def plot_quantity(
+    solution: Any,
+    quantity: Any = "energy",
+    *parts: Any,
+    against: Any = None,
+    degrees: bool = False,
+    dark: bool = False,
+    axes: Any = None,
+) -> Figure:
+    """A quantity over time, or over another one.
+
+    Parameters
+    ----------
+    solution : Solution
+        What to plot.
+    quantity : str, or sequence of str and (str, part, ...)
+        "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
+        "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
+        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, stand one below the other.
+    *parts : Body, Joint, ForceElement or str
+        Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
+        component (reactions: by magnitude).
+    against : str or (str, part), optional
+        What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone is
+        that of the same parts. The start is marked.
+    degrees : bool
+        Angles in degrees instead of radians.
+    dark : bool
+        On dark paper.
+    axes : matplotlib Axes, sequence of them, or None
+        Where to draw, one per panel; None = a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not shown; a notebook shows it when it is the last value of a cell, `save_figure` writes it.
+
+    Raises
+    ------
+    ValueError
+        For an unknown quantity or part, a part without the quantity, or a wrong number of axes.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, simulate
+    >>> top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.01, 5.0, 0.0), velocity=(0, 0, 0))
+    >>> figure = simulate(System([top], gravity=(0, 0, 0)), 2.0).plot("omega_body", degrees=True)
+    >>> figure.axes[0].get_ylabel()
+    'angular velocity, body axes of\\ntop [°/s]'
+    """
+    panels = panels_of(solution, quantity, parts)
+    if degrees:
+        panels = [panel.in_degrees() for panel in panels]
+    across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
+    look = theme(dark)
+    with house(look):
+        targets = new_axes(len(panels)) if axes is None else np.ravel(np.asarray(axes, dtype=object))
+        if len(targets) != len(panels):
+            raise ValueError(
+                f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
+            )
+        before: Any = None
+        for target, panel in zip(targets, panels, strict=True):
+            legend = ([name for name, _ in panel.lines], panel.note)
+            draw_panel(target, solution.t, panel, across, look, legend=legend != before)
+            size = largest(panels, panel.unit)
+            if panel.unit == "[N m]":  # a moment is rounding beside what the forces make on the model's length
+                size = max(size, largest(panels, "[N]") * float(solution.compiled.model.length))
+            set_range(target, panel, size)
+            before = legend
+        label_across(targets, across, every=axes is not None)
+        if axes is None:
+            targets[0].figure.align_ylabels()
+    return targets[0].figure
+
+
+def new_axes(count: int) -> np.ndarray:
+    """Axes one below the other in a figure of their own."""
+    figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
+    return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+
+
+def panel_across(solution: Any, against: Any, quantity: Any, parts: tuple, degrees: bool) -> Panel:
+    """What is on the horizontal axis."""
+    if isinstance(against, str) and isinstance(quantity, str):
+        found = panels_of(solution, against, parts)
+    else:
+        found = panels_of(solution, [against])
+    if len(found) != 1:
+        raise ValueError(f"plot: against {against!r} is no single axis; give a scalar, e.g. against=('angle', 'hinge')")
+    return found[0].in_degrees() if degrees else found[0]
+
+
+def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
+    """The horizontal values of every line of a panel: one for all, or each its own."""
+    if len(across.lines) == 1:
+        return [across.lines[0][1]] * len(panel.lines)
+    values = dict(across.lines)
+    missing = [name for name, _ in panel.lines if name not in values]
+    if missing:
+        raise ValueError(
+            f"plot: against {across.label} has the lines {', '.join(values)}, none of '{missing[0]}'; "
+            "give one scalar, e.g. against=('angle', 'hinge')"
+        )
+    return [values[name] for name, _ in panel.lines]
+
+
+def label_across(targets: Any, across: Panel | None, every: bool) -> None:
+    """The label of the horizontal axis, at the lowest axes or at all."""
+    text = "time [s]" if across is None else f"{across.label} {across.unit}"
+    for target in targets if every else targets[-1:]:
+        target.set_xlabel(text, parse_math=False)
+
+
+def draw_panel(axes: Any, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
+    """Lines, grid, label and legend of a panel."""
+    dress(axes, look)
+    axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
+    marks = {"marker": "o", "markersize": 3} if t.size <= FEW else {}
+    if across is not None and not marks:
+        marks = {"marker": "o", "markersize": 5, "markevery": [0]}
+    horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
+    drawn = []
+    for x, (name, values) in zip(horizontal, panel.lines, strict=True):
+        shown = np.where(values > 0.0, values, np.nan) if panel.log else values
+        drawn += axes.plot(x, shown, label=name, linewidth=LINE, **marks)
+    if t.size > 1 and across is None:
+        margin = 0.01 * (t[-1] - t[0])
+        axes.set_xlim(t[0] - margin, t[-1] + margin)
+    axes.set_ylabel("\n".join(textwrap.wrap(f"{panel.label} {panel.unit}", 30)), parse_math=False)
+    if legend and (len(panel.lines) > 1 or panel.note):
+        write_legend(axes, drawn, panel.note, look)
+
+
+def write_legend(axes: Any, drawn: list[Line2D], note: str, look: Theme) -> None:
+    """The legend beside the data, never on it; names are written as they are, whatever signs they hold."""
+    shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
+    names = [str(line.get_label()) for line in shown]
+    if len(shown) < len(drawn):
+        names.append(f"and {len(drawn) - len(shown)} more")
+        shown = [*shown, Line2D([], [], linestyle="none")]
+    places = [str(k) for k in range(len(names))]  # matplotlib drops names that start with "_"
+    beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
+    legend = axes.legend(shown, places, title=note or None, labelcolor=look.ink, **beside)
+    legend.get_title().set_color(look.ink)
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_parse_math(False)
+        text.set_text(name)
+    legend.get_title().set_parse_math(False)
+
+
+def largest(panels: list[Panel], unit: str) -> float:
+    """Largest value of a unit."""
+    alike = [values for panel in panels if panel.unit == unit for _, values in panel.lines]
+    return max((float(np.nanmax(np.abs(x), initial=0.0)) for x in alike), default=0.0)
+
+
+def set_range(axes: Any, panel: Panel, size: float) -> None:
+    """Whole decades on a logarithmic axis; rounding is not blown up: ``size`` is the largest value of this unit."""
+    values = np.concatenate([values for _, values in panel.lines])
+    values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]
+    if not values.size:
+        return
+    low, high = float(values.min()), float(values.max())
+    if panel.log:
+        last = np.ceil(np.log10(high))
+        axes.set_yscale("log")
+        axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), DECADE), last - 1.0), 10.0**last)
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    elif high - low < 1e-9 * size:
+        axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
+
+
+def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
+    """Write a figure as PNG (150 dpi) and SVG; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        What to write.
+    path : str or Path
+        Without suffix.
+    pdf : bool
+        Write a PDF too.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    ValueError
+        If the folder cannot be written.
+    """
+    path, written = Path(path), []
+    options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
+    if pdf:
+        options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}
+    with house():
+        for suffix, settings in options.items():
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format=suffix[1:], facecolor=figure.get_facecolor(), **settings)
+            written.append(write_atomically(path.with_name(path.name + suffix), buffer.getvalue()))
+    return written

@@ -1,0 +1,1 @@
+"""What a run leaves: samples, reactions, certificate, loads and life of bearings."""

@@ -1,0 +1,169 @@
+"""Bearing loads: reactions as radial force, axial force and tilting moment; hinges as pairs of bearings.
+
+What they mean for the life of a rolling bearing: `mbsd3d.results.bearing_life`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import vector
+from ..base.directions import perpendiculars, unit
+from ..mechanism.joints import Fixed, PointJoint, Prismatic
+
+
+@dataclass(frozen=True, eq=False)
+class BearingLoad:
+    """What a bearing carries at the samples of a run.
+
+    Attributes
+    ----------
+    t : (samples,) ndarray
+        [s].
+    force, moment : (samples, 3) ndarray
+        On body b at ``point`` [N, N m], in the joint's frame: two directions across the axis, then the axis.
+    point : (samples, 3) ndarray
+        World [m].
+    speed : (samples,) ndarray
+        Rate of b relative to a about the axis [rad/s].
+    length : float
+        Length of the model [m], which says what is rounding in a moment.
+    """
+
+    t: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+    point: np.ndarray
+    speed: np.ndarray
+    length: float
+    name: str
+
+    @property
+    def radial(self) -> np.ndarray:
+        """(samples,) F_r >= 0 [N]."""
+        return np.hypot(self.force[:, 0], self.force[:, 1])
+
+    @property
+    def axial(self) -> np.ndarray:
+        """(samples,) F_a along the axis, with sign [N]."""
+        return self.force[:, 2]
+
+    @property
+    def tilting(self) -> np.ndarray:
+        """(samples,) moment across the axis >= 0 [N m]; a single bearing carries none, a pair does: `bearing_pair`."""
+        return np.hypot(self.moment[:, 0], self.moment[:, 1])
+
+
+def bearing_load(solution: Any, joint: Any, axis: Any = None, *, frame: str = "a") -> BearingLoad:
+    """The reaction of a joint as radial force, axial force and tilting moment.
+
+    Parameters
+    ----------
+    solution : Solution
+    joint : Joint or str
+        A joint at a point that lets b turn: Revolute, Cylindrical, Screw, Spherical, ...
+    axis : (3,) array_like or None
+        Axis of the bearing, world at the reference pose; None = the joint's own.
+    frame : "a" or "b"
+        Body the axis and the directions across it are fixed in: a for the load on a fixed ring, b for a turning one.
+
+    Returns
+    -------
+    BearingLoad
+
+    Raises
+    ------
+    ValueError
+        For joints that do not turn or have no axis, and where redundant constraints leave the reaction undetermined.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
+    >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2))
+    >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0.6, 0.8), name="hinge")
+    >>> load = bearing_load(accelerations(System([disc], [hinge])), hinge)
+    >>> round(float(load.radial[0]), 6), round(float(load.axial[0]), 6)
+    (58.86, 78.48)
+    """
+    part = solution.system.part(joint, "joints")
+    what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
+    if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):
+        raise ValueError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
+    if frame not in ("a", "b"):
+        raise ValueError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
+    own = part.angle()
+    if axis is None and own is None:
+        raise ValueError(f"{what} has no axis of its own; give axis=")
+    reaction = solution.reaction(part)
+    if not reaction.unique:
+        raise ValueError(f"{what}: redundant constraints leave its reaction open; cure them, see system.check()")
+    along = unit(axis, f"{what}: axis") if axis is not None else own.axis if frame == "a" else own.axis_b
+    axes = [solution.body_axis(part.a if frame == "a" else part.b, x) for x in (*perpendiculars(along), along)]
+    R, spin = np.stack(axes, axis=1), relative_spin(solution, part)
+    force, moment = (np.einsum("tij,tj->ti", R, x) for x in (reaction.force, reaction.moment))
+    speed = np.einsum("ti,ti->t", R[:, 2], spin)
+    return BearingLoad(
+        solution.t, force, moment, reaction.point, speed, solution.compiled.model.length, solution.system.name(part)
+    )
+
+
+def relative_spin(solution: Any, part: Any) -> np.ndarray:
+    """(samples, 3) w_b - w_a, world [rad/s]."""
+    rates = [solution.omega(body) if body in solution.system.bodies else np.zeros(3) for body in (part.a, part.b)]
+    return rates[1] - rates[0]
+
+
+def bearing_pair(solution: Any, joint: Any, *, fixed: Any, floating: Any) -> tuple[BearingLoad, BearingLoad]:
+    """Loads of two bearings on one shaft that together are the hinge: the fixed one takes the axial force.
+
+    From force F and moment M at the fixed bearing A, with the floating one at B = A + L u:
+    ``F_B = M x u / L``, ``F_A = F - F_B``.
+
+    Parameters
+    ----------
+    solution : Solution
+    joint : Revolute or str
+        The hinge of the shaft; its body a carries the housing.
+    fixed, floating : (3,) array_like
+        Middles of the bearings on the axis of the hinge, world at the reference pose [m].
+
+    Returns
+    -------
+    tuple of BearingLoad
+        (fixed, floating), without tilting moments.
+
+    Raises
+    ------
+    ValueError
+        As `bearing_load`; for points off the axis or at one place.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
+    >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2), position=(0.25, 0, 0))
+    >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(1, 0, 0), name="hinge")
+    >>> run = accelerations(System([disc], [hinge]))
+    >>> [round(float(x.radial[0]), 6) for x in bearing_pair(run, hinge, fixed=(0, 0, 0), floating=(1, 0, 0))]
+    [73.575, 24.525]
+    """
+    load, part = bearing_load(solution, joint), solution.system.part(joint, "joints")
+    what, axis = f"bearing_pair: '{load.name}'", part.angle().axis
+    ends = [vector(x, f"{what}: {name}") for name, x in (("fixed", fixed), ("floating", floating))]
+    span = float((ends[1] - ends[0]) @ axis)
+    for name, x in zip(("fixed", "floating"), ends, strict=True):
+        off = np.linalg.norm(np.cross(axis, x - part.at))
+        if off > 1e-6 * load.length:
+            raise ValueError(f"{what}: {name} = {x.tolist()} lies {off:g} m off the axis; give points on it")
+    if abs(span) < 1e-9 * load.length:
+        raise ValueError(f"{what}: both bearings are at one place; give two")
+    places = [solution.body_point(part.a, x) for x in ends]
+    axes = [solution.body_axis(part.a, x) for x in (*perpendiculars(axis), axis)]
+    arm = np.einsum("tij,tj->ti", np.stack(axes, axis=1), load.point - places[0])
+    moment, u = load.moment + np.cross(arm, load.force), np.array([0.0, 0.0, 1.0])
+    second = np.cross(moment, u) / span
+    none = np.zeros_like(second)
+    return tuple(
+        BearingLoad(load.t, force, none, at, load.speed, load.length, f"{load.name}, {name} bearing")
+        for force, at, name in zip((load.force - second, second), places, ("fixed", "floating"), strict=True)
+    )

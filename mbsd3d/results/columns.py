@@ -1,0 +1,116 @@
+"""Every quantity of every part of a run as columns of numbers, and what a column means."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..api.solution import Solution
+from ..mechanism.drivers import PositionDriver
+from ..mechanism.measures import state
+
+
+class Quantity(NamedTuple):
+    """What a column of numbers means."""
+
+    unit: str
+    frame: str
+    description: str
+
+
+QUANTITIES = {
+    "position": Quantity("m", "world", "position of the reference point O"),
+    "orientation": Quantity("1", "body -> world", "unit quaternion (e0, e1, e2, e3), scalar first, active"),
+    "velocity": Quantity("m/s", "world", "velocity of the reference point O"),
+    "omega": Quantity("rad/s", "world", "angular velocity"),
+    "omega_body": Quantity("rad/s", "body", "angular velocity"),
+    "acceleration": Quantity("m/s^2", "world", "acceleration of the reference point O"),
+    "alpha": Quantity("rad/s^2", "world", "angular acceleration"),
+    "com": Quantity("m", "world", "position of the centre of mass"),
+    "angle": Quantity("rad", "joint", "angle of b relative to a, unwrapped, 0 at the reference pose; NaN: has none"),
+    "slide": Quantity("m", "joint", "displacement of b relative to a, 0 at the reference pose; NaN: has none"),
+    "rate": Quantity("rad/s", "joint", "rate of the angle; NaN: has none"),
+    "slide_rate": Quantity("m/s", "joint", "rate of the slide of a joint without angle; NaN: has none"),
+    "reaction_force": Quantity("N", "world", "force of the joint on its body b"),
+    "reaction_moment": Quantity("N m", "world", "moment of the joint on its body b about reaction_point"),
+    "reaction_point": Quantity("m", "world", "point at which the reaction is given"),
+    "reaction_unique": Quantity("1", "none", "1: determined by the constraints, 0: a least-norm share"),
+    "effort": Quantity("N m or N", "joint", "torque or force of the driver on b along its motion, see driver_unit"),
+    "state": Quantity("see state_unit", "none", "own state of a force, e.g. of a filter; -: as the user defined it"),
+    "kinetic": Quantity("J", "world", "kinetic energy"),
+    "potential": Quantity("J", "world", "potential energy of gravity and springs"),
+    "total": Quantity("J", "world", "kinetic and potential energy"),
+    "work": Quantity("J", "world", "work done by drivers and by forces that store no energy"),
+    "linear_momentum": Quantity("kg m/s", "world", "momentum"),
+    "angular_momentum": Quantity("kg m^2/s", "world", "angular momentum about the world origin"),
+    "position_drift": Quantity("m or rad", "none", "largest residual of the joints"),
+    "velocity_drift": Quantity("m/s or rad/s", "none", "largest velocity residual of the joints"),
+}
+
+
+BODY_QUANTITIES = ("position", "orientation", "velocity", "omega", "omega_body", "acceleration", "alpha", "com")
+
+
+class Column(NamedTuple):
+    """One quantity of one part: (samples,) or (samples, components), or one value for all samples."""
+
+    kind: str
+    part: str
+    quantity: str
+    unit: str
+    values: np.ndarray
+
+
+def columns(solution: Solution) -> list[Column]:
+    """All quantities of all parts; kind is "body", "joint", "driver", "own_state" or "" for the whole system."""
+    system, found = solution.system, []
+
+    def add(kind: str, part: str, quantity: str, values: Any) -> None:
+        found.append(Column(kind, part, quantity, QUANTITIES[quantity].unit, np.asarray(values)))
+
+    for body in system.bodies:
+        for quantity in BODY_QUANTITIES:
+            add("body", body.name, quantity, getattr(solution, quantity)(body))
+    for joint in system.joints:
+        name, turns, slides = system.name(joint), joint.angle() is not None, joint.slide() is not None
+        for quantity, has in (("angle", turns), ("slide", slides), ("rate", turns)):
+            if has:
+                add("joint", name, quantity, getattr(solution, quantity)(joint))
+        if slides and not turns:
+            add("joint", name, "slide_rate", solution.rate(joint))
+        for quantity, values in vars(solution.reaction(joint)).items():
+            add("joint", name, f"reaction_{quantity}", values)
+    for driver in dict.fromkeys(driver for driver, _ in solution.compiled.drives):
+        found += columns_of_effort(solution, driver)
+    for force in system.forces:
+        found += columns_of_states(solution, force)
+    for quantity, values in vars(solution.energy()).items():
+        add("", "energy", quantity, values)
+    for owner in ("momentum", "drift"):
+        for quantity, values in vars(getattr(solution, owner)()).items():
+            add("", "", f"{quantity}_{owner}", values)
+    return found
+
+
+def columns_of_effort(solution: Solution, driver: Any) -> list[Column]:
+    """One column per row of a driver; a driver of several rows is named with the axis or the number of the row."""
+    effort = solution.effort(driver).reshape(solution.t.size, -1)
+    units = [unit for row in driver.rows() for unit in ["N" if row.in_metres else "N m"] * row.n_rows]
+    if isinstance(driver, PositionDriver):
+        labels = [f".{axis}" for axis, signal in zip("xyz", driver.signal, strict=True) if signal is not None]
+    else:
+        labels = [""] if len(units) == 1 else [f".{k}" for k in range(len(units))]
+    names = [solution.system.name(driver) + label for label in labels]
+    return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
+
+
+def columns_of_states(solution: Solution, force: Any) -> list[Column]:
+    """One column per own state of a force, named by its number."""
+    name, values = solution.system.name(force), solution.state_of(force).T
+    return [Column("own_state", f"{name}.{k}", "state", state(force, k).unit, z) for k, z in enumerate(values)]
+
+
+def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:
+    """Dimension and labels of the components of a column."""
+    if values.ndim < 2:
+        return "", ()
+    return ("axis", ("x", "y", "z")) if values.shape[1] == 3 else ("quaternion", ("e0", "e1", "e2", "e3"))

@@ -1,0 +1,77 @@
+"""What a run notes about itself; a solution keeps it, files store it, the certificate judges by it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..equations.compiled import Switches
+from ..integrators.dop853 import DOP853
+from ..integrators.driven import Kinematic
+from ..integrators.generalized_alpha import GeneralizedAlpha
+from ..integrators.rk4 import RK4
+
+METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
+
+
+@dataclass
+class Record:
+    """What a run did, for the certificate."""
+
+    method: Any  # one of METHODS
+    rtol: float
+    switches: Switches
+    tolerance: float = 0.0  # within which redundant rows may be violated, in model lengths; 0 = as_built not given
+    kinematic: bool = False
+    steps: int = 0  # accepted
+    rejected: int = 0
+    evaluations: int = 0
+    svd_calls: int = 0  # choices of rows
+    rank_events: list = field(default_factory=list)  # (time [s], rows kept, reason, whether the row set changed)
+    seconds: float = 0.0  # the whole run
+    loop_seconds: float = 0.0  # of these, in the compiled time loop
+    rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
+    stopped_by: str | None = None
+
+
+BUFFER = 2**21  # numbers (16 MB) the buffer of the time loop may hold
+FEWEST = 16  # samples it holds at least
+QUANTITIES = ("t", "y", "acceleration", "lam", "coordinate", "potential", "power", "residual")
+
+
+def buffer_size(wanted: int, width: int) -> int:
+    """Samples the buffer holds: those wanted, if there is room."""
+    return min(wanted, max(FEWEST, BUFFER // width))
+
+
+class Samples:
+    """Arrays (samples, width) of the quantities of a run, by name.
+
+    Parameters
+    ----------
+    widths : tuple of int
+        Numbers per sample of each of QUANTITIES.
+    expected : int
+        Samples to make room for; more of them make the arrays grow.
+    """
+
+    def __init__(self, widths: tuple[int, ...], expected: int) -> None:
+        self.count = 0
+        self.arrays = {name: np.empty((expected, width)) for name, width in zip(QUANTITIES, widths, strict=True)}
+
+    def take(self, rows: np.ndarray) -> None:
+        """Copy samples (k, sum of widths)."""
+        column, count = 0, self.count + rows.shape[0]
+        for array in self.arrays.values():
+            room, width = array.shape
+            if room < count:
+                array.resize((max(count, room + room // 4), width), refcheck=False)  # in place where it can
+            array[self.count : count] = rows[:, column : column + width]
+            column += width
+        self.count = count
+
+    def finished(self) -> dict[str, np.ndarray]:
+        """The arrays without spare room; no samples can be taken after this."""
+        for array in self.arrays.values():
+            array.resize((self.count, array.shape[1]), refcheck=False)
+        return dict(self.arrays)

@@ -1,0 +1,58 @@
+"""Motions that forces with feedback or functions of one's own feed without end: found before they take for ever."""
+
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import IntegrationError
+from ..equations.compiled import Compiled
+from ..mechanism.forces.custom import FunctionForce
+from ..mechanism.forces.feedback import StateFeedback
+
+FASTEST = 1e4  # m/s; no machine comes to that speed
+GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning
+ENOUGH = 2000  # steps before growth is judged
+LATELY = 0.1  # of the time so far
+
+
+class Growth:
+    """Watches the greatest speed of a run.
+
+    In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
+    spent on the last doubling of the speed, within ln 2 / k. No machine doubles its greatest speed so far in the last
+    half of thousands of steps and LATELY of its time, and none reaches FASTEST from slow motion. Only systems with an
+    active force are judged.
+    """
+
+    def __init__(self, compiled: Compiled, t_start: float) -> None:
+        forces = compiled.system.forces
+        self.active = [i for i, force in enumerate(forces) if isinstance(force, StateFeedback | FunctionForce)]
+        self.compiled, self.t_start = compiled, t_start
+        self.seen: list[tuple[int, float, float]] = []  # steps, time, greatest speed
+
+    def without_end(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
+        """True for a motion that grows without end, given the state, the steps so far and the greatest speed so far."""
+        n = self.compiled.model.body.size
+        if not self.active:
+            return False
+        speed = max(speed, float(np.abs(y[7 * n : 13 * n].reshape(n, 2, 3)[:, 0]).max()))
+        self.seen.append((steps, t, speed))
+        if speed > max(FASTEST, GROWN * self.seen[0][2]):
+            return True
+        _, t_half, speed_half = next(
+            entry for entry in reversed(self.seen) if entry[0] <= steps / 2 or entry is self.seen[0]
+        )
+        lately = t - t_half <= LATELY * (t - self.t_start)
+        return steps > ENOUGH and lately and speed > 1.8 * speed_half
+
+    def error(self, data: Any, t: float, solution: Any) -> IntegrationError:
+        """The error that names the active force of greatest power."""
+        forces, power = self.compiled.system.forces, np.abs(data.force["power"][self.active])
+        worst = self.active[int(np.argmax(np.where(np.isfinite(power), power, np.inf)))]
+        return IntegrationError(
+            "the motion grows without end",
+            time=t,
+            part=f"force '{self.compiled.system.name(forces[worst])}'",
+            solution=solution,
+            advice="check the sign and size of its gains or parameters, or end the run earlier",
+        )

@@ -1,0 +1,284 @@
+"""One run: the compiled time loop in chunks, the choice of rows between them, and what came out."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from ..api.solution import Solution
+from ..base.checks import number
+from ..base.concurrency import turn_passed_on
+from ..base.errors import AssemblyError, IntegrationError
+from ..base.progress import Progress
+from ..constraints.row_choice import choose_rows
+from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
+from ..equations.compiled import Compiled
+from ..integrators import base
+from ..integrators.base import Run
+from ..integrators.driven import Kinematic
+from ..kernels.dynamics import FAR, arrive
+from ..kernels.jit import announce_compilation, mark_warm
+from ..kernels.kinds import PROJECTION
+from ..kernels.loads import loads
+from ..kernels.probes import measure
+from ..mechanism.drivers import SpeedDriver
+from ..mechanism.forces.custom import check_runnable
+from ..mechanism.measures import Condition
+from ..mechanism.state import State
+from ..results.record import Record, Samples, buffer_size
+from .divergence import Growth
+from .stiffness import check_forces
+
+CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
+CAPACITY = 1024  # samples between visits to Python where every step is one
+
+FAILURES = {
+    base.STEP_TOO_SMALL: (
+        "no step is small enough",
+        "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
+    ),
+    base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
+    base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    base.NOT_CONVERGED: (
+        "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
+    ),
+}  # fmt: skip
+
+
+class Job:
+    """One run: the compiled time loop is called in chunks; between them rows are chosen and samples collected."""
+
+    def __init__(
+        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Any, rtol: float,
+        stop_when: Condition | None, as_built: float | None,
+    ) -> None:  # fmt: skip
+        self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
+        self.stop_when = stop_when
+        check_runnable(compiled.system)
+        self.growth = Growth(compiled, start.t)
+        self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
+        self.data = compiled.data()
+        kinematic = isinstance(method, Kinematic)
+        own = 0.0 if as_built is None else self.tolerance
+        self.record = Record(method, rtol, compiled.switches, own, kinematic)
+        steps = int(np.ceil((t_end - start.t) / method.dt - 1e-9)) if getattr(method, "dt", None) else 0
+        self.table = method.table(max(steps, 1) if getattr(method, "dt", None) else 0) if method.order else None
+        self.own = method.own(compiled, self.table)
+        coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
+        y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
+        self.schur = None
+        self.memory = self.new_run(y, start.t, t_end, times, rtol)
+        self.last_event = -1
+
+    def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
+        """Memory of the time loop."""
+        m, ny, n = self.model, y.size, self.model.body.size
+        widths = (1, ny, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
+        capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
+        self.samples = Samples(widths, capacity if times is None else times.size + 1)
+        stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
+        terms = 3 if self.table is None else 3 + self.table.D.shape[0]
+        clock, count = np.zeros(17), np.zeros(12, np.int64)
+        clock[base.T] = clock[base.T_START] = t
+        clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
+        clock[base.SMALLEST] = 1.0
+        clock[base.MAX_STEP] = getattr(self.method, "max_step", np.inf)
+        clock[base.MIN_STEP] = 1e-13 * max(abs(t_end), t_end - t)
+        count[base.FRESH], count[base.EVERY], count[base.CONDITION] = 1, times is None, -1
+        if self.stop_when is not None:
+            clock[base.STOP], clock[base.SIGN] = self.stop_when.value, self.stop_when.direction
+            count[base.CONDITION] = 0
+        return Run(
+            y=y, dy=np.zeros(ny), trial=np.zeros(ny), work=np.zeros(ny), work_rate=np.zeros(ny),
+            carry=np.zeros(ny), trial_carry=np.zeros(ny),
+            K=np.zeros((stages, ny)), F=np.zeros((terms, ny)), clock=clock, count=count,
+            times=np.zeros(0) if times is None else times, out=np.zeros((capacity, sum(widths))),
+        )  # fmt: skip
+
+    def run(self, progress: Progress) -> Solution:
+        """Call the time loop until the end, a stop, an error or Ctrl-C."""
+        began, loop = time.perf_counter(), f"time loop {self.method.loop.__name__}"
+        announce_compilation(loop)
+        try:
+            with progress:
+                self.check_start()
+                self.choose("start")
+                self.first_step()
+                self.check_condition()
+                self.loop(progress)
+                mark_warm(loop)
+                mark_warm()
+        except KeyboardInterrupt:
+            self.record.stopped_by = f"interrupted at t = {self.memory.clock[base.T]:.6g} s"
+        self.record.seconds = time.perf_counter() - began
+        return self.solution()
+
+    def loop(self, progress: Progress) -> None:
+        """Chunks of about CHUNK seconds."""
+        run, budget = self.memory, 16
+        while True:
+            began = time.perf_counter()
+            status = self.call(budget)
+            spent = time.perf_counter() - began
+            self.record.loop_seconds += spent
+            progress.update(run.clock[base.T])
+            if self.grows():
+                raise self.growth.error(self.data, float(run.clock[base.T]), self.solution())
+            if status == base.RUNNING:
+                budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
+            elif status == base.FULL:
+                self.drain()
+            elif status == base.PASSED:
+                self.event("nearly dependent rows passed", False)
+            elif status == base.CHOOSE_ROWS:
+                self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
+            elif status == base.NOT_CLOSING and self.record.rows_left_out:
+                self.choose("kept rows nearly dependent", afresh=True)
+            elif status == base.STIFF:
+                check_forces(self.compiled, run.y, run.clock[base.T], run.clock[base.STEP], self.solution)
+                self.own = (self.table._replace(patience=np.inf),)
+            elif status == base.STOPPED:
+                self.record.stopped_by = f"{self.stop_when} at t = {run.clock[base.T]:.9g} s"
+                return
+            elif status == base.DONE:
+                return
+            else:
+                self.fail(status)
+
+    def call(self, budget: int) -> int:
+        """The compiled loop of the method."""
+        with turn_passed_on():
+            return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
+
+    def choose(self, why: str, afresh: bool = False) -> None:
+        """Choose the independent rows at the present state; a change after the start is a rank event.
+
+        The present set is kept where it is as good as the best one, unless ``afresh``: of redundant rows, a set that is
+        good at this pose may be singular at the next one, where the mechanism is not.
+        """
+        run, model = self.memory, self.model
+        before = None if self.schur is None else np.sort(self.schur.place["row"])
+        if before is not None and run.count[base.STEPS] == self.last_event:
+            self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
+        load_rows(self.compiled, self.data, run.y, run.clock[base.T])
+        if not np.isfinite(self.data.row["J"]).all():
+            self.fail(base.NO_SOLUTION)
+        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), None if afresh else before)
+        self.record.svd_calls += 1
+        self.record.rows_left_out = int(self.schur.skipped.size)
+        self.last_event = int(run.count[base.STEPS]) if before is not None else -1
+        # a row set that is as good as can be had is kept until its pivots fall a hundredfold
+        run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
+        run.count[base.FRESH] = 1
+        if before is not None:
+            self.event(why, not np.array_equal(np.sort(self.schur.place["row"]), before))
+        elif model.stabilisation and isinstance(self.method, Kinematic):
+            self.check_driven()
+
+    def event(self, why: str, changed: bool) -> None:
+        """Note a rank event: time, rows kept, reason, whether the row set changed."""
+        time_now = float(self.memory.clock[base.T])
+        self.record.rank_events.append((time_now, self.schur.place.size, why, changed))
+
+    def check_driven(self) -> None:
+        """Kinematic() needs rows that determine everything, at position level."""
+        need = 6 * self.model.body.size
+        holonomic = int(self.model.row["holonomic"][self.schur.place["row"]].sum())
+        if holonomic < need:
+            speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
+            hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
+            raise ValueError(
+                f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
+                f"position level; {hint}"
+            )
+
+    def first_step(self) -> None:
+        """Scales of the velocity errors and the first step from the accelerations at the start."""
+        run, model, n = self.memory, self.model, self.model.body.size
+        horizon = run.clock[base.T_END] - run.clock[base.T]
+        arrive(model, self.data, self.schur, run.clock[base.T], run.y.copy(), run.dy, FAR)
+        v = run.y[7 * n : 13 * n].reshape(n, 6)
+        a = run.dy[7 * n : 13 * n].reshape(n, 6)
+        spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
+        relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / model.length
+        rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
+        rate = rate if np.isfinite(rate) else 1.0
+        rate = max(rate, 1.0 / horizon)
+        run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
+        if self.record.kinematic:
+            run.clock[base.TURN] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
+        run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** (1.0 / (self.method.order or 8)) / rate)
+
+    def check_start(self) -> None:
+        """A projected run starts from a consistent state: what the user gave is not moved silently."""
+        check_quaternions(self.compiled.system, self.start)
+        if self.model.stabilisation != PROJECTION:
+            return
+        missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))
+        if missed is not None:
+            residual, unit = missed
+            part, size = worst_joint(self.compiled, residual)
+            raise AssemblyError(
+                f"simulate: the state does not meet a joint ({unit})",
+                part=part, residual=size, time=self.start.t,
+                advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
+            )  # fmt: skip
+
+    def check_condition(self) -> None:
+        """A condition that holds already at the start would never come true."""
+        if self.stop_when is None:
+            return
+        value = measure(self.model, self.data, 0, float(self.memory.clock[base.T]))
+        if self.stop_when.direction * (value - self.stop_when.value) >= 0.0:
+            raise ValueError(
+                f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
+                "give another value or another start"
+            )
+
+    def grows(self) -> bool:
+        """True for a motion that grows without end."""
+        run = self.memory
+        return self.growth.without_end(
+            run.y, int(run.count[base.STEPS]), float(run.clock[base.T]), float(run.clock[base.SPEED])
+        )
+
+    def drain(self) -> None:
+        """Move the samples of the full buffer away."""
+        self.samples.take(self.memory.out[: int(self.memory.count[base.WRITTEN])])
+        self.memory.count[base.WRITTEN] = 0
+
+    def solution(self) -> Solution:
+        """The samples so far."""
+        self.drain()
+        run, record = self.memory, self.record
+        record.steps, record.rejected = int(run.count[base.STEPS]), int(run.count[base.REJECTED])
+        record.evaluations = int(run.count[base.EVALUATIONS])
+        arrays = self.samples.finished()
+        arrays["t"] = arrays["t"][:, 0]
+        return Solution.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
+
+    def fail(self, status: int) -> None:
+        """IntegrationError with time, the part to blame, advice and what was computed."""
+        t = float(self.memory.clock[base.T])
+        solution = self.solution()
+        part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.clock[base.STEP]))
+        what, advice = FAILURES[status]
+        if part:
+            what = "a part returns values that are not finite"
+            advice = "correct its parameters or function, or end the run earlier"
+        raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
+
+
+def blame(compiled: Compiled, data: Any, y: np.ndarray, t: float, h: float) -> str | None:
+    """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
+    for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
+        load_rows(compiled, data, y, time_of)
+        loads(compiled.model, data, time_of)
+        for joint in compiled.system.joints:
+            rows = compiled.rows[id(joint)]
+            if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
+                return f"joint '{compiled.system.name(joint)}'"
+        for k, force in enumerate(compiled.system.forces):
+            if not np.isfinite(data.force["power"][k]) or not np.isfinite(data.force["potential"][k]):
+                return f"force '{compiled.system.name(force)}'"
+    return None

@@ -1,0 +1,85 @@
+"""Which force makes a model stiff: the fastest rate that each force element gives to the bodies it acts on."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from ..base.errors import IntegrationError
+from ..base.rotations import matrix
+from ..constraints.nearby_poses import nudged
+from ..equations.at_state import load_rows
+from ..equations.compiled import Compiled
+from ..equations.mass_matrix import inertia_about_origin
+from ..integrators.stiff import FAST
+from ..kernels.loads import loads
+
+STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
+
+
+def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable) -> None:
+    """IntegrationError naming the force whose own rate [1/s] explains why steps h [s] cannot be longer, if one does.
+
+    ``solution()`` gives what was computed so far.
+    """
+    rates = [force_rate(compiled, compiled.data(), y, t, k) for k in range(len(compiled.system.forces))]
+    k = int(np.argmax(rates)) if rates else 0
+    if not rates or rates[k] * h < FAST:
+        return
+    raise IntegrationError(
+        f"the model is stiff (rate {rates[k]:.2g} 1/s): stability, not accuracy, limits the step to {h:.2g} s",
+        time=float(t),
+        part=f"force '{compiled.system.name(compiled.system.forces[k])}'",
+        solution=solution(),
+        advice="use GeneralizedAlpha(), or DOP853(stiff='run') to go on all the same",
+    )
+
+
+def force_rate(compiled: Compiled, data: Any, y: np.ndarray, t: float, k: int) -> float:
+    """Largest |eigenvalue| of M x_ddot = K x + D x_dot: element k alone, linearised, its bodies free."""
+    model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    bodies = [b for b in element_bodies(model) if 0 <= b < model.body.size]
+    if not bodies or (model.body["mass"][bodies] == 0.0).any():
+        return 0.0
+
+    def load(moved: np.ndarray) -> np.ndarray:
+        load_rows(compiled, data, moved, t)
+        loads(model, data, t)
+        return data.body["Q"][bodies].ravel()
+
+    blocks = []
+    for change in (nudged, partial(hastened, model.body.size)):
+        columns = []
+        for b in bodies:
+            for j in range(6):
+                h = STEP * (model.length if j < 3 else 1.0)
+                columns.append((load(change(y, b, j, h)) - load(change(y, b, j, -h))) / (2.0 * h))
+        blocks.append(np.column_stack(columns))
+    M = scipy.linalg.block_diag(*[mass_block(model, y, b) for b in bodies])
+    A = np.linalg.solve(M, np.hstack(blocks))
+    A = np.vstack([np.eye(*A.shape, k=M.shape[0]), A])
+    return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else 0.0
+
+
+def element_bodies(model: Any) -> list[int]:
+    """Bodies of the only force element of a model, the ground included."""
+    coordinate = int(model.force["coordinate"][0])
+    bodies = model.force["body"][0] if coordinate < 0 else model.coordinate["body"][coordinate]
+    return sorted({int(b) for b in bodies})
+
+
+def mass_block(model: Any, y: np.ndarray, b: int) -> np.ndarray:
+    """(6, 6) mass matrix of one body about its reference point."""
+    body = model.body[b]
+    return inertia_about_origin(y[7 * b + 3 : 7 * b + 7], body["com"], body["mass"], body["inertia"].reshape(3, 3))
+
+
+def hastened(n: int, y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
+    """The state of n bodies with a world component of the velocity or angular velocity of body b changed by h."""
+    dv, moved, u = np.zeros(6), y.copy(), 7 * n + 6 * b
+    dv[j] = h
+    moved[u : u + 3] += dv[:3]
+    moved[u + 3 : u + 6] += matrix(y[7 * b + 3 : 7 * b + 7]).T @ dv[3:]
+    return moved

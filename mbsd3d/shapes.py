@@ -1,0 +1,3 @@
+"""What bodies look like."""
+
+from .mechanism.shapes import *

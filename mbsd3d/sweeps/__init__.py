@@ -1,0 +1,1 @@
+"""One mechanism over a grid of parameters."""

@@ -1,0 +1,118 @@
+"""One cell of a sweep: build, simulate, measure; what comes out is plain numbers and text."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..api.system import System
+from ..base.concurrency import one_thread
+from ..run.simulation import simulate
+
+
+class MisuseError(ValueError):
+    """The functions given to `sweep` do not fit: every other cell would say the same."""
+
+
+class Outcome(NamedTuple):
+    """What came out of a cell: numbers, or the text of its error."""
+
+    values: dict[str, float | list[float]]
+    error: str = ""
+    settings: str = ""  # method and rtol of the run
+    misuse: bool = False
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What is done in every cell; goes to the workers whole."""
+
+    build: Callable[..., Any]
+    measure: Callable[[Any], Any]
+    run: Mapping[str, Any] | Callable[..., Mapping[str, Any]] = field(default_factory=dict)
+
+    def __call__(self, parameters: dict[str, Any]) -> Outcome:
+        """One cell; its own errors become part of the outcome."""
+        try:
+            with one_thread():
+                solution = self.solve(parameters)
+                values = self.numbers(self.measure(solution))
+        except MisuseError as error:
+            return Outcome({}, str(error), misuse=True)
+        except (Exception, SystemExit) as error:
+            return Outcome({}, f"{type(error).__name__}: {error}")
+        return Outcome(values, "", f"{solution.record.method}, rtol {solution.record.rtol:g}")
+
+    def solve(self, parameters: dict[str, Any]) -> Any:
+        """Build and simulate."""
+        built = self.build(**parameters)
+        system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})
+        if not isinstance(system, System) or not isinstance(own, Mapping):
+            raise MisuseError(
+                f"build returned {type(built).__name__}; return a System, or (System, dict of arguments of simulate)"
+            )
+        run = self.run(**parameters) if callable(self.run) else self.run
+        settings = {"progress": False, **run, **own}
+        check_settings(settings)
+        if "t_end" not in settings:
+            raise MisuseError("the cells have no t_end; give run=dict(t_end=...), or return it from build")
+        solution = simulate(system, **settings)
+        if (solution.record.stopped_by or "").startswith("interrupted"):
+            raise KeyboardInterrupt  # the run stood in the main thread and has seen it first
+        return solution
+
+    def numbers(self, measured: Any) -> dict[str, float | list[float]]:
+        """What measure returned, as floats and lists of floats by name."""
+        if not isinstance(measured, Mapping):
+            name = getattr(self.measure, "__name__", "value")
+            measured = {name if name.isidentifier() else "value": measured}
+        return {self.name(key): plain(key, value) for key, value in measured.items()}
+
+    @staticmethod
+    def name(key: Any) -> str:
+        """A name that a variable of a dataset may have."""
+        if not isinstance(key, str) or not key or key == "error":
+            raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
+        return key
+
+
+def plain(name: str, value: Any) -> float | list[float]:
+    """A float or a list of floats, or MisuseError naming what it is."""
+    try:
+        array = np.asarray(value)
+        real = array.dtype.kind in "fiub"
+    except (TypeError, ValueError):
+        real = False
+    if not real or array.ndim > 1:
+        found = f"an array of shape {value.shape}, type {value.dtype}" if isinstance(value, np.ndarray) else repr(value)
+        raise MisuseError(
+            f"measure returned '{name}' = {found}; return a number, a 1-D array of numbers, or a dict of them"
+        )
+    return array.astype(float).tolist()
+
+
+def check_settings(settings: Mapping[str, Any]) -> None:
+    """MisuseError for an argument that simulate does not have."""
+    known = [name for name in inspect.signature(simulate).parameters if name != "system"]
+    for name in settings:
+        if name not in known:
+            raise MisuseError(f"simulate has no argument {name!r}; it has {', '.join(known)}")
+
+
+def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
+    """ValueError where the function does not take exactly these parameters."""
+    if not callable(function):
+        raise ValueError(f"sweep: {what} {function!r} is no function; give one")
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return  # a function without a signature says itself what it wants
+    try:
+        signature.bind(**parameters)
+    except TypeError as error:
+        takes = ", ".join(signature.parameters) or "none"
+        raise ValueError(
+            f"sweep: {what} does not take the parameters {', '.join(parameters)} ({error}); it takes {takes}"
+        ) from None

@@ -1,0 +1,171 @@
+"""Cells on workers: threads, processes that may die, or any other `concurrent.futures.Executor`.
+
+Threads are the batch: each drives the compiled loop of a single run, which holds no lock, while another one builds the
+next system. One parallel loop over stacked models was measured as fast (178 against 172 ms for 128 engines, serial
+316 ms, equal bits), but has to wait until all its systems are built.
+"""
+
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from functools import partial
+from threading import Lock
+from typing import Any
+
+from ..base.concurrency import taking_turns
+from ..base.errors import SweepError
+from .cells import Outcome
+
+DIED = (
+    "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "
+    "run the cell alone to see why"
+)
+KILLED = "KilledWorker"  # of distributed, by its name: it may not be installed
+WINDOW = 1000  # cells in flight on an executor of the user's, whose workers are not known
+NO_START = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
+
+
+def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
+    """(cell, outcome) in the order in which they finish."""
+    if executor is None or executor == "threads":
+        with closing(ThreadPoolExecutor(cores(), "sweep")) as pool:
+            yield from stream(pool, partial(by_turns, Lock(), call), cells, deque(todo), 2 * cores(), deque())
+    elif executor == "processes":
+        yield from on_processes(call, cells, deque(todo))
+    else:
+        pool = executor if isinstance(executor, Executor) else executor.get_executor()
+        left, suspects = deque(todo), deque()
+        yield from stream(pool, call, cells, left, WINDOW, left, suspects)
+        again = partial(call)  # a cluster knows a task by its content, and would return the old answer
+        yield from stream(pool, again, cells, suspects, 1, left)  # alone, only the culprit loses its worker again
+        left.extend(suspects)
+        if left:
+            raise SweepError(
+                f"the executor {type(executor).__name__} broke, {len(left)} cells have not finished",
+                advice="executor='processes' goes on with fresh processes and names the cell that killed one",
+            )
+
+
+def by_turns(lock: Lock, call: Callable, cell: dict) -> Outcome:
+    """One cell; its Python when it is this thread's turn."""
+    with taking_turns(lock):
+        return call(cell)
+
+
+def check_executor(executor: Any, functions: list[Callable]) -> None:
+    """ValueError for what is no executor, and for functions that cannot go to another process."""
+    if executor == "processes":
+        for function in functions:
+            place = getattr(function, "__qualname__", "")
+            if "<" in place:
+                raise ValueError(
+                    f"sweep: {place} cannot go to another process; define it at the top of a module, or use threads"
+                )
+    elif executor not in (None, "threads") and not isinstance(executor, Executor):
+        if not hasattr(executor, "get_executor"):
+            raise ValueError(
+                f"sweep: executor {executor!r}; give None, 'threads', 'processes', a concurrent.futures.Executor "
+                "or a distributed.Client"
+            )
+
+
+def cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def closing(pool: Executor) -> Iterator[Executor]:
+    """A pool of our own; left early, nobody waits for the cells that still run."""
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def stream(
+    pool: Executor,
+    call: Callable,
+    cells: list[dict],
+    queue: deque,
+    window: int,
+    lost: deque,
+    suspects: deque | None = None,
+) -> Iterator[tuple[int, Outcome]]:
+    """Run the queue with at most ``window`` cells in flight; if the pool breaks, those in flight go to ``lost``.
+
+    A cluster blames every cell that its dead workers held, the culprit or not: these go to ``suspects`` where given.
+    """
+    running: dict[Any, int] = {}
+    broken = False
+    try:
+        while running or (queue and not broken):
+            while queue and len(running) < window and not broken:
+                try:
+                    future = pool.submit(call, cells[queue[0]])
+                except RuntimeError:  # broken since the last look at it, or closed by its owner
+                    broken = True
+                    break
+                running[future] = queue.popleft()
+                if future.done():
+                    break
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                cell, error = running.pop(future), None if future.cancelled() else future.exception()
+                if future.cancelled() or isinstance(error, BrokenExecutor):
+                    lost.append(cell)
+                    broken = True
+                elif isinstance(error, KeyboardInterrupt):
+                    raise error
+                elif suspects is not None and type(error).__name__ == KILLED:
+                    suspects.append(cell)
+                elif error is not None:
+                    yield cell, Outcome({}, f"{type(error).__name__}: {error}")
+                else:
+                    yield cell, future.result()
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def ignore_interrupts() -> None:
+    """Ctrl-C is the parent's business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def process_pool(workers: int) -> ProcessPoolExecutor:
+    """Fresh processes, not forked: threads and libraries start clean."""
+    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
+
+
+def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
+    """Own processes; cells in flight when one dies are tried once more, each alone, and the rest goes on."""
+    while queue:
+        lost: deque[int] = deque()
+        with closing(process_pool(min(cores(), len(queue)))) as pool:
+            check_start(pool)
+            yield from stream(pool, call, cells, queue, 2 * cores(), lost)
+        yield from one_by_one(call, cells, lost)
+
+
+def check_start(pool: Executor) -> None:
+    """SweepError where not even an empty task comes back."""
+    try:
+        pool.submit(cores).result()
+    except BrokenExecutor as error:
+        raise SweepError("the worker processes do not start", advice=NO_START) from error
+
+
+def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
+    """A cell that kills a worker of its own is the culprit."""
+    while queue:
+        lost: deque[int] = deque()
+        with closing(process_pool(1)) as pool:
+            yield from stream(pool, call, cells, queue, 1, lost)
+        for cell in lost:
+            yield cell, Outcome({}, DIED)

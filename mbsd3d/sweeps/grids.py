@@ -1,0 +1,167 @@
+"""The cells of a sweep: a full factorial grid of named values, or points sampled from named ranges."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import number
+
+METHODS = ("sobol", "latin hypercube", "random")
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points of named parameters.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The k parameters.
+    points : (count, k) array_like
+        One cell of the sweep per row, in the units of the parameters.
+
+    Raises
+    ------
+    ValueError
+        If the shape does not fit the names, or a number is not finite.
+
+    Examples
+    --------
+    >>> Samples(("bend", "rate"), [[0.1, 8.0], [0.4, 12.0]]).points.shape
+    (2, 2)
+    """
+
+    names: tuple[str, ...]
+    points: ArrayLike
+
+    def __post_init__(self) -> None:
+        names, points = tuple(self.names), np.array(self.points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != len(names) or not points.size:
+            raise ValueError(f"Samples: points have shape {points.shape}; give (count, {len(names)}) for {names}")
+        check_names(names)
+        bad = np.argwhere(~np.isfinite(points))
+        if bad.size:
+            raise ValueError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
+        points.setflags(write=False)
+        object.__setattr__(self, "names", names)
+        object.__setattr__(self, "points", points)
+
+
+def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
+    """Points spread over named ranges, the same for the same seed.
+
+    Parameters
+    ----------
+    ranges : mapping
+        Name -> (least, greatest) value of the parameter.
+    count : int
+        Number of points; a power of two for "sobol", whose points are even only then.
+    method : str
+        "sobol" (scrambled Sobol sequence), "latin hypercube" or "random"; see `scipy.stats.qmc`.
+    seed : int
+        Of the random numbers.
+
+    Returns
+    -------
+    Samples
+        For `sweep`; its dataset has the dimension "sample".
+
+    Raises
+    ------
+    ValueError
+        For an empty range, an unknown method, or a count that is not positive (or no power of two for "sobol").
+
+    Examples
+    --------
+    >>> points = samples({"bend": (0.1, 0.5), "rate": (5.0, 10.0)}, 4, seed=3).points
+    >>> bool((points.min(axis=0) >= (0.1, 5.0)).all() and (points.max(axis=0) <= (0.5, 10.0)).all())
+    True
+    """
+    from scipy.stats import qmc
+
+    if method not in METHODS:
+        raise ValueError(f"samples: method {method!r} is unknown; give one of {', '.join(map(repr, METHODS))}")
+    if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
+        raise ValueError(f"samples: count {count!r}; give a whole number of points > 0")
+    if method == "sobol" and count & (count - 1):
+        raise ValueError(f"samples: count {count} is no power of two, as the Sobol sequence needs; give 2, 4, 8, ...")
+    check_names(tuple(ranges))
+    limits = np.array([check_range(name, values) for name, values in ranges.items()])
+    if method == "random":
+        unit = np.random.default_rng(seed).random((count, len(limits)))
+    else:
+        kind = qmc.Sobol if method == "sobol" else qmc.LatinHypercube
+        unit = kind(len(limits), rng=seed).random(count)
+    return Samples(tuple(ranges), limits[:, 0] + unit * (limits[:, 1] - limits[:, 0]))
+
+
+def check_range(name: str, values: Any) -> tuple[float, float]:
+    """(least, greatest) of a parameter."""
+    try:
+        low, high = values
+    except (TypeError, ValueError):
+        raise ValueError(f"samples: range {values!r} of '{name}'; give (least, greatest)") from None
+    low, high = number(low, f"samples: least '{name}'"), number(high, f"samples: greatest '{name}'")
+    if not low < high:
+        raise ValueError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
+    return low, high
+
+
+def check_names(names: tuple) -> None:
+    """Names of parameters are Python names, each once."""
+    if not names:
+        raise ValueError("sweep: the grid is empty; give at least one parameter with its values")
+    for name in names:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ValueError(f"sweep: parameter {name!r}; give the name of a parameter of build")
+        if name in ("error", "sample") or names.count(name) > 1:
+            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a name of its own")
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Cells in a fixed order; the last dimension runs fastest."""
+
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    columns: dict[str, tuple[str, np.ndarray]]  # parameter -> (its dimension, its values)
+    cells: list[dict[str, Any]]
+
+    def title(self, cell: int) -> str:
+        """A cell as a person would name it."""
+        return f"cell {cell} ({', '.join(f'{name}={value!r}' for name, value in self.cells[cell].items())})"
+
+
+def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
+    """The cells of a mapping (every combination of its values) or of samples."""
+    if isinstance(grid, Samples):
+        columns = {name: ("sample", grid.points[:, i]) for i, name in enumerate(grid.names)}
+        cells = [dict(zip(grid.names, point, strict=True)) for point in grid.points.tolist()]
+        return Grid(("sample",), (len(cells),), columns, cells)
+    if not isinstance(grid, Mapping):
+        raise ValueError(f"sweep: grid {grid!r}; give a mapping of parameter names to values, or samples(...)")
+    check_names(tuple(grid))
+    values = {name: check_values(name, given) for name, given in grid.items()}
+    lists = [array.tolist() for array in values.values()]
+    cells = [dict(zip(values, point, strict=True)) for point in itertools.product(*lists)]
+    shape = tuple(array.size for array in values.values())
+    return Grid(tuple(values), shape, {name: (name, array) for name, array in values.items()}, cells)
+
+
+def check_values(name: str, given: Any) -> np.ndarray:
+    """(k,) numbers or texts, none twice."""
+    array = np.array(given)
+    if array.ndim != 1 or array.dtype.kind not in "fiubU":
+        raise ValueError(f"sweep: '{name}': {given!r}; give a list of numbers or texts")
+    if not array.size:
+        raise ValueError(f"sweep: '{name}' has no values; give at least one")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        where = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
+    if np.unique(array).size < array.size:
+        raise ValueError(f"sweep: '{name}': a value stands twice in {array.tolist()}; list every value once")
+    return array

@@ -1,0 +1,115 @@
+"""Films of a run: animated GIF, and MP4 through ffmpeg. A file is whole or not there."""
+
+import contextlib
+import importlib
+import io
+import os
+import shutil
+import subprocess
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.checks import number
+from ...base.paths import ready_path, write_atomically
+from ...base.progress import Progress
+from ...base.style import channels
+from .reel import Reel
+
+GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
+GIF_FASTEST = 50.0  # frames per second; viewers show more of them slower
+TONES, PROBES = 128, 9  # colours of a GIF, frames they are found from
+NO_FFMPEG = (
+    "export_mp4 needs ffmpeg; install it (Debian, Ubuntu: apt install ffmpeg; macOS: brew install ffmpeg; "
+    "elsewhere: pip install imageio-ffmpeg), or use export_gif"
+)
+
+
+def export_gif(solution: Any, path: str | Path, *, fps: float, **options: Any) -> Path:
+    """See `Solution.export_gif`; ``options`` are those of `Reel`."""
+    from PIL import Image
+
+    if number(fps, "fps", positive=True) > GIF_FASTEST:
+        raise ValueError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
+    path = ready_path(path, ".gif")
+    reel = Reel(solution, fps=fps, usual=GIF_USUAL, **options)
+    probes = np.unique(np.linspace(0, len(reel) - 1, PROBES).astype(int))
+    sample = Image.fromarray(np.concatenate([reel.frame(k) for k in probes]))
+    palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
+    tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), reel.sheet.paper)
+    ends = np.rint(np.arange(len(reel) + 1) * 100.0 / reel.fps).astype(int)  # GIF counts in 1/100 s
+    with Progress(f"making {path.name}", 0, len(reel)) as bar:
+        images = []
+        for k, frame in enumerate(reel):
+            images.append(Image.fromarray(nearest_tones(frame, tones)))
+            images[-1].putpalette(tones.ravel().tolist())
+            bar.update(k + 1)
+    buffer = io.BytesIO()
+    durations = (10 * np.diff(ends)).tolist()
+    images[0].save(buffer, "GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, disposal=1)
+    return write_atomically(path, buffer.getvalue())
+
+
+def export_mp4(solution: Any, path: str | Path, **options: Any) -> Path:
+    """See `Solution.export_mp4`; ``options`` are those of `Reel`."""
+    command, path = ffmpeg(), ready_path(path, ".mp4")
+    reel = Reel(solution, **options)
+    for side, length in (("width", reel.width), ("height", reel.height)):
+        if length % 2:
+            raise ValueError(f"{side} = {length} is odd; give an even one")
+    part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{reel.width}x{reel.height}", "-r", f"{reel.fps:g}", "-i", "-"]
+    coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
+    exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4"]
+    try:
+        pour([command, "-loglevel", "error", "-y", *raw, *coded, *exact, str(part)], reel, path)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path
+
+
+def pour(command: list[str], reel: Reel, path: Path) -> None:
+    """Send all frames to a process; on Ctrl-C or an error it is ended, and its complaint is raised."""
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            with Progress(f"making {path.name}", 0, len(reel)) as bar, contextlib.suppress(BrokenPipeError):
+                for k, frame in enumerate(reel):
+                    process.stdin.write(np.ascontiguousarray(frame).tobytes())
+                    bar.update(k + 1)
+            _, complaint = process.communicate()
+        except BaseException:
+            process.kill()
+            raise
+    if process.returncode:
+        said = complaint.decode(errors="replace").strip().splitlines()
+        raise ValueError(f"export_mp4: ffmpeg cannot write '{path}': {said[-1] if said else 'it says nothing'}")
+
+
+def ffmpeg() -> str:
+    """The program: on the PATH, or the one that imageio-ffmpeg brings."""
+    found = shutil.which("ffmpeg")
+    if found is None:
+        with contextlib.suppress(ImportError, RuntimeError):
+            found = importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe()
+    if found is None:
+        raise ValueError(NO_FFMPEG)
+    return found
+
+
+def with_paper(tones: np.ndarray, paper: str) -> np.ndarray:
+    """The (k, 3) tones, the one nearest to the paper made equal to it: else the ground of the film is tinted."""
+    exact = channels(paper).astype(np.uint8)
+    return np.where((nearest_tones(exact[None, None], tones)[0, 0] == np.arange(len(tones)))[:, None], exact, tones)
+
+
+def nearest_tones(image: np.ndarray, tones: np.ndarray) -> np.ndarray:
+    """(h, w) uint8 places of the tones (k, 3) nearest to the pixels (h, w, 3); exact, which Pillow's own are not."""
+    packed = (image.astype(np.int32) * (65536, 256, 1)).sum(axis=2)
+    values, same = np.unique(packed, return_inverse=True)
+    colours = np.stack([values >> 16, (values >> 8) & 255, values & 255], axis=1)
+    wide = tones.astype(np.int32)
+    distance = (wide**2).sum(axis=1) - 2 * colours @ wide.T
+    return distance.argmin(axis=1).astype(np.uint8)[same].reshape(image.shape[:2])

@@ -1,0 +1,192 @@
+"""The frames of a film: a painted scene, the time, and curves below it with a moving cursor; images, no file format."""
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from ...base.checks import number
+from ...base.style import Theme, dress, house, theme
+from ..picture.painter import new_sheet
+from ..picture.picture import painter_of, picture_layers
+from ..picture.pointers import pointers_of
+from ..scene.curves import Curve, curves_of
+from ..scene.frames import LONG, SENSIBLE, frames_of, sensible_speed
+from ..scene.layers import ARROWS
+from ..scene.motion import arrows_of, traces_of
+
+WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
+STRIP = 0.27  # height of a pair of axes below the scene, of the width
+LEGIBLE = 320  # width of curves at least [pixel]
+MOST, LARGEST = 5000, 4096  # frames of a film, pixels of a side
+COARSE = 31.0  # longest triangle or stroke, about [pixel]
+PATH = 400  # points of a path at least
+FEW = 60  # poses that say how far the motion reaches
+
+
+def whole(value: Any, what: str, least: int, most: int) -> int:
+    """A whole number in a range."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise ValueError(f"{what} = {value!r}; give a whole number from {least} to {most}")
+    return int(value)
+
+
+class Reel:
+    """All that a film shows; iterating gives its frames as (height, width, 3) uint8.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+        What moves.
+    fps : float
+        Frames per second of the film.
+    speed : float or None
+        Seconds of the run per second of the film; None = real time, or a round factor for a run that is too short or
+        too long for that.
+    width : int
+        [pixel]
+    height : int or None
+        Of the scene without the curves [pixel]; None = 3/4 of the width.
+    curves : sequence or None
+        Below the scene: quantities, or (quantity, part, ...) as `Solution.plot` takes them; None = a few that tell
+        most, () = none.
+    traces, shown, hidden, view, dark
+        See `Solution.picture`.
+    usual : (float, float)
+        If the speed is not given: the longest run shown in real time, and the length of the film of any other [s].
+    """
+
+    def __init__(
+        self,
+        solution: Any,
+        *,
+        fps: float = 25,
+        speed: float | None = None,
+        width: int = 480,
+        height: int | None = None,
+        curves: Sequence[Any] | None = (),
+        traces: Any = None,
+        shown: Any = (),
+        hidden: Any = (),
+        view: Sequence[float] | None = None,
+        dark: bool = False,
+        usual: tuple[float, float] = (LONG, SENSIBLE),
+    ) -> None:
+        self.fps = number(fps, "fps", positive=True)
+        if solution.t.size < 2 or solution.t[-1] <= solution.t[0]:
+            raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
+        span = float(solution.t[-1] - solution.t[0])
+        self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
+        count = round(span * self.fps / self.speed) + 1
+        if not 2 <= count <= MOST:
+            raise ValueError(
+                f"speed: {span:g} s at speed {self.speed:g} and {self.fps:g} frames per second make {count} frames, "
+                f"not 2 ... {MOST}; give another speed"
+            )
+        self.width = whole(width, "width", 64, LARGEST)
+        rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
+        self.dpi = max(100.0, self.width / WIDEST)
+        self.sheet = theme(dark)
+        layers = picture_layers(solution.system, shown, hidden, moving=True)
+        kinds = set(ARROWS) & set(layers)
+        self.frames = frames_of(solution, count)
+        self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
+        fine = frames_of(solution, self.finer * (count - 1) + 1)
+        self.traces = traces_of(solution, fine, traces) if "traces" in layers else []
+        self.vectors = [x for x in arrows_of(solution, self.frames) if x.kind in kinds] if kinds else []
+        some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
+        r, e = self.frames.r[some], self.frames.e[some]
+        inches = (self.width / self.dpi, rows / self.dpi)
+        self.painter, self.reach = painter_of(
+            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
+            fine=max(0.03, COARSE / self.width),
+        )  # fmt: skip
+        found = curves_of(solution, self.frames, curves)
+        if found and self.width < LEGIBLE:
+            raise ValueError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
+        self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
+        self.height = rows + (self.strip.height if self.strip else 0)
+
+    def __len__(self) -> int:
+        return self.frames.t.size
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return (self.frame(k) for k in range(len(self)))
+
+    def frame(self, k: int) -> np.ndarray:
+        """(height, width, 3) image."""
+        with house(self.sheet):
+            figure, axes = new_sheet(self.painter.inches, self.sheet)
+            figure.set_dpi(self.dpi)
+            self.painter.paint(
+                axes,
+                [(self.frames.r[k], self.frames.e[k])],
+                traces=[trace._replace(points=trace.points[: self.finer * k + 1]) for trace in self.traces],
+                arrows=[pointers_of(x, k, self.reach, self.painter.lens) for x in self.vectors],
+            )
+            self.painter.write_note(axes, self.clock(k))
+            scene = pixels(figure)
+        return scene if self.strip is None else np.concatenate([scene, self.strip.at(k)])
+
+    def clock(self, k: int) -> str:
+        """Time with as many digits as the steps need, and the speed if it is not 1."""
+        t = self.frames.t
+        digits = max(0, int(np.ceil(-np.log10(t[1] - t[0]))))
+        rate = "" if self.speed == 1.0 else f"   ({self.speed:g}× speed)"
+        return f"t = {t[k]:.{digits}f} s{rate}"
+
+
+class Strip:
+    """Curves over time as one image, on which the cursor moves."""
+
+    def __init__(self, curves: Sequence[Curve], t: np.ndarray, width: int, dpi: float, sheet: Theme) -> None:
+        self.height = round(STRIP * width * len(curves) / 2) * 2
+        self.sheet, self.pen = sheet, max(1, round(dpi / 100))
+        with house(sheet):
+            figure = Figure(figsize=(width / dpi, self.height / dpi), dpi=dpi, layout="constrained")
+            figure.set_facecolor(sheet.paper)
+            panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+            for axes, curve in zip(panels, curves, strict=True):
+                dress(axes, sheet)
+                for i, (name, values) in enumerate(curve.lines):
+                    axes.plot(t, values, color=sheet.colour(i), linewidth=1.2, label=name)
+                axes.set_ylabel("\n".join([*textwrap.wrap(curve.label, 18), f"[{curve.unit}]"]), fontsize=7)
+                axes.tick_params(labelsize=7)
+                axes.locator_params(axis="y", nbins=4)
+                axes.margins(x=0.01)
+                if len(curve.lines) > 1:
+                    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=7)
+            panels[-1].set_xlabel("time [s]", fontsize=7)
+            self.image = pixels(figure)
+        self.boxes = [axes.bbox.extents for axes in panels]
+        self.columns = np.rint(panels[0].transData.transform(np.column_stack([t, 0.0 * t]))[:, 0]).astype(int)
+        self.dots = [
+            (to_rgb(sheet.colour(i)), self.height - axes.transData.transform(np.column_stack([t, values]))[:, 1])
+            for axes, curve in zip(panels, curves, strict=True)
+            for i, (_, values) in enumerate(curve.lines)
+        ]
+
+    def at(self, k: int) -> np.ndarray:
+        """The image with the cursor at a frame: a line, and a dot on every curve."""
+        image, x, half = self.image.copy(), self.columns[k], 3 * self.pen
+        for _, low, _, high in self.boxes:
+            rows = slice(round(self.height - high), round(self.height - low))
+            image[rows, x : x + self.pen] = np.round(255 * np.array(to_rgb(self.sheet.muted)))
+        for tint, heights in self.dots:
+            y = round(heights[k])
+            across, down = np.meshgrid(np.arange(x - half, x + half + 1), np.arange(y - half, y + half + 1))
+            inside = np.hypot(across - x, down - y) <= half
+            inside &= (down >= 0) & (down < image.shape[0]) & (across >= 0) & (across < image.shape[1])
+            image[down[inside], across[inside]] = np.round(255 * np.array(tint))
+        return image
+
+
+def pixels(figure: Figure) -> np.ndarray:
+    """(height, width, 3) uint8 of a figure at its own resolution."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())[..., :3]

@@ -1,0 +1,154 @@
+"""A glTF 2.0 asset in the making: arrays, materials, meshes, nodes and one animation, then the bytes of a .glb file.
+
+Equal arrays, materials and meshes are stored once. The binary chunk has three parts, each with one buffer view:
+vertices, indices and the arrays of the animation.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ...base.style import channels, linear
+from ...mechanism.shapes import Mesh
+from ..scene.meshes import Skin, skin
+
+GLTF_FLOAT, GLTF_SHORT, GLTF_INT = 5126, 5123, 5125
+COMPONENTS = {"<f4": GLTF_FLOAT, "<u2": GLTF_SHORT, "<u4": GLTF_INT}
+TYPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4"}
+VIEWS: dict[str, dict[str, int]] = {
+    "vertices": {"byteStride": 12, "target": 34962},
+    "indices": {"target": 34963},
+    "animation": {},
+}
+LINES, LINE_STRIP, TRIANGLES = 1, 3, 4
+ROUGHNESS, METALLIC = 0.6, 0.1
+RESTART = 0xFFFF  # the one short index that glTF keeps for itself
+
+
+def short(values: np.ndarray) -> list[float]:
+    """Numbers as long as single precision needs."""
+    return [float(str(x)) for x in np.asarray(values, np.float32)]
+
+
+class Asset:
+    """The parts so far; ``library`` is the module pygltflib."""
+
+    def __init__(self, library: Any, about: dict[str, Any], generator: str) -> None:
+        self.library, self.gltf = library, library.GLTF2(scene=0, scenes=[library.Scene()])
+        self.gltf.asset = library.Asset(generator=generator, extras=about)
+        self.animation = library.Animation(name="motion")
+        self.chunks: dict[str, bytearray] = {}
+        self.known: dict[Any, int] = {}
+        self.skins: dict[Any, Skin] = {}
+
+    def once(self, key: Any, kind: str, make: Any) -> int:
+        """Place of a thing in the list ``kind``; made if there is none with this key."""
+        things = getattr(self.gltf, kind)
+        if (kind, key) not in self.known:
+            self.known[kind, key] = len(things)
+            things.append(make())
+        return self.known[kind, key]
+
+    def array(self, values: np.ndarray, view: str, bounds: bool = False) -> int:
+        """Accessor of an array, with its lowest and highest values where glTF wants them."""
+        values = np.ascontiguousarray(values)
+
+        def make() -> Any:
+            chunk = self.chunks.setdefault(view, bytearray())
+            chunk += bytes(-len(chunk) % 4)
+            offset = len(chunk)
+            chunk.extend(values.tobytes())
+            low, high = (np.atleast_1d(f(values, axis=0)).tolist() if bounds else None for f in (np.min, np.max))
+            return self.library.Accessor(
+                bufferView=list(self.chunks).index(view), byteOffset=offset, componentType=COMPONENTS[values.dtype.str],
+                normalized=None, count=len(values), type=TYPES[values.shape[1:]], min=low, max=high,
+            )  # fmt: skip
+
+        return self.once((view, bounds, values.dtype.str, values.shape, values.tobytes()), "accessors", make)
+
+    def skin(self, mesh: Mesh) -> Skin:
+        """A mesh with normals."""
+        key = (np.asarray(mesh.vertices, "<f4").tobytes(), mesh.faces.tobytes(), mesh.shade.tobytes())
+        if key not in self.skins:
+            self.skins[key] = skin(mesh)
+        return self.skins[key]
+
+    def material(self, colour: str, brightness: float = 1.0, double_sided: bool = False) -> int:
+        """A matt paint."""
+        factor = [*linear(brightness * channels(colour) / 255.0).round(6).tolist(), 1.0]
+
+        def make() -> Any:
+            paint = self.library.PbrMetallicRoughness(
+                baseColorFactor=factor, metallicFactor=METALLIC, roughnessFactor=ROUGHNESS
+            )
+            name = f"{colour}{' dark' if brightness < 1.0 else ''}{' open' if double_sided else ''}"
+            return self.library.Material(pbrMetallicRoughness=paint, doubleSided=double_sided, name=name)
+
+        return self.once((tuple(factor), double_sided), "materials", make)
+
+    def primitive(
+        self,
+        mode: int,
+        material: int,
+        points: np.ndarray,
+        normals: np.ndarray | None = None,
+        corners: np.ndarray | None = None,
+    ) -> tuple:
+        """Triangles or lines of a mesh: mode, material, accessors of points, normals and corners."""
+        if corners is not None:
+            kind = np.dtype("<u2" if len(points) <= RESTART else "<u4")
+            corners = self.array(np.asarray(corners, kind).ravel(), "indices")
+        if normals is not None:
+            normals = self.array(np.asarray(normals, "<f4"), "vertices")
+        return mode, material, self.array(np.asarray(points, "<f4"), "vertices", bounds=True), normals, corners
+
+    def mesh(self, name: str, primitives: list[tuple]) -> int:
+        """A mesh of primitives; one with the same primitives keeps the name of the first."""
+
+        def make() -> Any:
+            parts = [
+                self.library.Primitive(
+                    attributes=self.library.Attributes(POSITION=points, NORMAL=normals),
+                    indices=corners, mode=mode, material=material,
+                )
+                for mode, material, points, normals, corners in primitives
+            ]  # fmt: skip
+            return self.library.Mesh(name=name, primitives=parts)
+
+        return self.once(tuple(primitives), "meshes", make)
+
+    def node(self, name: str, parent: int | None = None, mesh: int | None = None, **place: np.ndarray) -> int:
+        """A node below its parent; ``place``: translation (3,), rotation (x, y, z, w) and scale (3,) at the start."""
+        index, nodes = len(self.gltf.nodes), self.gltf.nodes
+        nodes.append(self.library.Node(name=name, mesh=mesh, **{key: short(value) for key, value in place.items()}))
+        (self.gltf.scenes[0].nodes if parent is None else nodes[parent].children).append(index)
+        return index
+
+    def moving(self, name: str, parent: int, t: np.ndarray, mesh: int | None = None, **places: np.ndarray) -> int:
+        """A node with places (frames, 3 or 4) at times (frames,) [s]; what stands still gets no channel."""
+        node = self.node(name, parent, mesh, **{key: values[0] for key, values in places.items()})
+        for path, places_of in places.items():
+            values = np.asarray(places_of, "<f4")
+            if (values == values[0]).all():
+                continue
+            clock = self.array(np.asarray(t, "<f4"), "animation", bounds=True)
+            sampler = self.library.AnimationSampler(input=clock, output=self.array(values, "animation"))
+            target = self.library.AnimationChannelTarget(node=node, path=path)
+            self.animation.channels.append(
+                self.library.AnimationChannel(sampler=len(self.animation.samplers), target=target)
+            )
+            self.animation.samplers.append(sampler)
+        return node
+
+    def glb(self) -> bytes:
+        """The .glb file."""
+        chunk = bytearray()
+        for name, content in self.chunks.items():
+            chunk += bytes(-len(chunk) % 4)
+            view = self.library.BufferView(buffer=0, byteOffset=len(chunk), byteLength=len(content), **VIEWS[name])
+            self.gltf.bufferViews.append(view)
+            chunk += content
+        self.gltf.animations = [self.animation] if self.animation.channels else []
+        self.gltf.buffers = [self.library.Buffer(byteLength=len(chunk))]
+        self.gltf.set_binary_blob(bytes(chunk))
+        return b"".join(self.gltf.save_to_bytes())

@@ -1,0 +1,133 @@
+"""A run as an animated glTF 2.0 file, which Blender, three.js and most viewers of solids open.
+
+One node per body, named as it, carries its shape and the joints' glyphs; its translation and rotation are animated.
+glTF is y up: the root node turns the world, z up, by -90 degrees about x. Time starts at zero.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.paths import package_version, with_suffix, write_atomically
+from ...base.rotations import rotation
+from ...base.style import GREY, SHADED
+from ...mechanism.shapes import Mesh
+from ..scene.drawing import Drawing, Piece, Wire, draw_system, poses_of
+from ..scene.frames import Frames, frames_of
+from ..scene.motion import Trace, moved, traces_of
+from ..scene.sticks import ROD, SLENDER, rolled, unit_coil, unit_rod
+from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
+
+LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
+SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes of the mechanism
+UPRIGHT = rotation("x", -90, degrees=True)
+
+
+def export_run(solution: Any, path: str | Path, frames: int | None = None, traces: Any = None) -> Path:
+    """Write the file of a solution; see `Solution.export_glb`."""
+    library = gltf_library()
+    shown = frames_of(solution, frames)
+    content = glb(library, solution.system, shown, traces_of(solution, shown, traces))
+    return write_atomically(with_suffix(path, ".glb"), content)
+
+
+def export_pose(system: Any, path: str | Path) -> Path:
+    """Write the file of a system at its reference pose; see `System.export_glb`."""
+    library, (r, e) = gltf_library(), poses_of(system)
+    content = glb(library, system, Frames(np.zeros(1), r[None], e[None]), [])
+    return write_atomically(with_suffix(path, ".glb"), content)
+
+
+def gltf_library() -> Any:
+    """The module pygltflib."""
+    try:
+        import pygltflib
+    except ImportError:
+        raise ValueError("export_glb needs the package pygltflib; install it: pip install 'mbsd3d[view]'") from None
+    return pygltflib
+
+
+def glb(library: Any, system: Any, frames: Frames, traces: list[Trace]) -> bytes:
+    """The bytes of the file."""
+    drawing = draw_system(system)
+    names = [body.name for body in system.bodies]
+    title = ", ".join(names[:3]) + (f" and {len(names) - 3} more bodies" if len(names) > 3 else "")
+    about = {
+        "title": title,
+        "length": "m",
+        "time": "s",
+        "start": float(frames.t[0]),
+        "duration": float(frames.t[-1] - frames.t[0]),
+    }
+    asset = Asset(library, about, f"mbsd3d {package_version()}")
+    root = asset.node("world, z up", rotation=as_gltf(UPRIGHT))
+    add_bodies(asset, root, [*names, "ground"], drawing, frames)
+    add_links(asset, root, drawing, frames)
+    for trace in traces:
+        if len(trace.points) > 1:
+            line = asset.primitive(LINE_STRIP, asset.material(trace.colour), trace.points)
+            asset.node(f"path of {trace.name}", root, asset.mesh(f"path of {trace.name}", [line]))
+    return asset.glb()
+
+
+def as_gltf(e: np.ndarray) -> np.ndarray:
+    """Quaternions with the scalar last."""
+    return np.roll(e, -1, axis=-1)
+
+
+def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, frames: Frames) -> None:
+    """A node for every body and the ground; below it one for its shape and one for each of its joints."""
+    shown: list[dict[tuple[str, str], list[Piece | Wire]]] = [{} for _ in names]
+    for item in (*drawing.pieces, *drawing.wires):
+        if item.layer in LAYERS:
+            shown[item.body].setdefault((item.layer, item.name), []).append(item)
+    clock = frames.t - frames.t[0]
+    for i, name in enumerate(names):
+        if i == len(names) - 1 and not shown[i]:
+            continue  # nothing stands on the ground
+        places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
+        node = asset.moving(name, root, clock, **places)
+        for (layer, part), items in shown[i].items():
+            label = f"{part} shape" if layer == "bodies" else f"{part} on {name}"
+            primitives = [primitive for item in items for primitive in primitives_of(asset, item)]
+            if primitives:
+                asset.node(label, node, asset.mesh(label, primitives))
+
+
+def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[tuple]:
+    """Triangles of a piece, light and dark ones, or the strokes of a wire."""
+    if isinstance(item, Piece):
+        yield from solid(asset, item.mesh, item.colour)
+        return
+    drawn = np.isfinite(item.points).all(axis=1)
+    places = np.cumsum(drawn) - 1
+    starts = np.flatnonzero(drawn[:-1] & drawn[1:])
+    if starts.size:
+        corners = places[np.column_stack([starts, starts + 1])]
+        yield asset.primitive(LINES, asset.material(item.colour), item.points[drawn], corners=corners)
+
+
+def solid(asset: Asset, mesh: Mesh, colour: str) -> Iterator[tuple]:
+    """One set of triangles for each shade; they share their corners."""
+    skin = asset.skin(mesh)
+    for shade, brightness in ((0, 1.0), (1, SHADED)):
+        faces = skin.faces[skin.shade == shade]
+        if faces.size:
+            paint = asset.material(colour, brightness, double_sided=not skin.closed)
+            yield asset.primitive(TRIANGLES, paint, skin.vertices, skin.normals, faces)
+
+
+def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None:
+    """Springs as coils, the links of joints as rods, from one end to the other."""
+    clock, least = frames.t - frames.t[0], ROD * drawing.size
+    for link in drawing.links:
+        start, end = (moved(frames, body, point) for body, point in link.ends)
+        lengths, e = rolled(end - start, SHORTEST * drawing.size)
+        width = np.full(len(lengths), max(SLENDER * lengths.mean(), least) if link.spring else least)
+        mesh = asset.mesh(
+            "coil" if link.spring else "rod", list(solid(asset, unit_coil() if link.spring else unit_rod(), GREY))
+        )
+        places = {"translation": start, "rotation": as_gltf(e), "scale": np.column_stack([width, width, lengths])}
+        asset.moving(link.name, root, clock, mesh, **places)

@@ -1,0 +1,177 @@
+"""What a page holds: what is drawn, how it moves, and both as numbers the player reads.
+
+Arrays become short texts: whole steps, second differences, deflate, base64. Motions are smooth, so that second
+differences of their steps are small numbers, whose bytes deflate well when all first bytes come first, then all second
+ones. Sums of 32-bit integers wrap around and are exact: no error grows.
+"""
+
+import base64
+import zlib
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...base.style import CELLS, DARK, LIGHT
+from ..scene.curves import Curve
+from ..scene.drawing import Drawing
+from ..scene.frames import Frames
+from ..scene.grid import length_text
+from ..scene.layers import MARKS, USUAL
+from ..scene.motion import Arrows, Trace
+from .copies import Links
+from .recorder import Recording
+from .stage import Stage, build_stage
+
+LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
+TURN = 1e-5  # of quaternions
+ARROW = 2e-4  # of arrows, in units of the longest
+MISSING = -(2**31)  # stands for a value that is not finite
+VALUE = 1e-6  # of curves, in units of their range
+TRACE = 10  # characters a number of a trace takes, whose points are in the scene four times
+
+
+class Content(NamedTuple):
+    """All that a page or a live view shows."""
+
+    drawing: Drawing
+    frames: Frames
+    arrows: list[Arrows]
+    traces: list[Trace]
+    curves: list[Curve]
+    speed: float  # model time per real time
+    title: str
+    shown: tuple[str, ...] = USUAL  # layers
+    timed: bool = True  # whether the time is one of a run
+    followed: int = -1  # body that the camera goes along with
+
+
+def weight_of(content: Content) -> int:
+    """Characters that what moves takes in a page, all but the curves."""
+    frames, size = content.frames, content.drawing.size
+    arrays = [(frames.r, LENGTH * size), (frames.e, TURN)]
+    for kind in content.arrows:
+        arrays += [(kind.points, ARROW * size), (kind.vectors, ARROW * kind.longest)]
+    traces = sum(trace.points.size for trace in content.traces)
+    return sum(len(pack(values, step)["data"]) for values, step in arrays) + TRACE * traces
+
+
+def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
+    """The recorded scene (base64) and what the player needs to move it."""
+    recording = Recording(user)
+    stage = build_stage(
+        recording.scene,
+        recording.camera,
+        content.drawing,
+        content.frames,
+        content.arrows,
+        content.traces,
+        content.shown,
+        near=content.followed >= 0,
+    )
+    return recording.data(), player_data(content, stage)
+
+
+def player_data(content: Content, stage: Stage) -> dict[str, Any]:
+    """Numbers and names for player.js; lengths in metres."""
+    drawing, frames = content.drawing, content.frames
+    t, size = frames.t, drawing.size
+    moving = [
+        i for i in range(frames.r.shape[1]) if np.ptp(frames.r[:, i], axis=0).any() or np.ptp(frames.e[:, i], 0).any()
+    ]
+    return {
+        "times": {"first": float(t[0]), "step": float((t[-1] - t[0]) / max(t.size - 1, 1)), "count": int(t.size)},
+        "speed": content.speed,
+        "scale": stage.scale,
+        "distance": stage.distance,
+        "followed": content.followed,
+        "moving": moving,
+        "bodies": [[tag.body, tag.text] for tag in drawing.tags if tag.layer == "body names" and tag.body in moving],
+        "poses": {"r": pack(frames.r, LENGTH * size), "e": pack(frames.e, TURN)},
+        "links": [links_data(links) for links in stage.links],
+        "solids": [node.name for node in stage.layers["bodies"] if "/mesh" in node.name],
+        "traces": [node.name for node in stage.traces],
+        "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
+        "layers": layers_data(content, stage),
+        "curves": [curve_data(curve) for curve in content.curves],
+        "grid": length_text(stage.cell),
+        "darkCells": [[grey] * 3 for grey in CELLS["dark"]],
+        "colours": {"light": LIGHT.lines, "dark": DARK.lines},
+    }
+
+
+def links_data(links: Links) -> dict[str, Any]:
+    """Springs or rods: ends in body axes, radii, and the directions from which they turn."""
+    ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
+    return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
+
+
+def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, Any]:
+    """Arrows of one kind: where, how large, and what the legend says."""
+    return {
+        "kind": kind.kind,
+        "unit": kind.unit.replace("^2", "²"),
+        "heads": kind.heads,
+        "colour": kind.colour,
+        "uncertain": any(kind.uncertain),
+        "node": stage.arrows[i].name,
+        "longest": kind.longest,
+        "factor": stage.factors[i],
+        "points": pack(kind.points, ARROW * size),
+        "vectors": pack(kind.vectors, ARROW * kind.longest),
+    }
+
+
+def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
+    """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
+    marks = {kind.kind: {"colour": kind.colour, "heads": kind.heads} for kind in content.arrows}
+    inner = (*marks, *MARKS)
+    return [
+        {
+            "name": name,
+            "inner": name in inner,
+            "nodes": [node.name for node in nodes],
+            "shown": name in stage.shown,
+            **marks.get(name, {}),
+        }
+        for name, nodes in stage.layers.items()
+        if nodes
+    ]
+
+
+def curve_data(curve: Curve) -> dict[str, Any]:
+    """One pair of axes."""
+    lines = []
+    for name, values in curve.lines:
+        values = np.asarray(values, float)
+        finite = values[np.isfinite(values)]
+        span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
+        lines.append({"name": name, "values": pack(values, max(VALUE * span, 1e-9 * largest))})
+    return {"label": curve.label, "unit": curve.unit.replace("^2", "²"), "lines": lines}
+
+
+def pack(values: np.ndarray, step: float) -> dict[str, Any]:
+    """Values (frames, ...) rounded to multiples of ``step``, wider where they would not fit into 30 bits."""
+    values = np.asarray(values, float)
+    finite = np.isfinite(values)
+    largest = float(np.abs(values[finite]).max()) if finite.any() else 0.0
+    step = max(float(step), largest / 2**30) or 1.0
+    whole = np.where(finite, np.rint(np.where(finite, values, 0.0) / step), MISSING).astype(np.int32)
+    rows = np.ascontiguousarray(whole.reshape(len(whole), -1).T)
+    for _ in range(2):
+        rows = np.diff(rows, axis=1, prepend=np.int32(0))
+    zigzag = ((rows << 1) ^ (rows >> 31)).astype("<u4")  # small negative numbers become small positive ones
+    planes = zigzag.reshape(-1, 1).view(np.uint8).T
+    data = base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+    return {"shape": list(values.shape), "step": step, "data": data}
+
+
+def unpack(packed: dict[str, Any]) -> np.ndarray:
+    """What `pack` was given, to half a step; NaN where a value was not finite."""
+    raw = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), np.uint8)
+    zigzag = np.ascontiguousarray(raw.reshape(4, -1).T).view("<u4").astype(np.uint32).ravel()
+    frames = packed["shape"][0]
+    rows = ((zigzag >> 1) ^ (-(zigzag & 1).astype(np.int32)).view(np.uint32)).view(np.int32).reshape(-1, frames)
+    for _ in range(2):
+        rows = np.cumsum(rows, axis=1, dtype=np.int32)
+    values = np.where(rows == MISSING, np.nan, rows * packed["step"])
+    return np.ascontiguousarray(values.T).reshape(packed["shape"])

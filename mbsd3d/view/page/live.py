@@ -1,0 +1,178 @@
+"""A view served on this machine: the same scene as the page's, moved from Python, with viser's own panel.
+
+`LiveView` holds the server and the thread that moves the scene; what stands in the panel says `mbsd3d.view.page.panel`.
+"""
+
+import os
+import sys
+import threading
+import time
+import webbrowser
+from typing import Any
+
+import numpy as np
+
+from .content import Content
+from .html import printable
+from .panel import Panel
+from .recorder import import_viser
+from .stage import build_stage
+
+PERIOD = 1.0 / 30.0  # [s] from one picture to the next
+HOST = "127.0.0.1"  # nobody else on the network sees it
+
+
+class LiveView:
+    """A running view; a context manager that stops it at its end.
+
+    Examples
+    --------
+    ::
+
+        with solution.animate(live=True) as view:
+            view.open()
+            view.wait()
+
+    Attributes
+    ----------
+    playing : bool
+    speed : float
+        Seconds of the run per second.
+    time : float
+        Shown [s].
+    """
+
+    def __init__(self, content: Content, dark: bool | None = None) -> None:
+        frames, self._content = content.frames, content
+        self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
+        self._shown: float | None = None  # time of the picture; None = make it anew
+        self._ended = threading.Event()
+        self._server = quiet_server()
+        try:
+            scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
+            self._stage = build_stage(
+                scene, camera, content.drawing, frames, content.arrows, content.traces, content.shown
+            )
+            self._paths = [(node, node.points) for node in self._stage.traces]
+            gui.set_panel_label(printable(content.title))
+            gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
+            self._panel = Panel(gui, self, self._stage, content, bool(dark))
+        except BaseException:
+            self._server.stop()
+            raise
+        self._thread = threading.Thread(target=self._run, name="mbsd3d live view", daemon=True)
+        self._thread.start()
+
+    def __repr__(self) -> str:
+        return f"<live view: {self.url}{' (stopped)' if self._ended.is_set() else ''}>"
+
+    def __enter__(self) -> "LiveView":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.stop()
+
+    @property
+    def url(self) -> str:
+        """Where a browser finds it."""
+        return f"http://{HOST}:{self._server.get_port()}"
+
+    def can_open(self) -> bool:
+        """Whether this machine has a browser with windows."""
+        return has_browser()
+
+    def open(self) -> None:
+        """Show it in the default browser; raises ValueError where there is none."""
+        if not self.can_open() or not webbrowser.open(self.url):
+            raise ValueError(f"no browser was found on this machine; open {self.url} in one")
+
+    def wait(self) -> None:
+        """Return after Ctrl-C or `stop`; the view is stopped then."""
+        try:
+            while not self._ended.wait(0.2):
+                pass
+        except KeyboardInterrupt:
+            pass  # the way to end it
+        finally:
+            self.stop()
+
+    def stop(self) -> None:
+        """End the server and free its port; browsers keep the last picture."""
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        self._thread.join()
+        self._server.stop()
+
+    def refresh(self) -> None:
+        """Make the picture anew: other things are to be seen."""
+        self._shown = None
+
+    def _run(self) -> None:
+        """Let the time pass and show it, until stopped."""
+        before = time.perf_counter()
+        while not self._ended.wait(PERIOD):
+            now = time.perf_counter()
+            if self.playing:
+                self.time = self._later(self.time + self.speed * (now - before))
+            before = now
+            if self.time != self._shown:
+                self._shown = self.time
+                with self._server.atomic():
+                    self._show(self._shown)
+
+    def _later(self, t: float) -> float:
+        """The time, from the start again after the end."""
+        first, last = float(self._content.frames.t[0]), float(self._content.frames.t[-1])
+        return first if t > last and self.time >= last else min(t, last)
+
+    def _show(self, t: float) -> None:
+        """Move everything to a time; traces grow in whole frames."""
+        k, share = place(self._content.frames.t, t)
+        r, e = (mixed(values, k, share) for values in (self._content.frames.r, self._content.frames.e))
+        self._stage.move(r, e / np.linalg.norm(e, axis=1, keepdims=True))
+        for i, arrows in enumerate(self._content.arrows):
+            if self._panel.shown(arrows.kind):
+                self._stage.point(i, mixed(arrows.points, k, share), mixed(arrows.vectors, k, share))
+        for node, points in self._paths:
+            node.points = points[: k + 1]
+        self._panel.show(t)
+
+
+def serve(content: Content, *, dark: bool | None = None) -> LiveView:
+    """Start a live view of what a page would show; raises ValueError if viser is missing."""
+    return LiveView(content, dark)
+
+
+def place(t: np.ndarray, now: float) -> tuple[int, float]:
+    """The frame before a time, and the share of the way to the next."""
+    k = int(np.clip(np.searchsorted(t, now, side="right") - 1, 0, max(t.size - 2, 0)))
+    return k, float((now - t[k]) / (t[k + 1] - t[k])) if t.size > 1 else 0.0
+
+
+def mixed(values: np.ndarray, k: int, share: float) -> np.ndarray:
+    """Between two frames along straight lines."""
+    return (1.0 - share) * values[k] + share * values[k + 1] if share else values[k]
+
+
+def quiet_server() -> Any:
+    """A server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
+    viser = import_viser("a live view")
+    import rich
+
+    console = rich.get_console()
+    with console.capture():
+        server = viser.ViserServer(host=HOST, port=0, verbose=False)
+    server.get_event_loop().call_soon_threadsafe(console.begin_capture)  # what its own thread says at the end
+    return server
+
+
+def has_browser() -> bool:
+    """Whether a browser with windows can be opened here."""
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    try:
+        webbrowser.get()
+    except webbrowser.Error:
+        return False
+    return True

@@ -1,0 +1,232 @@
+"""A shaded picture of a mechanism in perspective, drawn with matplotlib on plain axes; vector output stays vector.
+
+Everything is split into small triangles and strokes, which are painted from far to near.
+"""
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+from ...base.rotations import matrix
+from ...base.style import LIGHT, Theme, channels
+from ..scene.camera import Lens, window
+from ..scene.drawing import Drawing
+from ..scene.grid import length_text, round_down
+from ..scene.layers import USUAL
+from ..scene.motion import Trace
+from .labels import Name, place, write
+from .pointers import Pointers
+from .shading import SEAM, Items, Solids, join, outlines, split_strokes, strokes_as_items
+
+POINT = 72.0  # points per inch
+FINE = 0.045  # longest triangle or stroke, of the size of what is seen
+PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
+MANY = 3000  # more triangles and strokes than this go into a vector file as an image
+
+
+def tone(colour: str) -> np.ndarray:
+    """(3,) of "#rrggbb" as matplotlib counts, 0 ... 1."""
+    return channels(colour) / 255.0
+
+
+def shadow_on(sheet: Theme) -> np.ndarray:
+    """The colour of shadows on a paper."""
+    paper = tone(sheet.paper)
+    return paper * (0.93 if paper.mean() > 0.5 else 0.6)
+
+
+class Painter:
+    """Paints poses of one drawing through one lens on sheets of one size; see `Painter.paint`.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What there is.
+    lens : Lens
+        From where it is seen.
+    r, e : (frames, n + 1, 3), (frames, n + 1, 4) ndarray
+        All poses that must fit on the paper.
+    inches : (float, float)
+        Width and height of the paper.
+    sheet : Theme
+        Colours of the paper and of what is drawn on it.
+    layers : collection of str
+        Which are painted, see `mbsd3d.view.scene.layers`; "ground grid" is the floor with its grid and the shadows.
+    also : (k, 3) ndarray
+        More points that must fit, world [m]: paths, tips of arrows.
+    fine : float
+        Longest triangle or stroke, of the size of all that is seen.
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        lens: Lens,
+        r: np.ndarray,
+        e: np.ndarray,
+        inches: tuple[float, float],
+        *,
+        sheet: Theme = LIGHT,
+        layers: Collection[str] = USUAL,
+        also: np.ndarray | None = None,
+        fine: float = FINE,
+    ) -> None:
+        self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
+        hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
+        pieces = [p._replace(colour=hues.get(p.colour, p.colour)) for p in drawing.pieces if p.layer in layers]
+        self.wires = [w._replace(colour=hues.get(w.colour, w.colour)) for w in drawing.wires if w.layer in layers]
+        self.tags = [tag for tag in drawing.tags if tag.layer in layers]
+        self.links = drawing.links if "springs and rods" in layers else []
+        points = [also] if also is not None and len(also) else []
+        R = matrix(e)
+        for body, local in [(p.body, p.mesh.vertices) for p in pieces] + [(w.body, w.points) for w in self.wires]:
+            points.append((local @ R[:, body].transpose(0, 2, 1) + r[:, None, body]).reshape(-1, 3))
+        for link in self.links:
+            points += [R[:, body] @ point + r[:, body] for body, point in link.ends]
+        cloud = np.concatenate([*points, r.reshape(-1, 3)[:1]])
+        cloud = cloud[np.isfinite(cloud).all(axis=1)]
+        self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
+        self.size = float((self.high - self.low).max()) or drawing.size or 1.0
+        if self.ground:  # the shadows belong to the picture
+            cloud = np.concatenate([cloud, cloud * (1.0, 1.0, 0.0) + (0.0, 0.0, self.low[2])])
+        self.longest = fine * self.size
+        self.solids = Solids(pieces, self.longest)
+        self.corner, opposite = window(lens.project(cloud)[0], inches)
+        self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
+        self.choices: list[int] = []  # where the names stood in the picture before
+        self.cell = round_down(0.22 * self.size)
+
+    def on_paper(self, points: np.ndarray) -> np.ndarray:
+        """World points (..., 3) as points of the paper (..., 2), 1/72 inch from the lower left corner."""
+        return (self.lens.project(points)[0] - self.corner) * self.scale
+
+    def items(self, r: np.ndarray, e: np.ndarray) -> Items:
+        """Solids, wires and links at a pose (n + 1, 3), (n + 1, 4)."""
+        R = matrix(e)
+        found = [self.solids.placed(r, R, self.lens, PEN)]
+        for wire in self.wires:
+            points = wire.points @ R[wire.body].T + r[wire.body]
+            strokes = np.stack([points[:-1], points[1:]], axis=1)
+            strokes = self.strokes(strokes[np.isfinite(strokes).all(axis=(1, 2))], wire.colour, AXIS)
+            found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
+        for link in self.links:
+            ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
+            found.append(self.strokes(ends[None], self.sheet.muted, LINK))
+        return join(found)
+
+    def strokes(self, strokes: np.ndarray, colour: str, pen: float) -> Items:
+        """Straight lines (k, 2, 3) as items."""
+        return strokes_as_items(split_strokes(strokes, self.longest)[0], tone(colour), pen, 0.0)
+
+    def paint(
+        self,
+        axes: Any,
+        poses: Sequence[tuple[np.ndarray, np.ndarray]],
+        *,
+        traces: Sequence[Trace] = (),
+        arrows: Sequence[Pointers] = (),
+    ) -> None:
+        """Paint one pose or several on top of each other.
+
+        Parameters
+        ----------
+        axes : matplotlib Axes
+            Empty; it gets the paper's units of 1/72 inch.
+        poses : sequence of (r, e)
+            (n + 1, 3) and (n + 1, 4); names belong to the last one.
+        traces : sequence of Trace
+            Paths, drawn as far as their points go.
+        arrows : sequence of Pointers
+            With their legend.
+        """
+        width, height = POINT * self.inches[0], POINT * self.inches[1]
+        axes.set(xlim=(0, width), ylim=(0, height))
+        axes.set_axis_off()
+        found = [self.items(r, e) for r, e in poses]
+        found += [arrow.items(self.longest) for arrow in arrows]
+        if self.ground:
+            shadows = [self.solids.shadow(r, matrix(e), self.low[2]) for r, e in poses]
+            self.paint_ground(axes, np.concatenate(shadows))
+        for trace in traces:
+            strokes = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
+            found.append(self.strokes(strokes, trace.colour, PATH))
+        spots = self.paint_items(axes, join(found))
+        self.paint_directions(axes)
+        if self.tags:
+            self.write_names(axes, poses[-1], spots, (width, height))
+        for k, (legend, colour) in enumerate(dict.fromkeys((arrow.legend, arrow.colour) for arrow in arrows)):
+            style = {"ha": "right", "va": "top", "fontsize": 8, "color": self.readable(colour)}
+            axes.text(width - 8, height - 8 - 11 * k, legend, **style)
+
+    def paint_items(self, axes: Any, items: Items) -> np.ndarray:
+        """From far to near; returns points of the paper that are painted."""
+        depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
+        order = np.argsort(-depth, kind="stable")
+        polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
+        fill = items.fill[order]
+        drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
+        drawn.set_antialiased(items.width[order] > 0.0)  # the paper must not shine through between triangles
+        drawn.set_rasterized(len(order) > MANY)
+        axes.add_collection(drawn, autolim=False)
+        return np.concatenate([polygons, 0.5 * (polygons + np.roll(polygons, 1, axis=1))]).reshape(-1, 2)
+
+    def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
+        """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
+        floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
+        shade = shadow_on(self.sheet)
+        axes.add_collection(
+            PolyCollection(self.on_paper(shadows), facecolors=[shade], edgecolors=[shade], linewidths=0.4, zorder=1),
+            autolim=False,
+        )
+        middle, reach = 0.5 * (self.low + self.high)[:2], 0.75 * self.size + self.cell
+        first, last = np.floor((middle - reach) / self.cell), np.ceil((middle + reach) / self.cell)
+        strokes = []
+        for i, j in ((0, 1), (1, 0)):
+            for x in np.arange(first[i], last[i] + 1):
+                line = np.full((2, 3), floor)
+                line[:, i], line[:, j] = x * self.cell, (first[j] * self.cell, last[j] * self.cell)
+                strokes.append(line)
+        short, _ = split_strokes(np.array(strokes), 0.25 * self.cell)
+        far = np.linalg.norm(short.mean(axis=1)[:, :2] - middle, axis=1) / reach
+        short, far = short[far < 1.0], far[far < 1.0]
+        tints = grid + (paper - grid) * np.clip(1.6 * far - 0.6, 0.0, 1.0)[:, None]
+        axes.add_collection(
+            LineCollection(self.on_paper(short), colors=tints, linewidths=0.6, zorder=2, capstyle="butt"), autolim=False
+        )
+        style = {"ha": "right", "va": "bottom", "fontsize": 8, "color": self.sheet.muted}
+        axes.text(POINT * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
+
+    def paint_directions(self, axes: Any) -> None:
+        """The world's axes in the corner, as they lie in the middle of the picture."""
+        for k, name in enumerate("xyz"):
+            tip = 20.0 * self.lens.axes[:2, k]
+            axes.plot(*np.array([(26.0, 24.0), tip + (26.0, 24.0)]).T, color=self.sheet.muted, linewidth=1.0, zorder=4)
+            style = {"ha": "center", "va": "center", "fontsize": 7.5, "color": self.sheet.muted, "zorder": 5}
+            axes.text(*(1.32 * tip + (26.0, 24.0)), name, **style)
+
+    def write_names(self, axes: Any, pose: tuple, spots: np.ndarray, paper: tuple[float, float]) -> None:
+        """Names of the tags at a pose."""
+        r, R = pose[0], matrix(pose[1])
+        names = [
+            Name(tag.text, self.on_paper(R[tag.body] @ tag.point + r[tag.body]), self.readable(tag.colour))
+            for tag in self.tags
+        ]
+        centres, self.choices = place(names, spots, paper, self.choices)
+        write(axes, names, centres, self.sheet.paper)
+
+    def write_note(self, axes: Any, text: str) -> None:
+        """A line in the upper left corner."""
+        axes.text(8, POINT * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
+
+    def readable(self, colour: str) -> np.ndarray:
+        """A colour moved towards the ink, for letters."""
+        return 0.6 * tone(colour) + 0.4 * tone(self.sheet.ink)
+
+
+def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Any]:
+    """An empty figure and axes that fill it."""
+    figure = Figure(figsize=inches, facecolor=sheet.paper)
+    return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))

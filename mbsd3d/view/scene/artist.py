@@ -1,0 +1,121 @@
+"""Makes the drawing of a system."""
+
+from typing import Any
+
+import numpy as np
+
+from ...base.directions import perpendiculars
+from ...base.rotations import quaternion_from_matrix
+from ...base.style import GREY, INNER, MARK, colour
+from ...mechanism.bodies import GROUND
+from ...mechanism.contacts import RollingDisc
+from ...mechanism.shapes import Ellipsoid, Lines, Shape
+from ...mechanism.shapes.guesses import shapes_of
+from ...mechanism.shapes.surfaces import ball, block, joined, moved
+from .drawing import Drawing, Link, Piece, Tag, Wire, bounds, corners, poses_of
+from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
+
+LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
+
+
+class Artist:
+    """Makes the drawing of a system, step by step: bodies first, since their size gives that of the marks."""
+
+    def __init__(self, system: Any) -> None:
+        self.system = system
+        self.place = {id(body): i for i, body in enumerate((*system.bodies, GROUND))}
+        self.drawing = Drawing([], [], [], [], 0.0, 0.0)
+        self.rolling = {id(joint.b): joint for joint in system.joints if isinstance(joint, RollingDisc)}
+
+    def bodies(self) -> None:
+        """Shapes of the bodies; those without one that roll as a disc are a lens of its radius."""
+        for i, body in enumerate(self.system.bodies):
+            for shape in self.shapes(body):
+                tint = shape.colour or colour(i)
+                try:
+                    if isinstance(shape, Lines):
+                        self.drawing.wires.append(Wire(body.name, "bodies", i, shape.line(body), tint))
+                    else:
+                        self.drawing.pieces.append(Piece(body.name, "bodies", i, shape.mesh(body), tint))
+                except ValueError as error:
+                    raise ValueError(f"body '{body.name}': {error}") from error
+
+    def shapes(self, body: Any) -> tuple[Shape, ...]:
+        """Those of a body; a wheel's ellipsoid would reach into the road."""
+        disc = self.rolling.get(id(body))
+        if body.shape is not None or disc is None or not np.allclose(disc.centre, body.centre, atol=1e-9 * disc.radius):
+            return shapes_of(body)
+        axis = body.local_axis(disc.axis)
+        turn = quaternion_from_matrix(np.column_stack([*perpendiculars(axis), axis]))
+        inner = (1.0 - 1.3 * RIM) * disc.radius  # the rim is drawn with the joint
+        return (Ellipsoid((inner, inner, 0.1 * disc.radius), orientation=turn),)
+
+    def arms(self) -> None:
+        """Wires from the centres of mass to joints and springs, and the links."""
+        strokes: dict[int, list[np.ndarray]] = {}
+        for part in (*self.system.joints, *self.system.forces):
+            points = joints_of(part)
+            for body, point in points:
+                if body is not GROUND:
+                    strokes.setdefault(self.place[id(body)], []).extend([body.com, body.local_point(point), LIFT])
+            if hasattr(part, "at_a") and len(points) == 2:
+                first, second = ((self.place[id(body)], body.local_point(point)) for body, point in points)
+                self.drawing.links.append(Link(self.system.name(part), (first, second), part in self.system.forces))
+        for i, points in strokes.items():
+            self.drawing.wires.append(Wire(self.system.bodies[i].name, "bodies", i, np.array(points[:-1]), colour(i)))
+
+    def circles(self) -> None:
+        """Rolling and pitch circles."""
+        for joint in self.system.joints:
+            for body, mesh in circles(joint):
+                self.drawing.pieces.append(Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, MARK))
+
+    def names(self) -> None:
+        """Of bodies at their centres of mass, of joints at their points."""
+        add = self.drawing.tags.append
+        for i, body in enumerate(self.system.bodies):
+            add(Tag(body.name, "body names", i, body.com, colour(i)))
+        for joint in self.system.joints:
+            body, point = anchor(joint)
+            add(Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), MARK))
+
+    def grain(self, size: float) -> float:
+        """Size of joints: a twenty-fifth of the mechanism's, but not more than a part of that of a usual body."""
+        ground = self.place[id(GROUND)]
+        extents = [float(np.ptp(own, axis=0).max()) for i, own in corners(self.drawing).items() if i != ground]
+        extents = [extent for extent in extents if extent > 0.0]
+        return min(0.04 * size, 0.15 * float(np.median(extents))) if extents else 0.04 * size
+
+    def marks(self, size: float) -> None:
+        """Centres of mass, reference points, and balls for bodies that have no shape."""
+        bar = [scaled(block(), *np.where(np.arange(3) == k, 1.5, 0.12) * size) for k in range(3)]
+        cross, dot = joined(*bar), scaled(ball(), *3 * (0.4 * size,))
+        add = self.drawing.pieces.append
+        for i, body in enumerate(self.system.bodies):
+            centre = dot._replace(vertices=dot.vertices + body.com)
+            if not shapes_of(body):
+                add(Piece(body.name, "bodies", i, moved(ball(), 0.5 * size * np.eye(3), body.com), colour(i)))
+            add(Piece(body.name, "centre of mass", i, centre, INNER))
+            add(Piece(body.name, "reference point", i, cross, GREY))
+
+    def joints(self, size: float) -> None:
+        """Solids and axes of the joints."""
+        for joint in self.system.joints:
+            name = self.system.name(joint)
+            for body, mesh in solids(joint, size):
+                self.drawing.pieces.append(Piece(name, "joints", self.place[id(body)], mesh, MARK))
+            for body, ends in spokes(joint, 3.0 * size):
+                self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
+
+    def draw(self) -> Drawing:
+        """All of it: what has a size of its own first, since that gives the size of the marks."""
+        self.bodies()
+        self.arms()
+        self.circles()
+        self.names()
+        low, high = bounds(self.drawing, *(pose[None] for pose in poses_of(self.system)))
+        size = float((high - low).max()) or 1.0
+        mark = self.grain(size)
+        self.marks(mark)
+        self.joints(mark)
+        return self.drawing._replace(size=size, floor=float(low[2]))

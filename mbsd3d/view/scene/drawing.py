@@ -1,0 +1,144 @@
+"""What is drawn of a system: triangles, lines and names, each fixed in a body; no plotting library.
+
+Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...base.rotations import matrix
+from ...mechanism.bodies import GROUND
+from ...mechanism.shapes import Mesh
+from .camera import Camera, frame_camera
+
+__all__ = ["Camera", "Drawing", "Link", "Piece", "Tag", "Wire", "bounds", "draw_system", "frame_camera", "poses_of"]
+
+WORK = 20_000_000  # points times poses that are looked at for the bounds
+
+
+class Piece(NamedTuple):
+    """Triangles that move with a body."""
+
+    name: str  # of the body or joint they show
+    layer: str  # "bodies", "joints", "centre of mass" or "reference point", see `mbsd3d.view.scene.layers`
+    body: int
+    mesh: Mesh  # body axes from O
+    colour: str  # "#rrggbb"
+
+
+class Wire(NamedTuple):
+    """A polyline that moves with a body; rows of NaN separate its strokes."""
+
+    name: str
+    layer: str  # "bodies" (arms to the joints, shapes given as polylines) or "joints" (axes)
+    body: int
+    points: np.ndarray  # (k, 3) body axes from O [m]
+    colour: str
+
+
+class Link(NamedTuple):
+    """A straight connection of two body points: spring, distance."""
+
+    name: str
+    ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]  # (body, point in body axes from O)
+    spring: bool = False  # a force, drawn as a coil; else a joint, drawn as a rod
+
+
+class Tag(NamedTuple):
+    """A name at a point of a body."""
+
+    text: str
+    layer: str  # "body names" or "joint names"
+    body: int
+    point: np.ndarray  # (3,) body axes from O [m]
+    colour: str
+
+
+class Drawing(NamedTuple):
+    """All that is drawn of a system; ``size`` is its largest extent at the reference pose [m]."""
+
+    pieces: list[Piece]
+    wires: list[Wire]
+    links: list[Link]
+    tags: list[Tag]
+    size: float
+    floor: float  # height of the ground grid, world [m]
+
+
+def draw_system(system: Any) -> Drawing:
+    """What is drawn of a system.
+
+    Parameters
+    ----------
+    system : System
+
+    Returns
+    -------
+    Drawing
+        True to scale; only the marks of joints and points have a size of their own.
+
+    Raises
+    ------
+    ValueError
+        Naming body and remedy for a shape that cannot be drawn.
+    """
+    from .artist import Artist
+
+    return Artist(system).draw()
+
+
+def poses_of(system: Any, state: Any = None) -> tuple[np.ndarray, np.ndarray]:
+    """(n + 1, 3) positions and (n + 1, 4) unit quaternions with the ground last, at a state or the reference pose.
+
+    Raises
+    ------
+    ValueError
+        If the state is one of another system.
+    """
+    if state is None:
+        r = np.array([body.position for body in system.bodies])
+        e = np.array([body.orientation for body in system.bodies])
+    else:
+        q, n = state.q.reshape(-1, 7), len(system.bodies)
+        if len(q) != n:
+            raise ValueError(f"state has {len(q)} bodies, the system {n}; give a state of this system")
+        r, e = q[:, :3], q[:, 3:]
+    e = e / np.linalg.norm(e, axis=1, keepdims=True)
+    return np.vstack([r, GROUND.position]), np.vstack([e, GROUND.orientation])
+
+
+def corners(drawing: Drawing) -> dict[int, np.ndarray]:
+    """Body -> (k, 3) all its points, body axes from O [m]."""
+    found: dict[int, list[np.ndarray]] = {}
+    for piece in drawing.pieces:
+        found.setdefault(piece.body, []).append(piece.mesh.vertices)
+    for wire in drawing.wires:
+        found.setdefault(wire.body, []).append(wire.points[np.isfinite(wire.points).all(axis=1)])
+    for body, point in (*(end for link in drawing.links for end in link.ends), *(tag[2:4] for tag in drawing.tags)):
+        found.setdefault(body, []).append(np.reshape(point, (1, 3)))
+    return {body: np.concatenate(points) for body, points in found.items()}
+
+
+def bounds(drawing: Drawing, r: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner over poses; of long runs of large systems only every k-th pose is looked at.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    r, e : (frames, n + 1, 3), (frames, n + 1, 4) ndarray
+        Positions [m] and unit quaternions, the ground last.
+
+    Returns
+    -------
+    (3,), (3,) ndarray
+        World [m].
+    """
+    points = corners(drawing)
+    step = 1 + len(r) * sum(map(len, points.values())) // WORK
+    r, e = r[::step], e[::step]
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for body, local in points.items():
+        world = matrix(e[:, body]) @ local.T + r[:, body, :, None]  # (frames, 3, k)
+        low, high = np.minimum(low, world.min(axis=(0, 2))), np.maximum(high, world.max(axis=(0, 2)))
+    return low, high

@@ -1,0 +1,168 @@
+"""Frames of a run in equal steps of time, and how fast they are shown.
+
+Between samples the motion is cubic where the velocities are known, and nothing is invented where samples are far apart.
+With ``h`` the distance of two samples and ``s`` the share of it that has passed, every coordinate is
+
+    p(s) = (1 + 2 s)(1 - s)^2 p0 + s (1 - s)^2 h p0_dot + s^2 (3 - 2 s) p1 + s^2 (s - 1) h p1_dot
+
+with ``e_dot = H(e) omega / 2`` for the quaternions, which are normalised afterwards; the error is of order h^4.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...base.rotations import H
+
+TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
+MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
+SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
+FAR = 1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
+
+
+class Frames(NamedTuple):
+    """Poses of all bodies and the ground (last)."""
+
+    t: np.ndarray  # (frames,) [s]
+    r: np.ndarray  # (frames, n + 1, 3) [m]
+    e: np.ndarray  # (frames, n + 1, 4) unit quaternions of one sheet: neighbours have a positive product
+
+
+def frames_of(solution: Any, count: int | None = None) -> Frames:
+    """Frames in equal steps of time from the first to the last sample.
+
+    Between samples the motion is interpolated; at a sample it is the sample.
+
+    Parameters
+    ----------
+    solution : Solution or Motion
+        n bodies, at least one sample.
+    count : int or None
+        Frames >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at
+        most 1000, and fewer where that makes more than 200 000 poses.
+
+    Returns
+    -------
+    Frames
+
+    Raises
+    ------
+    ValueError
+        If there is no sample, or the count is no whole number >= 2.
+    """
+    t = solution.t
+    if not t.size:
+        raise ValueError("the solution has no samples, so nothing can be shown; run it to a later time")
+    if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
+        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
+    times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
+    return frames_at(solution, times)
+
+
+def frames_at(solution: Any, t: np.ndarray) -> Frames:
+    """Frames at the given times [s] of a run."""
+    r, e = poses(solution, between(solution, t))
+    ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (t.size, 1, 4))
+    r = np.concatenate([r, np.zeros((t.size, 1, 3))], axis=1)
+    return Frames(t, r, one_sheet(np.concatenate([e, ground], axis=1)))
+
+
+def enough_frames(solution: Any) -> int:
+    """Frames for a smooth picture of a run."""
+    span = float(solution.t[-1] - solution.t[0])
+    if "v" in solution.arrays:
+        fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
+    else:
+        fastest = float((turns(solution) / np.diff(solution.t)).max())
+    wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
+    return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
+
+
+def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
+    """Real time for a run of 2 s ... ``longest``, else a round factor that makes it about ``sensible`` seconds."""
+    if seconds <= 0.0 or SHORT <= seconds <= longest:
+        return 1.0
+    exact = seconds / sensible
+    decade = 10.0 ** np.floor(np.log10(exact))
+    nearest = min((1.0, 2.0, 5.0, 10.0), key=lambda factor: abs(np.log(factor * decade / exact)))
+    return float(f"{nearest * decade:.1g}")
+
+
+class Between(NamedTuple):
+    """Where each time lies among the samples; ``share`` is 0 or 1 where only the nearest sample is shown."""
+
+    left: np.ndarray  # (times,) number of the sample before
+    right: np.ndarray  # (times,) and of the one after, the same one for a single sample
+    share: np.ndarray  # (times,) 0 ... 1
+    step: np.ndarray  # (times,) distance of the two samples [s]
+
+    def blend(self, values: np.ndarray) -> np.ndarray:
+        """(times, ...) straight lines between samples (samples, ...)."""
+        share = self.share.reshape(-1, *[1] * (values.ndim - 1))
+        return (1.0 - share) * values[self.left] + share * values[self.right]
+
+    def compact(self) -> tuple[np.ndarray, "Between"]:
+        """The samples that are used, in order, and the same places among these alone."""
+        used, places = np.unique(np.concatenate([self.left, self.right]), return_inverse=True)
+        left, right = np.split(places, 2)
+        return used, self._replace(left=left, right=right)
+
+
+def between(solution: Any, t: np.ndarray) -> Between:
+    """Places of the times [s] among the samples of a solution or a motion."""
+    samples = solution.t
+    left = np.clip(np.searchsorted(samples, t, side="right") - 1, 0, max(samples.size - 2, 0))
+    right = np.minimum(left + 1, samples.size - 1)
+    step = samples[right] - samples[left]
+    share = np.clip((t - samples[left]) / np.where(step > 0.0, step, 1.0), 0.0, 1.0)
+    far = (turns(solution) > FAR)[left] if samples.size > 1 else np.zeros(t.size, bool)
+    return Between(left, right, np.where(far, np.round(share), share), step)
+
+
+def turns(solution: Any) -> np.ndarray:
+    """(samples - 1,) the largest angle [rad] a body turns by from each sample to the next."""
+    e = unit(solution.arrays["q"][..., 3:])
+    half = 0.5 * np.linalg.norm(e[1:] - same_sheet(e[:-1], e[1:]), axis=-1)
+    angle = 4.0 * np.arcsin(np.minimum(half, 1.0))
+    if "v" in solution.arrays:  # more than half a turn is seen by the velocities only
+        w = np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1)
+        angle = np.maximum(angle, 0.5 * (w[1:] + w[:-1]) * np.diff(solution.t)[:, None])
+    return angle.max(axis=1)
+
+
+def poses(solution: Any, where: Between) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (times, n, 3) [m] and unit quaternions (times, n, 4)."""
+    q, s = solution.arrays["q"], where.share[:, None, None]
+    (r0, e0), (r1, e1) = (
+        (part[..., :3], unit(part[..., 3:])) for part in (q[where.left], q[where.right])
+    )  # fmt: skip
+    e1 = same_sheet(e1, e0)
+    if "v" not in solution.arrays:
+        return (1.0 - s) * r0 + s * r1, unit((1.0 - s) * e0 + s * e1)
+    v0, v1 = (solution.arrays["v"][k] * where.step[:, None, None] for k in (where.left, where.right))
+    a0, b0, a1, b1 = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)
+    r = a0 * r0 + b0 * v0[..., :3] + a1 * r1 + b1 * v1[..., :3]
+    e = a0 * e0 + b0 * e_dot(e0, v0[..., 3:]) + a1 * e1 + b1 * e_dot(e1, v1[..., 3:])
+    return r, unit(e)
+
+
+def e_dot(e: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """H(e) omega / 2."""
+    return 0.5 * np.einsum("...ij,...j->...i", H(e), omega)
+
+
+def unit(e: np.ndarray) -> np.ndarray:
+    """Quaternions of length 1: without stabilisation the norms of a run drift."""
+    return e / np.linalg.norm(e, axis=-1, keepdims=True)
+
+
+def same_sheet(e: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """e or -e, whichever is nearer to the other."""
+    return np.where((e * other).sum(axis=-1, keepdims=True) < 0.0, -e, e)
+
+
+def one_sheet(e: np.ndarray) -> np.ndarray:
+    """(times, n, 4) the same rotations with a positive product of neighbours in time."""
+    signs = np.where((e[1:] * e[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
+    return e * np.concatenate([np.ones((1, e.shape[1])), np.cumprod(signs, axis=0)])[..., None]

@@ -1,0 +1,134 @@
+"""What joints look like, from the motion they allow, not from their names: a new joint needs nothing here.
+
+An angle is a barrel about its axis, a slide a rail along it, a plane a plate, what turns and slides in no way a cube,
+a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...base.directions import perpendiculars
+from ...mechanism.contacts import RollingDisc
+from ...mechanism.couplings import GearMesh
+from ...mechanism.joints import Joint
+from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
+
+AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
+LOCKED = 5  # rows from which a joint without an angle cannot turn
+RIM = 0.015  # tube of a rolling circle in parts of its radius
+
+
+class Glyph(NamedTuple):
+    """Triangles fixed in a body: in its axes, from O [m]."""
+
+    body: Any
+    mesh: Mesh
+
+
+def placed(mesh: Mesh, body: Any, point: np.ndarray, axis: np.ndarray) -> Glyph:
+    """A mesh whose z lies along an axis and whose origin is a point, both world at the reference pose."""
+    frame = np.column_stack([body.local_axis(x) for x in (*perpendiculars(axis), axis)])
+    return Glyph(body, moved(mesh, frame, body.local_point(point)))
+
+
+def scaled(mesh: Mesh, *sizes: float) -> Mesh:
+    """A unit mesh stretched along x, y, z."""
+    return moved(mesh, np.diag(sizes), np.zeros(3))
+
+
+def anchor(joint: Joint) -> tuple[Any, np.ndarray]:
+    """The body and the world point at the reference pose where the joint and its name are drawn."""
+    if isinstance(joint, RollingDisc):
+        return joint.b, joint.centre  # the contact travels over both bodies
+    return (joint.support() if isinstance(joint, GearMesh) else joint.b), joint.point()
+
+
+def circles(joint: Joint) -> list[Glyph]:
+    """What of a joint has a true size: rolling and pitch circles."""
+    if isinstance(joint, RollingDisc):
+        return [circle(joint.b, joint.centre, joint.axis, joint.radius)]
+    if isinstance(joint, GearMesh):
+        hinges = [(joint.gear(hinge), joint.axle(hinge)) for hinge in (joint.hinge_a, joint.hinge_b)]
+        return [pitch_circle(gear, axle, joint.at) for gear, axle in hinges]
+    return []
+
+
+def solids(joint: Joint, size: float) -> list[Glyph]:
+    """The other solids of a joint; ``size`` [m] is the length of a barrel."""
+    if isinstance(joint, RollingDisc | GearMesh):
+        return []
+    if joint.partners():
+        return [ring(partner, size) for partner in joint.partners() if isinstance(partner, Joint)]
+    return [*guides(joint, size), *ends(joint, *anchor(joint), size)]
+
+
+def guides(joint: Joint, size: float) -> list[Glyph]:
+    """Barrel, rail and plate, for an angle, a slide and a plane."""
+    found, (angle, slide) = [], (joint.angle(), joint.slide())
+    if angle is not None:
+        found.append(placed(scaled(cylinder(24), 0.36 * size, 0.36 * size, size), angle.b, joint.point(), angle.axis_b))
+    if slide is not None:
+        found.append(placed(scaled(block(), 0.24 * size, 0.24 * size, 4.0 * size), slide.a, slide.point_a, slide.axis))
+    if hasattr(joint, "normal") and hasattr(joint, "at"):
+        found.append(placed(scaled(block(), 3.0 * size, 3.0 * size, 0.12 * size), joint.a, joint.at, joint.normal))
+    return found
+
+
+def ends(joint: Joint, body: Any, point: np.ndarray, size: float) -> list[Glyph]:
+    """What shows the point of a joint without an angle; a ball at the other end of a rod too."""
+    if joint.angle() is not None:
+        return []
+    if hasattr(joint, "speed"):
+        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, joint.axis)]
+    if sum(row.n_rows for row in joint.primitives) >= LOCKED:
+        along = joint.axis if hasattr(joint, "axis") else np.array([0.0, 0.0, 1.0])
+        return [placed(scaled(block(), 0.7 * size, 0.7 * size, 0.9 * size), body, point, along)]
+    both = [(body, point), (joint.a, joint.at_a)] if hasattr(joint, "at_a") else [(body, point)]
+    up = np.array([0.0, 0.0, 1.0])
+    return [placed(scaled(ball(), *3 * (0.42 * size,)), end, place, up) for end, place in both]
+
+
+def circle(body: Any, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
+    """A thin ring that turns with a body, with the outer radius in its true size."""
+    return placed(torus((1.0 - RIM) * radius, RIM * radius, 60, 4), body, centre, axis)
+
+
+def pitch_circle(gear: Any, axle: Any, at: np.ndarray) -> Glyph:
+    """The circle about the axis of a gear through the pitch point."""
+    arm = axle.arm(at)
+    return circle(gear, at - arm, axle.axis, float(np.linalg.norm(arm)))
+
+
+def ring(partner: Joint, size: float) -> Glyph:
+    """About the axis of the joint on whose coordinate a coupling or driver acts."""
+    coordinate = partner.angle() or partner.slide()
+    return placed(torus(0.62 * size, 0.1 * size), partner.b, partner.point(), coordinate.axis_b)
+
+
+def spokes(joint: Joint, length: float) -> list[tuple[Any, np.ndarray]]:
+    """(body, (2, 3) ends in its axes from O [m]) of the axes of a joint."""
+    own = {name: joint.a for name in AXES_OF_A} | {name: joint.b for name in AXES_OF_B}
+    _, at = anchor(joint)
+    if isinstance(joint, RollingDisc | GearMesh):
+        own["axis"] = joint.b  # of a disc
+    axes = {name: getattr(joint, name) for name in own if getattr(joint, name, None) is not None}
+    if "axis" in axes and np.array_equal(axes.get("axis_b"), axes["axis"]):
+        del axes["axis_b"]
+    found = []
+    for name, axis in axes.items():
+        body = own[name]
+        point = joint.at if body is joint.a and hasattr(joint, "at") else at
+        middle, half = body.local_point(point), 0.5 * length * body.local_axis(axis)
+        found.append((body, np.array([middle - half, middle + half])))
+    return found
+
+
+def joints_of(part: Any) -> list[tuple[Any, np.ndarray]]:
+    """(body, world point at the reference pose) of the points of a part to which its bodies reach out."""
+    found = []
+    if hasattr(part, "at_b"):
+        found = [(part.a, part.at_a if hasattr(part, "at_a") else part.at), (part.b, part.at_b)]
+    elif hasattr(part, "centre"):
+        found = [(part.b, part.centre)]
+    return found
