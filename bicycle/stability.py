@@ -8,8 +8,8 @@ from typing import Any
 import click
 import numpy as np
 
+from mbsd3d import Mode
 from mbsd3d.base.checks import number
-from mbsd3d.linear.modes import Mode
 
 from .equations import canonical, checked_speeds
 from .general import Build, eigenvalues, linear_equations, linearization

@@ -14,7 +14,9 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.demos.base import own_demos
 from mbsd3d.demos.report import write
 from mbsd3d.view.page.content import LENGTH, TURN
-from mbsd3d.view.scene.drawing import bounds, draw_system, frame_camera
+from mbsd3d.view.scene.artist import draw_system
+from mbsd3d.view.scene.camera import frame_camera
+from mbsd3d.view.scene.drawing import bounds
 from mbsd3d.view.scene.frames import frames_of
 
 

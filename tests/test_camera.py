@@ -5,7 +5,9 @@ import pytest
 
 from mbsd3d import GROUND, Body, Revolute, System, simulate
 from mbsd3d.mechanism.shapes import Lines
-from mbsd3d.view.scene.drawing import bounds, draw_system, frame_camera
+from mbsd3d.view.scene.artist import draw_system
+from mbsd3d.view.scene.camera import frame_camera
+from mbsd3d.view.scene.drawing import bounds
 
 
 def test_bounds_hold_all_frames():

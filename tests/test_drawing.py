@@ -12,7 +12,8 @@ from mbsd3d.mechanism.couplings import GearMesh
 from mbsd3d.mechanism.joints import Joint
 from mbsd3d.mechanism.shapes import Box, Disc, MeshFile
 from mbsd3d.mechanism.state import State
-from mbsd3d.view.scene.drawing import draw_system, poses_of
+from mbsd3d.view.scene.artist import draw_system
+from mbsd3d.view.scene.drawing import poses_of
 
 LAYERS = {"bodies", "joints", "centre of mass", "reference point"}
 

@@ -20,9 +20,10 @@ from mbsd3d import (
     State,
     Universal,
     accelerations,
+    read_mjcf,
+    read_urdf,
 )
 from mbsd3d.base.rotations import matrix
-from mbsd3d.files.importing.importers import read_mjcf, read_urdf
 
 BRIEF = 5.0  # [s] within which a hostile file is refused
 INERTIAL = '<inertial mass="{}" pos="0.11 -0.07 0.2" fullinertia="0.31 0.35 0.22 0.02 -0.03 0.04"/>'
@@ -444,7 +445,7 @@ def test_the_worker_limits_itself(tmp_path):
     path = written(tmp_path, hostile(""))
     probe = """
 import resource, sys
-from mbsd3d import import_worker
+from mbsd3d.files.importing import worker as import_worker
 sys.argv = ["", sys.argv[1], "7"]
 import_worker.main()
 limits = [resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_CPU)]

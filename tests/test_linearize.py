@@ -29,12 +29,12 @@ from mbsd3d import (
     System,
     Table,
     TorsionSpring,
+    linearize,
     rotation,
 )
 from mbsd3d.base.rotations import exponential, matrix
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.dense_solvers import mass_matrix
-from mbsd3d.linear.linearization import linearize
 from mbsd3d.linear.variations import Field
 from mbsd3d.mechanism import measures
 from validation import cases

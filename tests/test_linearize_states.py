@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, CustomForce, Revolute, StateFeedback, System, TorsionSpring
-from mbsd3d.linear.linearization import linearize
+from mbsd3d import GROUND, Body, CustomForce, Revolute, StateFeedback, System, TorsionSpring, linearize
 from mbsd3d.mechanism import measures
 
 EXACT = 1e-12

@@ -21,8 +21,9 @@ from mbsd3d.view.picture.labels import Name, extent, place
 from mbsd3d.view.picture.painter import Painter, new_sheet
 from mbsd3d.view.picture.pointers import pointers_of
 from mbsd3d.view.picture.shading import Solids, outlines, split_strokes, split_triangles
-from mbsd3d.view.scene.camera import lens_of, turned, window
-from mbsd3d.view.scene.drawing import Camera, draw_system, poses_of
+from mbsd3d.view.scene.artist import draw_system
+from mbsd3d.view.scene.camera import Camera, lens_of, turned, window
+from mbsd3d.view.scene.drawing import poses_of
 from mbsd3d.view.scene.frames import frames_of
 from mbsd3d.view.scene.grid import round_down
 from mbsd3d.view.scene.layers import MARKS, NAMES

@@ -11,17 +11,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, simulate
+from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, linearize, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.linear.linearization import linearize
 from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view.page import html as page
 from mbsd3d.view.page import live, show
 from mbsd3d.view.page.content import ARROW, LENGTH, TURN, VALUE, pack, unpack
 from mbsd3d.view.page.recorder import Recording, import_viser
 from mbsd3d.view.page.stage import LONGEST, build_stage
+from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.curves import curves_of
-from mbsd3d.view.scene.drawing import draw_system
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
 from mbsd3d.view.scene.grid import length_text, round_down, round_up
 from mbsd3d.view.scene.meshes import flat_normals

@@ -1,17 +1,12 @@
-"""The mechanism: bodies, joints, forces and gravity, checked for what can be checked without numbers."""
+"""The public `System`: a mechanism, and what can be asked of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..base.checks import vector
-from ..mechanism.bodies import GROUND, Body
-from ..mechanism.forces.element import ForceElement
-from ..mechanism.joints import Joint
+from ..mechanism.bodies import Body
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .drawable import Drawable
 
@@ -21,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class System(Drawable):
+class System(Mechanism, Drawable):
     """A mechanism.
 
     Parameters
@@ -46,86 +41,17 @@ class System(Drawable):
     1
     """
 
-    bodies: Sequence[Body]
-    joints: Sequence[Joint] = ()
-    forces: Sequence[ForceElement] = ()
-    gravity: Any = (0.0, 0.0, -9.81)
-    names: Mapping[int, str] = field(init=False, repr=False)
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> "System":
+        """The system of a mechanism: the same parts."""
+        return cls(mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
 
-    def __post_init__(self) -> None:
-        set_field = object.__setattr__
-        for key, kind in (("bodies", Body), ("joints", Joint), ("forces", ForceElement)):
-            parts = tuple(getattr(self, key))
-            for part in parts:
-                if not isinstance(part, kind):
-                    raise ValueError(f"System: {part!r} in {key} is not a {kind.__name__}")
-            if len({id(part) for part in parts}) < len(parts):
-                raise ValueError(f"System: a part stands twice in {key}; list every part once")
-            set_field(self, key, parts)
-        if not self.bodies:
-            raise ValueError("System: no bodies; give at least one Body")
-        set_field(self, "gravity", vector(self.gravity, "System: gravity"))
-        set_field(self, "names", self._names())
-        self._check_members()
-
-    def _names(self) -> dict[int, str]:
-        """Names of all parts; nameless ones are numbered by type."""
-        names: dict[int, str] = {id(GROUND): "ground"}
-        counts: dict[str, int] = {}
-        taken = {"ground"}
-        for part in (*self.bodies, *self.joints, *self.forces):
-            name = part.name
-            if name is None:
-                kind = type(part).__name__
-                counts[kind] = counts.get(kind, 0) + 1
-                name = f"{kind} {counts[kind]}"
-            if name in taken:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
-            names[id(part)] = name
-            taken.add(name)
-        return names
-
-    def _check_members(self) -> None:
-        """Every joint and force acts on bodies of this system and refers to joints and forces of it."""
-        members = {id(body) for body in self.bodies} | {id(GROUND)}
-        known = {id(part) for part in (*self.joints, *self.forces)}
-        for part in (*self.joints, *self.forces):
-            for body in part.bodies():
-                if id(body) not in members:
-                    raise ValueError(
-                        f"{type(part).__name__} '{self.name(part)}': body '{body.name}' is not in the system; "
-                        "add it to bodies"
-                    )
-            for other in part.partners():
-                if id(other) not in known:
-                    kind = "joint" if isinstance(other, Joint) else "force"
-                    raise ValueError(
-                        f"{type(part).__name__} '{self.name(part)}': its {kind} '{other.name}' is not in the "
-                        f"system; add it to {kind}s"
-                    )
-
-    @cached_property
+    @property
     def lowered(self) -> "Compiled":
         """The arrays of this system with all terms of the equations; made once, nothing writes into them."""
-        from ..equations.compiled import Switches, lower
+        from ..equations.compiled import tables_of
 
-        return lower(self, (), Switches())
-
-    def name(self, part: Any) -> str:
-        """Name of a part of this system."""
-        return self.names.get(id(part), getattr(part, "name", None) or type(part).__name__)
-
-    def part(self, key: Any, kind: str = "bodies") -> Any:
-        """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
-        parts = getattr(self, kind)
-        if isinstance(key, Body | Joint | ForceElement) and key in parts:
-            return key
-        for part in parts:
-            if isinstance(key, str) and self.name(part) == key:
-                return part
-        have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
-        shown = repr(key) if isinstance(key, str) else f"'{getattr(key, 'name', key)}'"
-        raise ValueError(f"{shown} is not one of the {kind} of this system; there are {have}")
+        return tables_of(self)
 
     def check(self, *, as_built: float = 1e-5) -> "Diagnosis":
         """Coordinates, rows, rank, mobility, redundant rows by joint, cures and a verdict; see `Diagnosis`.
@@ -232,8 +158,4 @@ class System(Drawable):
         """
         from ..files.model_files import read_model
 
-        return read_model(path)
-
-    def total_mass(self) -> float:
-        """[kg]"""
-        return float(np.sum([body.mass for body in self.bodies]))
+        return cls.of(read_model(path))

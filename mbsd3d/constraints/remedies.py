@@ -30,6 +30,7 @@ from ..mechanism.joints import (
     Spherical,
     Universal,
 )
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .rank import Analysis, without_rounding
 
@@ -70,11 +71,9 @@ def weaker(joint: Joint) -> list[Joint | None]:
 
 def rows_of(compiled: Any, pose: State, joint: Joint) -> BlockRows:
     """Scaled rows of a joint that may not be in the system, at the pose."""
-    from ..api.system import System
-
     bodies = [body for body in joint.bodies() if body is not GROUND]
     index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
-    alone = compile_system(System(bodies=bodies, joints=[joint]))
+    alone = compile_system(Mechanism(bodies=bodies, joints=[joint]))
     data, length = alone.data(), compiled.model.length
     load_state(alone, data, State(pose.t, pose.q.reshape(-1, 7)[index[:-1]].ravel(), np.zeros(6 * len(bodies))))
     metres = np.repeat([row.in_metres for row in joint.rows()], [row.n_rows for row in joint.rows()])

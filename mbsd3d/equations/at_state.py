@@ -9,6 +9,7 @@ from ..kernels.coordinates import coordinate
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data
 from ..kernels.rows import rows
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .compiled import Compiled, initial_states
 from .jacobian import BlockRows, block_rows, displacement_units, scaled_rows
@@ -79,7 +80,7 @@ def rows_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> BlockRows
     return scaled_rows(compiled.model, data)
 
 
-def check_quaternions(system: Any, state: State) -> None:
+def check_quaternions(system: Mechanism, state: State) -> None:
     """ValueError for an orientation that is no unit quaternion."""
     for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
         norm = np.linalg.norm(e)

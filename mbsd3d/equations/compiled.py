@@ -12,6 +12,7 @@ from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.measures import Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
 from .tables import (
     Signals,
@@ -53,7 +54,7 @@ STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection"
 class Compiled:
     """The arrays of a system, and where each part is in them."""
 
-    system: Any
+    system: Mechanism
     model: Model
     body_index: dict[int, int]  # id(body) -> index, the ground is n
     rows: dict[int, slice]  # id(joint) -> its rows
@@ -72,14 +73,14 @@ class Compiled:
         return new_data(self.model, dtype)
 
 
-def link(system: Any, model: Model, dtype: type) -> None:
+def link(system: Mechanism, model: Model, dtype: type) -> None:
     """Put the addresses of the custom functions for real or complex numbers into the table of forces."""
     for i, force in enumerate(system.forces):
         if isinstance(force, FunctionForce):
             model.force["address"][i, int(dtype is complex)] = force.address(dtype)
 
 
-def initial_states(system: Any) -> np.ndarray:
+def initial_states(system: Mechanism) -> np.ndarray:
     """(k,) initial values of the force elements' own states."""
     return np.array([x for force in system.forces for x in force.record().states], float)
 
@@ -96,17 +97,24 @@ def switch_fields(switches: Switches) -> dict[str, Any]:
     }
 
 
-def compile_system(system: Any, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
+def compile_system(system: Mechanism, measures: tuple[Measure, ...] = (), switches: Switches | None = None) -> Compiled:
     """The arrays of a system; what depends on neither measures nor switches is lowered once per system."""
     announce_compilation()
     switches = switches or Switches()
     if measures:
         return lower(system, measures, switches)
-    known: Compiled = system.lowered
+    known = tables_of(system)
     return replace(known, model=known.model._replace(**switch_fields(switches)), switches=switches)
 
 
-def lower(system: Any, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
+def tables_of(system: Mechanism) -> Compiled:
+    """The arrays of a mechanism with all terms of the equations; made once, nothing writes into them."""
+    if "tables" not in system.derived:
+        system.derived["tables"] = lower(system, (), Switches())
+    return system.derived["tables"]
+
+
+def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
     """Lower a system to arrays."""
     index = {id(body): i for i, body in enumerate(system.bodies)}
     index[id(GROUND)] = len(system.bodies)

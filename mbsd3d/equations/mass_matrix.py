@@ -1,11 +1,10 @@
 """The dense reference-point mass matrix, body by body."""
 
-from typing import Any
-
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
 from ..base.rotations import matrix, skew
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 
 
@@ -21,7 +20,7 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
     return block
 
 
-def sparse_mass_matrix(system: Any, pose: State) -> csr_array:
+def sparse_mass_matrix(system: Mechanism, pose: State) -> csr_array:
     """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
     n = len(system.bodies)
     com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))

@@ -8,6 +8,7 @@ from ..base.directions import matched_perpendiculars, perpendiculars
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
 from ..mechanism.measures import MEASURES, Measure
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
 from ..mechanism.signals import Signal
 
@@ -18,7 +19,7 @@ def key_of(x: Coordinate) -> tuple:
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
-def own_length(system: Any) -> float:
+def own_length(system: Mechanism) -> float:
     """Length of the largest body [m]: farthest joint or force point from its centre of mass, or radius of gyration."""
     largest = 0.0
     heavy = [body for body in system.bodies if body.mass > 0.0]
@@ -62,7 +63,7 @@ class Signals:
         return {"signal": signal, "term": term, "term_data": np.array(self.data, float)}
 
 
-def body_table(system: Any) -> tuple[np.ndarray, bool]:
+def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     """(masses, inertias and their square roots, whether one of them is singular)."""
     out, singular = table(BODY, len(system.bodies)), False
     for i, body in enumerate(system.bodies):
@@ -165,7 +166,7 @@ def measure_table(
     return out
 
 
-def state_layout(system: Any, records: list, n_driven: int, length: float) -> dict[str, Any]:
+def state_layout(system: Mechanism, records: list, n_driven: int, length: float) -> dict[str, Any]:
     """Layout of z and the units its errors are measured in."""
     scales = [scale for r in records for scale in r.scales]
     own, n_forces = len(scales), len(system.forces)

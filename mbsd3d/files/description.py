@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..api.system import System
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.forces.element import ForceElement
 from ..mechanism.joints import Joint
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from .schema import Document, check, place_of, roles, struct, types
@@ -60,7 +60,7 @@ def needed(part: Any) -> dict[str, Any]:
 class Writer:
     """Turns values into JSON-able ones; parts of the system become references by name."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: Mechanism) -> None:
         self.names: dict[int, tuple[str, str]] = {id(GROUND): ("body", GROUND.name)}
         self.names |= {id(body): ("body", body.name) for body in system.bodies}
         self.names |= {id(joint): ("joint", system.name(joint)) for joint in system.joints}
@@ -198,12 +198,12 @@ def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
     return found
 
 
-def describe(system: System, *, without_functions: bool = False) -> dict[str, Any]:
+def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str, Any]:
     """A system as JSON-able data: type names and fields, parts referred to by name.
 
     Parameters
     ----------
-    system : System
+    system : Mechanism
         Made of the package's own parts.
     without_functions : bool
         Write a force by a function as what its method ``saved()`` says is left of it, for results; else it is refused.
@@ -231,7 +231,7 @@ def describe(system: System, *, without_functions: bool = False) -> dict[str, An
     return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}
 
 
-def rebuild(data: Mapping[str, Any]) -> System:
+def rebuild(data: Mapping[str, Any]) -> Mechanism:
     """The system that `describe` wrote, bit for bit.
 
     Parameters
@@ -241,7 +241,7 @@ def rebuild(data: Mapping[str, Any]) -> System:
 
     Returns
     -------
-    System
+    Mechanism
         Checked by the constructors of its parts.
 
     Raises
@@ -253,14 +253,14 @@ def rebuild(data: Mapping[str, Any]) -> System:
     return read_system(data)[0]
 
 
-def read_system(data: Any) -> tuple[System, Reader]:
+def read_system(data: Any) -> tuple[Mechanism, Reader]:
     """The system and what resolves references to its parts."""
     check_format(data, SYSTEM, "system description")
     check(data, Document, (), "system description")
     reader = Reader(data)
     gravity = reader.value(data["gravity"], ("gravity",))
     bodies = list(reader.bodies.values())[1:]
-    return System(bodies, reader.joints, reader.forces, gravity=gravity), reader
+    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity), reader
 
 
 def check_format(data: Any, expected: str, what: str) -> None:

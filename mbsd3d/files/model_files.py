@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import tomlkit
 
-from ..api.system import System
 from ..base.paths import read_text, write_atomically
+from ..mechanism.mechanism import Mechanism
 from .description import describe, read_system
 
 NONE = {"type": "None"}  # TOML has no null
@@ -94,7 +94,7 @@ def form_of(path: Path) -> Form:
     return FORMS[path.suffix.lower()]
 
 
-def write_model(system: System, path: str | Path, *, replace: bool = False) -> Path:
+def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -> Path:
     """Write a model file; see `System.to_file`."""
     path = Path(path)
     form = form_of(path)
@@ -124,7 +124,7 @@ def named(path: Path) -> Iterator[None]:
         raise ValueError(f"'{path}': {error}") from error
 
 
-def read_model(path: str | Path) -> System:
+def read_model(path: str | Path) -> Mechanism:
     """Read a model file; see `System.from_file`."""
     path = Path(path)
     form = form_of(path)

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ..api.solution import Solution
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system
 from ..mechanism.state import State
 from ..results.record import Record
+from ..results.run_result import RunResult
 from .description import FORMAT, Writer, check_format, describe, read_system
 
 SOLUTION = "mbsd3d solution"
@@ -25,7 +25,7 @@ BROKEN = (
 )  # fmt: skip
 
 
-def save(solution: Solution, path: str | Path) -> Path:
+def save(solution: RunResult, path: str | Path) -> Path:
     """Write a solution and its system to one file: arrays, and the rest as JSON text; no pickle.
 
     Parameters
@@ -46,7 +46,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         If a part cannot be described, or the folder cannot be written.
     """
     system, record = solution.system, solution.record
-    write, known = Writer(system), solution.__dict__.get("certificate")
+    write, (error, order) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
     final = solution.final
     if final.coordinates is not None:
@@ -58,7 +58,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
-        "estimate": {"error": known and known.error, "order": known and known.order},
+        "estimate": {"error": error, "order": order},
     }
     arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in DERIVED}
     arrays["coordinate"] = arrays["coordinate"][:, :count]
@@ -68,35 +68,8 @@ def save(solution: Solution, path: str | Path) -> Path:
     return write_atomically(with_suffix(path, ".npz"), buffer.getvalue())
 
 
-def load(path: str | Path) -> Solution:
-    """Read a file of ``solution.save``; everything a solution can do works on the result.
-
-    Parameters
-    ----------
-    path : str or Path
-        With or without ".npz".
-
-    Returns
-    -------
-    Solution
-        The same numbers, bit for bit; its certificate is checked anew.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing, truncated, of another kind or version, or its parts do not fit together.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from mbsd3d import Body, System, load, simulate
-    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
-    >>> flight = simulate(System([stone]), 0.5, output=3)
-    >>> with TemporaryDirectory() as folder:
-    ...     again = load(flight.save(f"{folder}/flight"))
-    >>> bool((again.position("stone") == flight.position(stone)).all())
-    True
-    """
+def read_run(path: str | Path) -> RunResult:
+    """The result in a file of `save`; see `mbsd3d.load`."""
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():
         raise ValueError(f"'{source}': there is no such file; give one written by solution.save(path)")
@@ -111,7 +84,7 @@ def load(path: str | Path) -> Solution:
         ) from error
 
 
-def read_solution(handle: Any) -> Solution:
+def read_solution(handle: Any) -> RunResult:
     """Arrays and text of an open file, checked against each other: kernels do not check bounds."""
     if not zipfile.is_zipfile(handle):
         raise ValueError("no complete .npz file")
@@ -129,11 +102,8 @@ def read_solution(handle: Any) -> Solution:
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
-    solution = Solution(compiled, arrays, record, final)
     estimate = document["estimate"]
-    if estimate["error"] is None:
-        return solution
-    return solution.with_certificate(replace(solution.certificate, **estimate))
+    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"]))
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:

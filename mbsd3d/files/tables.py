@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..api.solution import Solution
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..results.columns import QUANTITIES, Column, columns, components
+from ..results.run_result import RunResult
 
 
-def to_csv(solution: Solution, path: str | Path) -> Path:
+def to_csv(solution: RunResult, path: str | Path) -> Path:
     """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
 
     Parameters
@@ -46,7 +46,7 @@ def to_csv(solution: Solution, path: str | Path) -> Path:
     return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
 
 
-def to_xarray(solution: Solution) -> Any:
+def to_xarray(solution: RunResult) -> Any:
     """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
 
     Parameters
@@ -99,7 +99,7 @@ def variable(kind: str, group: list[Column], names: dict[str, list[str]], sample
     return ["time", kind, *dimension], whole, attrs
 
 
-def attributes(solution: Solution) -> dict[str, Any]:
+def attributes(solution: RunResult) -> dict[str, Any]:
     """What netCDF can hold of how the solution was made."""
     certificate = solution.certificate
     return {

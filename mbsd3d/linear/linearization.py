@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from ..api.system import System
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..constraints.nearby_poses import closed
@@ -17,9 +16,10 @@ from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..kernels.jit import announce_compilation, mark_warm
 from ..mechanism.measures import Measure, check_members
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from ..run.simulation import accelerations, check_state, check_system
-from .modes import Mode, joint_gradients, make_modes, plot_eigenvalues, spectrum, table
+from ..run.simulation import accelerations_at, check_state, check_system
+from .modes import Mode, joint_gradients, make_modes, spectrum, table
 from .steady_motion import Units, check_signals, find_generator, natural_units
 from .symmetry import Generator
 from .tangent_space import Tangent, tangent_space
@@ -28,33 +28,7 @@ from .variations import Field, Variations
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearization:
-    """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
-
-    Attributes
-    ----------
-    A : (n, n) array
-        In SI units; of the states x, or of the outputs y if any were asked for.
-    states, state_units : tuple of str
-        What x (or y) stands for: "x of frame" is the displacement of the centre of mass, "theta_x of frame" the
-        rotation, "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism
-        if that turns as a whole. All other displacements follow from the constraints.
-    eigenvalues : (n,) complex array
-        [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.modes.spectrum`.
-    modes : tuple of Mode
-        One per real eigenvalue and per complex pair.
-    generator : Generator
-        The steady motion that was found.
-    residual : float
-        Largest violation of what was assumed, in the model's own units of length and time.
-
-    Examples
-    --------
-    >>> from mbsd3d import GROUND, Body, Revolute, System, linearize
-    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
-    >>> found = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))]))
-    >>> found.eigenvalues.imag.round(6), found.generator.turning  # sqrt(m g l / (I + m l^2))
-    (array([ 4.952272, -4.952272]), False)
-    """
+    """``x_dot = A x`` for small deviations from a motion; see `mbsd3d.Linearization`."""
 
     compiled: Compiled
     state: State
@@ -132,71 +106,18 @@ class Linearization:
     def __repr__(self) -> str:
         return table(self)
 
-    def plot(self) -> Any:
-        """Matplotlib figure of the eigenvalues in the complex plane."""
-        return plot_eigenvalues(self)
-
 
 @on_one_thread  # small dense algebra: more threads only wait for each other
-def linearize(
-    system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
+def linearize_at(
+    system: Mechanism, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
 ) -> Linearization:
-    """The linear equations of small motions about an equilibrium or a relative equilibrium.
-
-    States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
-    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and own states of force elements, all
-    in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
-    carried along: ``x_dot = A x`` with the generator of the turn subtracted. A is exact to rounding: derivatives are
-    complex steps, the row set is frozen.
-
-    Parameters
-    ----------
-    system : System
-    state : State or None
-        An equilibrium or a steady motion; None = ``system.state()``.
-    outputs : sequence of Measure or None
-        y = L x whose rates depend on y alone: A is then the unique A_y with ``L A = A_y L``. Divides cyclic coordinates
-        out, which otherwise leave zeros with Jordan blocks.
-    tolerance : float
-        Largest residual of the conditions of a steady motion, in units of the model's length and its fastest rate.
-
-    Returns
-    -------
-    Linearization
-        Printed: a table of the modes; ``.plot()`` draws the eigenvalues, ``.mode(k).animate()`` moves the mechanism.
-
-    Notes
-    -----
-    Straight motion at constant speed is steady in world axes, also with wheels that spin, if they are symmetric about
-    their axes. A turn needs axes that turn along: there a displacement of everything, which stands still in the world,
-    shows as a pair of eigenvalues +-i Omega. A body that drifts through space while it turns is not covered, nor are
-    independent mechanisms that move at different speeds.
-
-    Raises
-    ------
-    ValueError
-        If the state is no (relative) equilibrium, the equations change along the motion (an unbalanced wheel), a
-        signal varies with time, the position is singular, nothing can move, or the outputs do not close; each with
-        the part and the residual.
-    AssemblyError
-        If the state does not meet a joint.
-
-    Examples
-    --------
-    >>> from mbsd3d import GROUND, Body, Revolute, System
-    >>> from mbsd3d.linearization import linearize
-    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
-    >>> hinge = Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
-    >>> swing = linearize(System([rod], [hinge])).mode(0)  # sqrt(m g l / (I + m l^2))
-    >>> round(swing.eigenvalue.imag, 9), swing.label
-    (4.952272206, "angle of 'hinge'")
-    """
+    """The linear equations of small motions; arguments and errors as `mbsd3d.linearize`."""
     check_system(system, "linearize")
     tolerance = number(tolerance, "linearize: tolerance", positive=True)
     outputs = checked_outputs(system, outputs)
     check_signals(system)
     check_state(state, "linearize")
-    start = accelerations(system, state).state(0)  # refuses a state that does not meet the joints
+    start = accelerations_at(system, state).state(0)  # refuses a state that does not meet the joints
     compiled = compile_system(system, outputs)
     announce_compilation("linearisation")
     field = Field(compiled, start, len(outputs))
@@ -214,7 +135,7 @@ def linearize(
     return with_outputs(found, at, later, Q, tolerance) if outputs else found
 
 
-def checked_outputs(system: System, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
+def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tuple[Measure, ...]:
     """Measures of parts of this system."""
     if isinstance(outputs, Measure):
         outputs = (outputs,)

@@ -1,4 +1,4 @@
-"""Eigenvalues and modes of a linearisation: numbers, labels, shapes that move, and a figure."""
+"""Eigenvalues and modes of a linearisation: numbers, labels, shapes that move."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from ..api.viewable import Viewable
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError
@@ -17,7 +16,6 @@ from ..equations.at_state import coordinate_row, load_state
 from ..results.body_motion import Poses
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
-MARKERS = "osD^v<>pP*X"
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 
@@ -60,17 +58,6 @@ class Mode:
 
     ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
     all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
-
-    Examples
-    --------
-    >>> from mbsd3d import GROUND, Body, Revolute, System
-    >>> from mbsd3d.linearization import linearize
-    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
-    >>> swing = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))])).mode(0)
-    >>> round(swing.frequency, 9), abs(round(swing.damping_ratio, 9))
-    (0.788178601, 0.0)
-    >>> swing.motion(amplitude=0.1, samples=5).position("rod").shape  # .animate() shows it
-    (5, 3)
     """
 
     linearization: Any
@@ -162,15 +149,9 @@ class Mode:
         wave *= amplitude / np.abs(wave).max()
         return moving_poses(self, t, wave)
 
-    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
-        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
-        moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
-        seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
-        return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
-
 
 @dataclass(frozen=True, eq=False)
-class Motion(Poses, Viewable):
+class Motion(Poses):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
     compiled: Any
@@ -247,43 +228,3 @@ def table(linearization: Any) -> str:
         shown = f"{real:.6g} +- {s.imag:.6g}i" if s.imag else f"{real:.6g}"
         lines.append(f"{shown:>28} {mode.natural_frequency:>11.6g} {damping:>10.4f}  {mode.label}")
     return "\n".join(lines)
-
-
-def plot_eigenvalues(linearization: Any, dark: bool = False) -> Any:
-    """Eigenvalues in the complex plane, one mark per mode and one for all zeros; the growing half is tinted."""
-    from ..base.style import house, theme
-
-    look = theme(dark)
-    with house(look):
-        return draw_eigenvalues(linearization, look)
-
-
-def draw_eigenvalues(linearization: Any, look: Any) -> Any:
-    """The figure of `plot_eigenvalues` in a theme."""
-    from matplotlib.figure import Figure
-
-    from ..base.style import dress
-
-    figure = Figure(figsize=(7.5, 4.6), layout="constrained")
-    axes, values = figure.subplots(), linearization.eigenvalues
-    marks = [(mode.label, mode.eigenvalue) for mode in linearization.modes if mode.eigenvalue]
-    zeros = int((values == 0.0).sum())
-    for k, (label, s) in enumerate([*marks, *([(f"{zeros} zero" + "s" * (zeros > 1), 0j)] if zeros else [])]):
-        points = np.array([s, s.conjugate()] if s.imag else [s])
-        style = {
-            "color": look.colour(k) if s else look.ink,
-            "marker": MARKERS[k % len(MARKERS)] if s else "x",
-        }
-        axes.plot(points.real, points.imag, linestyle="none", markerfacecolor="none", label=label, **style)
-    axes.axhline(0.0, color=look.muted, linewidth=0.8)
-    axes.axvline(0.0, color=look.muted, linewidth=0.8)
-    size = float(np.abs(values).max(initial=0.0)) or 1.0
-    low, high = min(values.real.min(), 0.0) - 0.1 * size, max(values.real.max(), 0.0) + 0.1 * size
-    axes.set_xlim(low, high)
-    axes.axvspan(0.0, high, color=look.lines[1], alpha=0.06, linewidth=0.0)
-    axes.set_ylim(*np.array([-1.1, 1.1]) * max(np.abs(values.imag).max(), 0.1 * size))
-    dress(axes, look)
-    axes.set_xlabel("real part (growth) [1/s]")
-    axes.set_ylabel("imaginary part [rad/s]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
-    return figure

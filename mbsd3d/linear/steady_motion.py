@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..api.system import System
 from ..equations.at_state import worst_joint
 from ..equations.jacobian import displacement_units
 from ..kernels import kinds
 from ..kernels.layout import Model
 from ..mechanism.drivers import Driver
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Signal
 from .symmetry import Generator, candidates, carried, motion_residuals
 from .tangent_space import Tangent
@@ -40,7 +40,7 @@ def natural_units(model: Model, at: Variations, space: Tangent) -> Units:
     return Units(x, float(rate))
 
 
-def check_signals(system: System) -> None:
+def check_signals(system: Mechanism) -> None:
     """Motions may be uniform (a ramp), speeds and loads constant; anything else has no fixed linear equations."""
     for joint in system.joints:
         for row in joint.rows():
@@ -100,7 +100,7 @@ def rest_of_states(at: Variations, units: Units, model: Model) -> float:
 
 
 def motion_message(
-    system: System, at: Variations, units: Units, slip: np.ndarray, drift: np.ndarray, model: Model
+    system: Mechanism, at: Variations, units: Units, slip: np.ndarray, drift: np.ndarray, model: Model
 ) -> str:
     """Why the state is no relative equilibrium, by body."""
     if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):

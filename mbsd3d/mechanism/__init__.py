@@ -1,1 +1,1 @@
-"""The mechanism as data that reads like the machine: bodies, joints, couplings, contacts, drivers, signals, measures."""
+"""The mechanism as data that reads like the machine: bodies, joints, drivers, forces, signals, measures."""

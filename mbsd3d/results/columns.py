@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..api.solution import Solution
 from ..mechanism.drivers import PositionDriver
 from ..mechanism.measures import state
+from .run_result import RunResult
 
 
 class Quantity(NamedTuple):
@@ -60,7 +60,7 @@ class Column(NamedTuple):
     values: np.ndarray
 
 
-def columns(solution: Solution) -> list[Column]:
+def columns(solution: RunResult) -> list[Column]:
     """All quantities of all parts; kind is "body", "joint", "driver", "own_state" or "" for the whole system."""
     system, found = solution.system, []
 
@@ -91,7 +91,7 @@ def columns(solution: Solution) -> list[Column]:
     return found
 
 
-def columns_of_effort(solution: Solution, driver: Any) -> list[Column]:
+def columns_of_effort(solution: RunResult, driver: Any) -> list[Column]:
     """One column per row of a driver; a driver of several rows is named with the axis or the number of the row."""
     effort = solution.effort(driver).reshape(solution.t.size, -1)
     units = [unit for row in driver.rows() for unit in ["N" if row.in_metres else "N m"] * row.n_rows]
@@ -103,7 +103,7 @@ def columns_of_effort(solution: Solution, driver: Any) -> list[Column]:
     return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
 
 
-def columns_of_states(solution: Solution, force: Any) -> list[Column]:
+def columns_of_states(solution: RunResult, force: Any) -> list[Column]:
     """One column per own state of a force, named by its number."""
     name, values = solution.system.name(force), solution.state_of(force).T
     return [Column("own_state", f"{name}.{k}", "state", state(force, k).unit, z) for k, z in enumerate(values)]

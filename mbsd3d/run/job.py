@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..api.solution import Solution
 from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, IntegrationError
@@ -26,6 +25,7 @@ from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
+from ..results.run_result import RunResult
 from .divergence import Growth
 from .stiffness import check_forces
 
@@ -95,7 +95,7 @@ class Job:
             times=np.zeros(0) if times is None else times, out=np.zeros((capacity, sum(widths))),
         )  # fmt: skip
 
-    def run(self, progress: Progress) -> Solution:
+    def run(self, progress: Progress) -> RunResult:
         """Call the time loop until the end, a stop, an error or Ctrl-C."""
         began, loop = time.perf_counter(), f"time loop {self.method.loop.__name__}"
         announce_compilation(loop)
@@ -247,7 +247,7 @@ class Job:
         self.samples.take(self.memory.out[: int(self.memory.count[base.WRITTEN])])
         self.memory.count[base.WRITTEN] = 0
 
-    def solution(self) -> Solution:
+    def solution(self) -> RunResult:
         """The samples so far."""
         self.drain()
         run, record = self.memory, self.record
@@ -255,7 +255,7 @@ class Job:
         record.evaluations = int(run.count[base.EVALUATIONS])
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
-        return Solution.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
+        return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
 
     def fail(self, status: int) -> None:
         """IntegrationError with time, the part to blame, advice and what was computed."""

@@ -1,100 +1,50 @@
-"""`simulate` and `accelerations`: from a system and a state to a `Solution`."""
+"""From a mechanism and a state to the result of a run."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..api.solution import Solution
-from ..api.system import System
 from ..base.checks import number
 from ..base.progress import Progress
+from ..constraints.assembly import reference_state
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..integrators import base
 from ..integrators.dop853 import DOP853
 from ..integrators.driven import Kinematic
 from ..mechanism.measures import Condition, check_members
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import check_interval
 from ..mechanism.state import State
 from ..results.record import METHODS
+from ..results.run_result import RunResult
 from .job import Job
 
 
-def simulate(
-    system: Any,
+def run_to(
+    system: Mechanism,
     t_end: float,
+    switches: Switches,
     *,
     state: State | None = None,
     method: Any = None,
     rtol: float = 1e-8,
     output: int | Sequence[float] | None = None,
     stop_when: Condition | None = None,
-    gyroscopic: bool = True,
-    centripetal: bool = True,
-    gamma: bool = True,
-    stabilisation: str = "projection",
-    baumgarte: tuple[float, float] = (20.0, 100.0),
     as_built: float | None = None,
     progress: bool | None = None,
-) -> Solution:
-    """Integrate a mechanism from a state to ``t_end``.
-
-    Parameters
-    ----------
-    system : System
-    t_end : float
-        End time [s], hit exactly.
-    state : State or None
-        Start; None = ``system.state()``, the reference pose with solved velocities.
-    method : DOP853, RK4, GeneralizedAlpha, Kinematic or None
-        None = DOP853().
-    rtol : float
-        Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.
-    output : None, int or array
-        Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
-    stop_when : Condition
-        A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
-        at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
-        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be.
-    gyroscopic, centripetal, gamma, stabilisation, baumgarte
-        Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
-        factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
-    as_built : float or None
-        Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
-    progress : bool or None
-        Show a progress bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    Solution
-        Also after Ctrl-C, with what was computed; its certificate says so.
-
-    Raises
-    ------
-    ValueError
-        For input that makes no sense.
-    IntegrationError
-        With time, part and advice; ``error.solution`` holds what was computed.
-
-    Examples
-    --------
-    >>> from mbsd3d import Body, System, measures, simulate
-    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
-    >>> flight = simulate(System([stone]), 1.0, stop_when=measures.velocity(stone, axis=(0, 0, 1)) < 0.0)
-    >>> round(float(flight.position(stone)[-1, 2]), 9)  # v^2 / (2 g)
-    0.458715596
-    """
+) -> RunResult:
+    """Integrate a mechanism from a state to ``t_end``; arguments and errors as `mbsd3d.simulate`."""
     method = method or DOP853()
     check_kinds(system, method, rtol, stop_when)
     check_state(state, "simulate")
-    start, t_end = state or system.state(as_built=as_built), number(t_end, "simulate: t_end")
+    start, t_end = state or reference_state(system, as_built), number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )
     if stop_when is not None:
         check_members(system, stop_when.measure, "simulate: stop_when")
-    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), switches)
     check_signals(compiled, start.t, t_end)
     times = output_times(output, start.t, t_end, method)
@@ -117,8 +67,8 @@ def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
 
 
 def check_system(system: Any, what: str) -> None:
-    """ValueError for what is no System."""
-    if not isinstance(system, System):
+    """ValueError for anything but a System."""
+    if not isinstance(system, Mechanism):
         raise ValueError(f"{what}: {system!r} is not a System; give System(bodies=[...], joints=[...])")
 
 
@@ -158,25 +108,11 @@ def output_times(output: Any, t_start: float, t_end: float, method: Any) -> np.n
     return times
 
 
-def accelerations(system: Any, state: State | None = None) -> Solution:
-    """Accelerations and reactions at one state: a `Solution` with a single sample.
-
-    ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
-
-    Examples
-    --------
-    >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
-    >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
-    >>> system = System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")])
-    >>> now = accelerations(system)
-    >>> round(float(now.alpha(arm)[0, 1]), 12)  # m g l / (I_G + m l^2) about y
-    9.81
-    >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
-    9.81
-    """
+def accelerations_at(system: Mechanism, state: State | None = None) -> RunResult:
+    """Accelerations and reactions at one state, as a result with a single sample."""
     check_system(system, "accelerations")
     check_state(state, "accelerations")
-    start = state or system.state()
+    start = state or reference_state(system, None)
     compiled = compile_system(system)
     job = Job(compiled, start, start.t + 1.0, np.array([start.t]), DOP853(), 1e-8, None, None)
     job.check_start()

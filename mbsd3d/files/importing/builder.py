@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...api.system import System
 from ...base.inertia import combine
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
@@ -13,6 +12,7 @@ from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
 from ...mechanism.forces.standard import TorsionSpring
 from ...mechanism.joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.geoms import shapes
 
 KINDS = (
@@ -44,7 +44,7 @@ class Imported(NamedTuple):
     ({'hand': 'arm'}, {'geom': 2})
     """
 
-    system: System
+    system: Mechanism
     merged: dict[str, str]
     renamed: dict[str, str]
     dropped: tuple[str, ...]
@@ -84,7 +84,7 @@ class Builder:
             kinds = sorted({kind for kind, _ in self.foreign if kind in KINDS})
             remedy = f"; leave out with drop={kinds}" if kinds else ""
             raise ValueError(f"cannot import {shown}{remedy}, or change the file")
-        system = System(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
+        system = Mechanism(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
         dropped = tuple(f"{kind}: {what}" for kind, what in self.foreign)
         return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})
 

@@ -14,7 +14,8 @@ from ...base.paths import package_version, with_suffix, write_atomically
 from ...base.rotations import rotation
 from ...base.style import GREY, SHADED
 from ...mechanism.shapes import Mesh
-from ..scene.drawing import Drawing, Piece, Wire, draw_system, poses_of
+from ..scene.artist import draw_system
+from ..scene.drawing import Drawing, Piece, Wire, poses_of
 from ..scene.frames import Frames, frames_of
 from ..scene.motion import Trace, moved, traces_of
 from ..scene.sticks import ROD, SLENDER, rolled, unit_coil, unit_rod

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...base.paths import with_suffix, write_atomically
+from .browser import has_browser, printable
 from .content import Content, scene_and_data
 from .recorder import client_head
 
@@ -63,8 +64,6 @@ class View:
         import tempfile
         import webbrowser
 
-        from .live import has_browser
-
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
         if not has_browser() or not webbrowser.open(path.as_uri()):
             raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
@@ -105,8 +104,3 @@ def as_script(data: dict[str, Any]) -> str:
     """JSON that cannot end the script element it stands in, whatever names are in it."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return printable(re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text))
-
-
-def printable(text: str) -> str:
-    """The text with "?" for what no file can hold (halves of surrogate pairs)."""
-    return text.encode("utf-8", "replace").decode("utf-8")

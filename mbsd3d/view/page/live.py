@@ -3,8 +3,6 @@
 `LiveView` holds the server and the thread that moves the scene; what stands in the panel says `mbsd3d.view.page.panel`.
 """
 
-import os
-import sys
 import threading
 import time
 import webbrowser
@@ -12,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from .browser import has_browser, printable
 from .content import Content
-from .html import printable
 from .panel import Panel
 from .recorder import import_viser
 from .stage import build_stage
@@ -165,14 +163,3 @@ def quiet_server() -> Any:
         server = viser.ViserServer(host=HOST, port=0, verbose=False)
     server.get_event_loop().call_soon_threadsafe(console.begin_capture)  # what its own thread says at the end
     return server
-
-
-def has_browser() -> bool:
-    """Whether a browser with windows can be opened here."""
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return False
-    try:
-        webbrowser.get()
-    except webbrowser.Error:
-        return False
-    return True

@@ -9,8 +9,8 @@ from ...base.style import Theme, theme
 from ..scene.curves import Curve
 from ..scene.frames import Frames
 from ..scene.motion import Arrows
+from .browser import printable
 from .content import Content
-from .html import printable
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS = 300  # of a line: the whole curve is sent again whenever its cursor moves

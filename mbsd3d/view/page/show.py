@@ -11,8 +11,9 @@ from ...base.paths import ready_path
 from ...base.progress import Progress
 from ...mechanism.state import State
 from ...report.wording import title_of
+from ..scene.artist import draw_system
 from ..scene.curves import curves_of
-from ..scene.drawing import draw_system, poses_of
+from ..scene.drawing import poses_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.layers import USUAL, layers_of
 from ..scene.motion import arrows_of, traces_of

@@ -13,7 +13,8 @@ import numpy as np
 from ...base.style import CELLS, SHADED, channels, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
-from ..scene.drawing import Drawing, bounds, frame_camera
+from ..scene.camera import frame_camera
+from ..scene.drawing import Drawing, bounds
 from ..scene.frames import Frames
 from ..scene.grid import round_up
 from ..scene.layers import LAYERS, USUAL

@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 
 from ...base.checks import number
 from ...base.style import house, theme
-from ..scene.camera import lens_of, turned
-from ..scene.drawing import bounds, draw_system, frame_camera, poses_of
+from ..scene.artist import draw_system
+from ..scene.camera import frame_camera, lens_of, turned
+from ..scene.drawing import bounds, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.layers import ARROWS, MARKS, NAMES, USUAL, layers_of
 from ..scene.motion import Arrows, Trace, arrows_of, traces_of

@@ -18,6 +18,26 @@ from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
+def draw_system(system: Any) -> Drawing:
+    """What is drawn of a system.
+
+    Parameters
+    ----------
+    system : System
+
+    Returns
+    -------
+    Drawing
+        True to scale; only the marks of joints and points have a size of their own.
+
+    Raises
+    ------
+    ValueError
+        Naming body and remedy for a shape that cannot be drawn.
+    """
+    return Artist(system).draw()
+
+
 class Artist:
     """Makes the drawing of a system, step by step: bodies first, since their size gives that of the marks."""
 

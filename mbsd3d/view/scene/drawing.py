@@ -10,9 +10,6 @@ import numpy as np
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND
 from ...mechanism.shapes import Mesh
-from .camera import Camera, frame_camera
-
-__all__ = ["Camera", "Drawing", "Link", "Piece", "Tag", "Wire", "bounds", "draw_system", "frame_camera", "poses_of"]
 
 WORK = 20_000_000  # points times poses that are looked at for the bounds
 
@@ -64,28 +61,6 @@ class Drawing(NamedTuple):
     tags: list[Tag]
     size: float
     floor: float  # height of the ground grid, world [m]
-
-
-def draw_system(system: Any) -> Drawing:
-    """What is drawn of a system.
-
-    Parameters
-    ----------
-    system : System
-
-    Returns
-    -------
-    Drawing
-        True to scale; only the marks of joints and points have a size of their own.
-
-    Raises
-    ------
-    ValueError
-        Naming body and remedy for a shape that cannot be drawn.
-    """
-    from .artist import Artist
-
-    return Artist(system).draw()
 
 
 def poses_of(system: Any, state: Any = None) -> tuple[np.ndarray, np.ndarray]:

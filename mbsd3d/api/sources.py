@@ -8,8 +8,9 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any
 
-from ..api.system import System
 from ..base.errors import Mbsd3dError
+from .reading import read_mjcf, read_urdf
+from .system import System
 
 
 def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
@@ -34,8 +35,6 @@ def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]
 
 def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
     """The System of an MJCF or URDF file, and what was dropped, merged and renamed."""
-    from .importing.importers import read_mjcf, read_urdf
-
     found = (read_mjcf if suffix == ".xml" else read_urdf)(file, drop=drop)
     lines = [f"left out {part}" for part in found.dropped]
     lines += [f"body '{name}' is part of '{whole}'" for name, whole in found.merged.items()]

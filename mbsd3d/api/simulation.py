@@ -1,0 +1,111 @@
+"""`simulate` and `accelerations`: from a system and a state to a `Solution`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..base.errors import IntegrationError
+from ..equations.compiled import Switches
+from ..mechanism.measures import Condition
+from ..mechanism.state import State
+from ..run.simulation import accelerations_at, run_to
+from .solution import Solution
+from .system import System
+
+
+def simulate(
+    system: System,
+    t_end: float,
+    *,
+    state: State | None = None,
+    method: Any = None,
+    rtol: float = 1e-8,
+    output: int | Sequence[float] | None = None,
+    stop_when: Condition | None = None,
+    gyroscopic: bool = True,
+    centripetal: bool = True,
+    gamma: bool = True,
+    stabilisation: str = "projection",
+    baumgarte: tuple[float, float] = (20.0, 100.0),
+    as_built: float | None = None,
+    progress: bool | None = None,
+) -> Solution:
+    """Integrate a mechanism from a state to ``t_end``.
+
+    Parameters
+    ----------
+    system : System
+    t_end : float
+        End time [s], hit exactly.
+    state : State or None
+        Start; None = ``system.state()``, the reference pose with solved velocities.
+    method : DOP853, RK4, GeneralizedAlpha, Kinematic or None
+        None = DOP853().
+    rtol : float
+        Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.
+    output : None, int or array
+        Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
+    stop_when : Condition
+        A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
+        at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
+        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be.
+    gyroscopic, centripetal, gamma, stabilisation, baumgarte
+        Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
+        factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
+    as_built : float or None
+        Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
+    progress : bool or None
+        Show a progress bar; None = on a terminal, after two seconds.
+
+    Returns
+    -------
+    Solution
+        Also after Ctrl-C, with what was computed; its certificate says so.
+
+    Raises
+    ------
+    ValueError
+        For input that makes no sense.
+    IntegrationError
+        With time, part and advice; ``error.solution`` holds what was computed.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, measures, simulate
+    >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
+    >>> flight = simulate(System([stone]), 1.0, stop_when=measures.velocity(stone, axis=(0, 0, 1)) < 0.0)
+    >>> round(float(flight.position(stone)[-1, 2]), 9)  # v^2 / (2 g)
+    0.458715596
+    """
+    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
+    try:
+        result = run_to(
+            system, t_end, switches, state=state, method=method, rtol=rtol, output=output, stop_when=stop_when,
+            as_built=as_built, progress=progress,
+        )  # fmt: skip
+    except IntegrationError as error:
+        error.solution = error.solution and Solution.of(error.solution, simulate)
+        raise
+    return Solution.of(result, simulate)
+
+
+def accelerations(system: System, state: State | None = None) -> Solution:
+    """Accelerations and reactions at one state: a `Solution` with a single sample.
+
+    ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
+    >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+    >>> system = System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")])
+    >>> now = accelerations(system)
+    >>> round(float(now.alpha(arm)[0, 1]), 12)  # m g l / (I_G + m l^2) about y
+    9.81
+    >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
+    9.81
+    """
+    try:
+        return Solution.of(accelerations_at(system, state), simulate)
+    except IntegrationError as error:
+        error.solution = error.solution and Solution.of(error.solution, simulate)
+        raise

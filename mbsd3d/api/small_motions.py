@@ -1,0 +1,153 @@
+"""`linearize`: small motions about an equilibrium or a steady motion, as modes that can be plotted and animated."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ..linear import linearization, modes
+from ..mechanism.measures import Measure
+from ..mechanism.state import State
+from .system import System
+from .viewable import Viewable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(modes.Motion, Viewable):
+    """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mode(modes.Mode):
+    """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
+
+    ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
+    all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from mbsd3d import linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> swing = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))])).mode(0)
+    >>> round(swing.frequency, 9), abs(round(swing.damping_ratio, 9))
+    (0.788178601, 0.0)
+    >>> swing.motion(amplitude=0.1, samples=5).position("rod").shape  # .animate() shows it
+    (5, 3)
+    """
+
+    def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> Motion:
+        moved = super().motion(amplitude, cycles, samples)
+        return Motion(moved.compiled, moved.t, moved.arrays)
+
+    motion.__doc__ = modes.Mode.motion.__doc__
+
+    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
+        """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
+        moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
+        seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"
+        return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Linearization(linearization.Linearization):
+    """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.
+
+    Attributes
+    ----------
+    A : (n, n) array
+        In SI units; of the states x, or of the outputs y if any were asked for.
+    states, state_units : tuple of str
+        What x (or y) stands for: "x of frame" is the displacement of the centre of mass, "theta_x of frame" the
+        rotation, "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism
+        if that turns as a whole. All other displacements follow from the constraints.
+    eigenvalues : (n,) complex array
+        [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.modes.spectrum`.
+    modes : tuple of Mode
+        One per real eigenvalue and per complex pair.
+    generator : Generator
+        The steady motion that was found.
+    residual : float
+        Largest violation of what was assumed, in the model's own units of length and time.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System, linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> found = linearize(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0))]))
+    >>> found.eigenvalues.imag.round(6), found.generator.turning  # sqrt(m g l / (I + m l^2))
+    (array([ 4.952272, -4.952272]), False)
+    """
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """One per real eigenvalue and per complex pair, in the order of the eigenvalues."""
+        return tuple(
+            Mode(self, mode.eigenvalue, mode.translation, mode.rotation, mode.vector) for mode in modes.make_modes(self)
+        )
+
+    def plot(self) -> "Figure":
+        """Matplotlib figure of the eigenvalues in the complex plane."""
+        from ..plotting.eigenvalues import plot_eigenvalues
+
+        return plot_eigenvalues(self)
+
+
+def linearize(
+    system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
+) -> Linearization:
+    """The linear equations of small motions about an equilibrium or a relative equilibrium.
+
+    States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
+    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and own states of force elements, all
+    in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
+    carried along: ``x_dot = A x`` with the generator of the turn subtracted. A is exact to rounding: derivatives are
+    complex steps, the row set is frozen.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        An equilibrium or a steady motion; None = ``system.state()``.
+    outputs : sequence of Measure or None
+        y = L x whose rates depend on y alone: A is then the unique A_y with ``L A = A_y L``. Divides cyclic coordinates
+        out, which otherwise leave zeros with Jordan blocks.
+    tolerance : float
+        Largest residual of the conditions of a steady motion, in units of the model's length and its fastest rate.
+
+    Returns
+    -------
+    Linearization
+        Printed: a table of the modes; ``.plot()`` draws the eigenvalues, ``.mode(k).animate()`` moves the mechanism.
+
+    Notes
+    -----
+    Straight motion at constant speed is steady in world axes, also with wheels that spin, if they are symmetric about
+    their axes. A turn needs axes that turn along: there a displacement of everything, which stands still in the world,
+    shows as a pair of eigenvalues +-i Omega. A body that drifts through space while it turns is not covered, nor are
+    independent mechanisms that move at different speeds.
+
+    Raises
+    ------
+    ValueError
+        If the state is no (relative) equilibrium, the equations change along the motion (an unbalanced wheel), a
+        signal varies with time, the position is singular, nothing can move, or the outputs do not close; each with
+        the part and the residual.
+    AssemblyError
+        If the state does not meet a joint.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from mbsd3d import linearize
+    >>> rod = Body("rod", mass=2.0, inertia=(0.06, 0.06, 0.001), position=(0, 0, -0.3))
+    >>> hinge = Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    >>> swing = linearize(System([rod], [hinge])).mode(0)  # sqrt(m g l / (I + m l^2))
+    >>> round(swing.eigenvalue.imag, 9), swing.label
+    (4.952272206, "angle of 'hinge'")
+    """
+    found = linearization.linearize_at(system, state, outputs=outputs, tolerance=tolerance)
+    return Linearization(**{field.name: getattr(found, field.name) for field in fields(found)})
