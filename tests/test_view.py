@@ -15,7 +15,7 @@ from mbsd3d import GROUND, Body, Revolute, Spherical, SpringDamper, System, line
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view.page import html as page
-from mbsd3d.view.page import live, show
+from mbsd3d.view.page import show
 from mbsd3d.view.page.content import ARROW, LENGTH, TURN, VALUE, pack, unpack
 from mbsd3d.view.page.recorder import Recording, import_viser
 from mbsd3d.view.page.stage import LONGEST, build_stage
@@ -154,7 +154,7 @@ def test_saved_shown_and_described(view, tmp_path, monkeypatch):
     assert frame.startswith("<iframe srcdoc=") and "<script" not in frame
     with pytest.raises(ValueError, match="cannot be written"):
         view.save(tmp_path / "missing" / "motion")
-    monkeypatch.setattr(live, "has_browser", lambda: False)
+    monkeypatch.setattr("mbsd3d.view.page.html.has_browser", lambda: False)
     monkeypatch.setattr("tempfile.mkdtemp", lambda prefix: str(tmp_path))
     with pytest.raises(ValueError, match=r"no browser could be started; open '.*view.html'"):
         view.open()

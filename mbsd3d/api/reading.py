@@ -57,7 +57,7 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     path : str or Path
         At most 8 MB with all it includes; it may name files in its own folder only.
     drop : sequence of str
-        Kinds to leave out: "contact", "limit", "actuator", "frictionloss", ... .
+        Kinds to leave out: "contact", "limit", "actuator", "frictionloss", ...
     timeout : float
         For the process that reads the file [s].
 
