@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from mbsd3d.base.checks import number
 from mbsd3d.base.directions import cross
-from mbsd3d.base.rotations import as_quaternion, skew
+from mbsd3d.base.quaternions import skew
+from mbsd3d.base.rotations import as_quaternion
 
 from .parameters import Parameters
 

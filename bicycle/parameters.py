@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.base.checks import number
-from mbsd3d.base.inertia import check_inertia
+from mbsd3d.base.mass_properties import check_inertia
 
 DATA = Path(__file__).parent / "data" / "bicycle.json"
 SKATE_RADIUS = 0.1

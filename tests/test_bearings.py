@@ -5,7 +5,8 @@ import pytest
 from models import across, direction, random_body
 
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.base.quaternions import exponential
+from mbsd3d.base.rotations import matrix
 from mbsd3d.results.bearing_life import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
 from mbsd3d.results.bearings import BearingLoad, bearing_load, bearing_pair
 

@@ -13,7 +13,8 @@ from bicycle.equations import canonical
 from bicycle.models import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library
 from mbsd3d import State, System, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.base.quaternions import exponential, multiply
+from mbsd3d.base.rotations import matrix
 from validation import whipple_lagrange
 
 BENCHMARK = Meijaard2007()

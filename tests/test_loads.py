@@ -33,12 +33,12 @@ from mbsd3d import (
     TorsionSpring,
     rotation,
 )
-from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.base.quaternions import exponential, multiply
+from mbsd3d.base.rotations import matrix
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.loads import loads
-from mbsd3d.mechanism import measures
-from mbsd3d.mechanism.forces import standard as forces
+from mbsd3d.mechanism import forces, measures
 from mbsd3d.mechanism.forces.custom import CustomForce, SavedForce
 from mbsd3d.mechanism.forces.feedback import StateFeedback
 

@@ -9,16 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mbsd3d.results.samples import QUANTITIES
 from models import at_reference, dense_rows, revolute_chain
 
-from mbsd3d import RK4, PointOnLine, Revolute, System, recording, simulate
-from mbsd3d.base.rotations import conjugate, logarithm, multiply
+from mbsd3d import RK4, PointOnLine, Revolute, System, simulate
+from mbsd3d.base.quaternions import conjugate, logarithm, multiply
 from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.row_choice import choose_rows, independent_rows
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import scaled_rows
-from mbsd3d.results.record import Samples
+from mbsd3d.results.record import QUANTITIES, Samples
 from validation.mechanisms import ladder
 
 HERE = Path(__file__).parent
@@ -133,8 +132,8 @@ def test_samples_are_kept_whatever_their_number(expected):
 def test_a_small_buffer_gives_the_same_samples(monkeypatch):
     system, method = revolute_chain(3), RK4(0.01)
     whole = [simulate(system, 0.5, method=method, output=output) for output in (190, None)]
-    monkeypatch.setattr(recording, "BUFFER", 1)
-    monkeypatch.setattr(recording, "FEWEST", 2)
+    monkeypatch.setattr(record, "BUFFER", 1)
+    monkeypatch.setattr(record, "FEWEST", 2)
     for first, output in zip(whole, (190, None), strict=True):
         again = simulate(system, 0.5, method=method, output=output)
         for name, array in first.arrays.items():
@@ -143,7 +142,7 @@ def test_a_small_buffer_gives_the_same_samples(monkeypatch):
 
 def test_a_run_holds_its_samples_once(monkeypatch):
     """Peak of what is allocated, certificate included, against what is stored."""
-    monkeypatch.setattr(recording, "BUFFER", 2**16)
+    monkeypatch.setattr(record, "BUFFER", 2**16)
     system = revolute_chain(100)
     state = system.state()
     simulate(system, 0.004, state=state, method=RK4(0.001))

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array, eye_array, vstack
 
 from ..base.checks import number
 from ..base.errors import AssemblyError
-from ..base.rotations import conjugate, logarithm, multiply
+from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
 from ..equations.jacobian import block_rows, displacement_units, scaled

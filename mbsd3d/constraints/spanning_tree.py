@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..base.rotations import exponential, matrix, multiply
+from ..base.quaternions import exponential, multiply
+from ..base.rotations import matrix
 from ..equations.compiled import Compiled
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import State, System, rotation
-from mbsd3d.base.rotations import multiply
+from mbsd3d.base.quaternions import multiply
 from mbsd3d.equations.dense_solvers import equations
 
 RANK = 1e-9  # of scaled rows, over the largest singular value

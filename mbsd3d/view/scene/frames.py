@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...base.rotations import H
+from ...base.quaternions import H
 
 TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
 MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.rotations import multiply
+from ...base.quaternions import multiply
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined, revolved
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.rotations import H, conjugate, exponential, logarithm, matrix, multiply, skew
+from mbsd3d.base.quaternions import H, conjugate, exponential, logarithm, multiply, skew
+from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.primitives import Coordinate
 
 from ..base import Array

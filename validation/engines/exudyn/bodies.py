@@ -6,7 +6,8 @@ import numpy as np
 
 from mbsd3d import GROUND
 from mbsd3d.base.concurrency import one_thread
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.couplings import Coupling
 
 from ..base import Array, Kinetic, Load, Motion, NotExpressible

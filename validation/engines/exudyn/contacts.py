@@ -11,7 +11,8 @@ import numpy as np
 
 from mbsd3d import GROUND
 from mbsd3d.base.directions import cross
-from mbsd3d.base.rotations import exponential, matrix, skew
+from mbsd3d.base.quaternions import exponential, skew
+from mbsd3d.base.rotations import matrix
 
 from ..base import Array
 from .assembly import Assembly

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.base.concurrency import on_one_thread
-from mbsd3d.base.rotations import exponential, logarithm, multiply
+from mbsd3d.base.quaternions import exponential, logarithm, multiply
 
 from ..base import Array, EngineFailed
 from .assembly import Assembly

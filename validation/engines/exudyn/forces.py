@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.rotations import exponential, matrix, multiply
-from mbsd3d.mechanism.forces.element import hinge_coordinate as coordinate_of
-from mbsd3d.mechanism.forces.standard import (
+from mbsd3d.base.quaternions import exponential, multiply
+from mbsd3d.base.rotations import matrix
+from mbsd3d.mechanism.forces import (
     AeroDrag,
     Bushing,
     Force,
@@ -16,6 +16,7 @@ from mbsd3d.mechanism.forces.standard import (
     Torque,
     TorsionSpring,
 )
+from mbsd3d.mechanism.forces.element import hinge_coordinate as coordinate_of
 from mbsd3d.mechanism.signals import Constant
 
 from ..base import Array, NotExpressible, label

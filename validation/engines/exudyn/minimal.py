@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.rotations import multiply, quaternion_from_matrix
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import quaternion_from_matrix
 from mbsd3d.mechanism.primitives import Coordinate
 
 from ..base import Array, Kinetic, Motion, NotExpressible

@@ -11,7 +11,8 @@ import numpy as np
 
 from mbsd3d import GROUND
 from mbsd3d.base.directions import cross, matched_perpendiculars, perpendiculars
-from mbsd3d.base.rotations import conjugate, matrix, multiply
+from mbsd3d.base.quaternions import conjugate, multiply
+from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.joints import Cylindrical, Prismatic, Revolute, Universal
 from mbsd3d.mechanism.primitives import Coordinate
 
