@@ -17,6 +17,7 @@ from mbsd3d.constraints.elimination import Elimination
 from mbsd3d.constraints.row_choice import choose_rows, independent_rows
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import scaled_rows
+from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
 from validation.mechanisms import ladder
 
