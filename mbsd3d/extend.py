@@ -33,7 +33,7 @@ NAMES = {
     "demos.base": ("discover",),
     # the mechanism as data: what joints lower to, what forces and signals are made of
     "mechanism.couplings": ("Coupling",),
-    "mechanism.forces.element": ("ForceElement", "hinge_coordinate"),
+    "mechanism.force_element": ("ForceElement", "hinge_coordinate"),
     "mechanism.measures": ("Measure",),
     "mechanism.primitives": ("Coordinate", "Primitive"),
     "mechanism.signals": ("as_signal",),

@@ -30,7 +30,7 @@ from mbsd3d import (
     TorsionSpring,
     simulate,
 )
-from mbsd3d.mechanism.forces.element import ForceElement
+from mbsd3d.mechanism.force_element import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
 

@@ -39,7 +39,7 @@ from mbsd3d.equations.compiled import compile_system
 from mbsd3d.files.description import describe
 from mbsd3d.files.schema import types
 from mbsd3d.mechanism import measures
-from mbsd3d.mechanism.forces.element import ForceElement
+from mbsd3d.mechanism.force_element import ForceElement
 from mbsd3d.mechanism.joints import Joint
 from mbsd3d.mechanism.signals import Pulse, Scaled, Signal, Sum
 

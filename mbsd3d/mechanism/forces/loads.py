@@ -6,7 +6,7 @@ from typing import Any
 from ...base.checks import number, vector
 from ...kernels import kinds
 from ..bodies import GROUND, Body
-from .element import ForceElement, ForceRecord, check_body, in_body_frame, three_signals
+from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame, three_signals
 
 
 @dataclass(frozen=True, eq=False)

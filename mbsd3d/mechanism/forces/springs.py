@@ -8,8 +8,8 @@ import numpy as np
 from ...base.checks import number, vector
 from ...base.rotations import as_quaternion, matrix
 from ...kernels import kinds
+from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
-from .element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 from ...base.checks import vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
 from ..bodies import Body, Ground, Part
+from ..motion import Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 
@@ -63,7 +64,7 @@ class Joint(Part):
         """Point of body b at which the reaction is given (world, reference pose)."""
         return self.b.position
 
-    def reaction_points(self, solution: Any) -> np.ndarray:
+    def reaction_points(self, solution: Motion) -> np.ndarray:
         """(samples, 3) world points at which the reaction is given: `point`, carried by body b."""
         return solution.body_point(self.b, self.point())
 

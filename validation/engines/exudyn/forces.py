@@ -16,7 +16,7 @@ from mbsd3d.mechanism.forces import (
     Torque,
     TorsionSpring,
 )
-from mbsd3d.mechanism.forces.element import hinge_coordinate as coordinate_of
+from mbsd3d.mechanism.force_element import hinge_coordinate as coordinate_of
 from mbsd3d.mechanism.signals import Constant
 
 from ..base import Array, NotExpressible, label

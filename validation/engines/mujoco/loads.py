@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Force, JointFriction, SpringDamper, Torque, TorsionSpring
-from mbsd3d.mechanism.forces.element import hinge_coordinate
+from mbsd3d.mechanism.force_element import hinge_coordinate
 from mbsd3d.mechanism.signals import Constant
 
 from ..base import NotExpressible, label

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ..bodies import Body, Ground, Part
-from ..joints import Joint
-from ..primitives import Coordinate
-from ..signals import Signal, as_signal
+from .bodies import Body, Ground, Part
+from .joints import Joint
+from .primitives import Coordinate
+from .signals import Signal, as_signal
 
 
 @dataclass(frozen=True, eq=False)
