@@ -217,6 +217,14 @@ def pendulum(rng=None, *, joint=Revolute, arm=0.6, **fields):
     return System(bodies=[body], joints=[made]), body, made
 
 
+def spinning_wheel(rate):
+    """(system, hinge): a wheel of general inertia that nothing loads, so that it turns at its rate [rad/s] for good."""
+    axis = np.array([2.0, -3.0, 6.0]) / 7.0
+    wheel = Body("wheel", 1.3, (0.11, 0.23, 0.17), com=(0.02, -0.05, 0.03), velocity=(0, 0, 0), omega=rate * axis)
+    hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=axis)
+    return System(bodies=[wheel], joints=[hinge], gravity=(0, 0, 0)), hinge
+
+
 def same_rotation(first, second):
     """Greatest distance of unit quaternions that stand for the same rotation up to sign."""
     first, second = np.asarray(first, float), np.asarray(second, float)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from numpy.polynomial import Polynomial
 
 from bicycle import Meijaard2007, critical, general, named, parameters, stability, straight, whipple
 from bicycle.double_roots import double_roots
@@ -209,6 +210,55 @@ def test_double_roots_far_from_each_other_are_all_found():
     found = [x.speed for x in stability.critical_speeds(far).double_roots]
     assert len(found) == len(changes) == 2 and found[1] > 6.0 * found[0]
     assert all(grid[k] < v < grid[k + 1] for k, v in zip(changes, found, strict=True))
+
+
+def two_pairs(a, b, c, e, gap=0.0):
+    """Product of two quadratics a s^2 + b v s + c + e v^2 plus a constant: two pairs of modes that hardly meet."""
+    return critical.Quartic(
+        a=a[0] * a[1],
+        b=a[0] * b[1] + a[1] * b[0],
+        c=np.array([a[0] * c[1] + a[1] * c[0], a[0] * e[1] + a[1] * e[0] + b[0] * b[1]]),
+        d=np.array([b[0] * c[1] + b[1] * c[0], b[0] * e[1] + b[1] * e[0]]),
+        e=np.array([c[0] * c[1] + gap, c[0] * e[1] + c[1] * e[0]]),
+    )
+
+
+PAIRS = [
+    ((1.0, 1.3), (0.7, 2.1), (-9.3, -8.1), (0.0, 0.6)),
+    ((1.0, 1.3), (0.7, 2.1), (-3.3, 4.1), (0.0, -0.6)),
+    ((1.7, 0.8), (0.9, 2.9), (-5.3, -6.1), (0.0, 1.1)),
+]
+
+
+def crossings(a, b, c, e):
+    """(v, s) where a mode of one quadratic is one of the other, by their resultant, a polynomial in v^2."""
+    w, stiff = Polynomial([0.0, 1.0]), [Polynomial([c[k], e[k]]) for k in (0, 1)]
+    same, slope = a[0] * stiff[1] - a[1] * stiff[0], a[0] * b[1] - a[1] * b[0]
+    roots = (same**2 - slope * (b[0] * stiff[1] - b[1] * stiff[0]) * w).roots()
+    speeds = np.sqrt(np.sort([x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0.0]))
+    return [(v, -same(v * v) / (slope * v)) for v in speeds]
+
+
+@pytest.mark.parametrize("pairs", PAIRS)
+def test_modes_that_cross_without_feeling_each_other_meet_there(pairs):
+    """The discriminant has a double root there, which rounding splits, into a complex pair or into two speeds."""
+    found = np.array([x.speed for x in double_roots(two_pairs(*pairs))])
+    assert crossings(*pairs) and (np.diff(found) > 0.0).all()  # none is told twice
+    for v, _ in crossings(*pairs):
+        assert np.abs(found - v).min() < 1e-6 * v  # the root of rounding, as often as the terms cancel
+
+
+@pytest.mark.parametrize("pairs", PAIRS)
+def test_modes_that_hardly_feel_each_other_meet_twice(pairs):
+    """f g + k = 0 near f = g = 0: they meet at v +- 2 sqrt(f_s g_s k) / |f_s g_v - f_v g_s|, to the order of k."""
+    a, b, c, e = pairs
+    for v, s in crossings(*pairs):
+        f_s, g_s = (2.0 * a[k] * s + b[k] * v for k in (0, 1))
+        f_v, g_v = (b[k] * s + 2.0 * e[k] * v for k in (0, 1))
+        gap = 1e-8 * np.sign(f_s * g_s)
+        apart = 2.0 * np.sqrt(f_s * g_s * gap) / abs(f_s * g_v - f_v * g_s)
+        found = np.array([x.speed for x in double_roots(two_pairs(*pairs, gap)) if abs(x.speed - v) < 3.0 * apart])
+        assert found - v == pytest.approx([-apart, apart], rel=1e-2)  # the next term is smaller by sqrt(k) = 1e-4
 
 
 def test_mode_that_moves():

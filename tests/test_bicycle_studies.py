@@ -164,6 +164,14 @@ def test_derivatives_obey_the_rules_of_dimensions():
         assert abs(change["g"] - v / 2) < 1e-12 * size
 
 
+@pytest.mark.parametrize("name", ["Benchmark", "Crescendo", "HC_Bluenose", "HC_Optimal06"])
+def test_the_double_root_is_where_two_growing_modes_meet(name):
+    """Decaying modes of the last three meet at a lower speed."""
+    v = sensitivity.derivatives(named(name)).speeds["double root"]
+    low, high = np.sort(canonical(named(name)).eigenvalues([v])[0].real)[-2:]
+    assert low > 0.0 and high - low < 1e-5 * high  # a double eigenvalue is known to the root of rounding
+
+
 def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
     closed, model = sensitivity.derivatives(BENCHMARK), sensitivity.derivatives(BENCHMARK, whipple)
     for name, slopes in closed.by.items():

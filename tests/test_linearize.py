@@ -13,6 +13,7 @@ from mbsd3d import (
     AssemblyError,
     Body,
     Bushing,
+    Cylindrical,
     Force,
     KnifeEdge,
     Planar,
@@ -234,6 +235,37 @@ def test_body_on_a_damped_bushing():
     miss = np.abs(found.eigenvalues[:, None] - expected).min(axis=1)
     assert miss.max() < 1e-11 * np.abs(expected).max() and len(found.modes) == 6
     assert found.states[0].endswith("of engine") and set(found.state_units) == {"m", "rad", "m/s", "rad/s"}
+
+
+def bolt(size):
+    """(system, hinge, bore): an arm on a hinge and a body in its skew bore, both on springs, unstressed."""
+    rng = np.random.default_rng(11)
+    arm, body = (
+        Body(raw.name, mass=1.4, inertia=raw.inertia * size**2, com=raw.com * size, position=raw.position * size,
+             orientation=raw.orientation)
+        for raw in (random_body(rng, "arm"), random_body(rng, "bolt"))
+    )  # fmt: skip
+    hinge = Revolute(GROUND, arm, at=arm.position + size * direction(rng), axis=direction(rng), name="hinge")
+    bore = Cylindrical(arm, body, at=body.position + 0.3 * size * direction(rng), axis=direction(rng), name="bore")
+    at = body.position + 0.4 * size * direction(rng)
+    spring = SpringDamper(GROUND, body, at_a=at + size * direction(rng), at_b=at, stiffness=70.0)
+    twists = [TorsionSpring(joint, stiffness=k * size**2) for joint, k in ((hinge, 60.0), (bore, 40.0))]
+    return System([arm, body], [hinge, bore], [spring, *twists], gravity=(0, 0, 0)), hinge, bore
+
+
+def test_joint_gradients_are_those_of_angles_and_slides_and_name_modes_alike_at_any_size():
+    labels = []
+    for size in (1.0, 50.0, 0.02):
+        system, hinge, bore = bolt(size)
+        seen = [f(x) for x in (hinge, bore) for f in (measures.angle, measures.rate)]
+        found = linearize(system, outputs=[*seen, measures.slide(bore), measures.slide_rate(bore)])
+        gradients = {(joint, kind): gradient for joint, kind, gradient in found.joint_gradients}
+        for mode in found.modes:
+            pose = np.hstack([mode.translation, mode.rotation]).ravel()
+            for k, key, unit in ((0, (hinge, "angle"), 1.0), (2, (bore, "angle"), 1.0), (4, (bore, "slide"), size)):
+                assert gradients[key] @ pose == pytest.approx(mode.vector[k], abs=1e-10 * unit)  # of order 1
+        labels.append([mode.label for mode in found.modes])
+    assert labels[0] == labels[1] == labels[2] and "slide of 'bore'" in labels[0] and "angle of 'bore'" in labels[0]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, rotation, simulate
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, accelerations, rotation, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from validation import cases
@@ -73,6 +73,21 @@ def test_net_wrench_is_unique_and_right_where_shares_are_not():
     np.testing.assert_allclose(summed, net.force, atol=1e-9)  # shares of least norm still add up
 
 
+def test_shares_of_least_norm_belong_to_the_mechanism_and_not_to_the_metre():
+    """The door at rest with all lengths times 40: the same forces, 40 times the moments."""
+    small, size = door(), 40.0
+    (leaf,) = small.bodies
+    whole = Body("leaf", mass=leaf.mass, inertia=leaf.inertia * size**2, com=leaf.com * size,
+                 position=leaf.position * size, orientation=TILT)  # fmt: skip
+    hinges = [Revolute(GROUND, whole, at=j.at * size, axis=j.axis, name=j.name) for j in small.joints]
+    large = System(bodies=[whole], joints=hinges)
+    for name in ("bottom", "top"):
+        one, other = (accelerations(system).reaction(name) for system in (small, large))
+        assert not one.unique and np.abs(one.moment).max() > 1.0
+        np.testing.assert_allclose(other.force, one.force, atol=1e-10)  # rounding of 200 N
+        np.testing.assert_allclose(other.moment, size * one.moment, atol=1e-8)  # of 4 kN m
+
+
 def test_reactions_of_independent_joints_are_unique():
     system = cases.load("iftomm_rscr_slidercrank", 3).system
     solution = simulate(system, 0.1)
@@ -107,6 +122,13 @@ def open_loop(gap):
         before = body
     joints.append(Revolute(GROUND, before, at=(3 + gap, 0, 0), at_b=(3, 0, 0), axis=(0, 0, 1), name="last pin"))
     return System(bodies=bodies, joints=joints)
+
+
+def test_the_same_door_again_has_the_same_tolerance():
+    solution = simulate(door(1e-6), 0.05, as_built=1e-5, output=3)
+    again = solution.again()
+    assert again.record.tolerance == pytest.approx(solution.record.tolerance, rel=1e-15)
+    assert np.array_equal(again.angle("bottom"), solution.angle("bottom"))
 
 
 def test_a_loop_that_cannot_close_names_gap_and_joint():

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from models import direction, random_body, random_orientation
 from scipy.integrate import solve_ivp
 
 from mbsd3d import (
@@ -22,6 +23,8 @@ from mbsd3d import (
     rotation,
     simulate,
 )
+from mbsd3d.base.quaternions import skew
+from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.at_state import pack
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators import dop853
@@ -194,6 +197,29 @@ def test_the_named_force_is_the_fastest():
     found = [force_rate(compiled, compiled.data(), y, 0.0, k) for k in range(3)]
     # k/m = rate^2, c/m = rate; differences of 1e-7 leave seven digits of the force, the root of a double zero four
     assert found == pytest.approx([np.sqrt(25.0), np.sqrt(4e5), 2e4], rel=1e-3)
+
+
+def test_the_rate_of_a_bushing_is_that_of_a_free_body_on_it():
+    """The general body of general orientation, by its matrices written here: M x'' = -K x - D x'."""
+    rng = np.random.default_rng(9)
+    body = random_body(rng, mass=1.3)
+    at, F = body.position + 0.4 * direction(rng), matrix(random_orientation(rng))
+    K, D = np.diag((900.0, 700.0, 400.0)), np.diag((4.0, 7.0, 3.0))
+    K_r, D_r = np.diag((50.0, 80.0, 30.0)), np.diag((90.0, 40.0, 70.0))
+    bushing = Bushing(GROUND, body, at=at, axes=F, stiffness=np.diag(K), turning_stiffness=np.diag(K_r),
+                      damping=np.diag(D), turning_damping=np.diag(D_r))  # fmt: skip
+    compiled = compile_system(System([body], forces=[bushing]))
+    found = force_rate(compiled, compiled.data(), pack(compiled, compiled.system.state()), 0.0, 0)
+    R, reach = matrix(body.orientation), skew(at - body.position)
+    s = skew(R @ body.com)
+    M = np.block([[1.3 * np.eye(3), -1.3 * s], [1.3 * s, R @ body.inertia @ R.T - 1.3 * s @ s]])
+    arm = np.hstack([np.eye(3), -reach])  # motion of the point of the bushing by that of O
+    stiff, damped = (
+        arm.T @ F @ x @ F.T @ arm + np.block([[np.zeros((3, 6))], [np.zeros((3, 3)), F @ y @ F.T]])
+        for x, y in ((K, K_r), (D, D_r))
+    )
+    whole = np.block([[np.zeros((6, 6)), np.eye(6)], [-np.linalg.solve(M, stiff), -np.linalg.solve(M, damped)]])
+    assert found == pytest.approx(np.abs(np.linalg.eigvals(whole)).max(), rel=1e-6)  # differences of 1e-7
 
 
 @pytest.mark.parametrize("name", [n for n in cases.names(timed=True)])

@@ -147,13 +147,22 @@ def test_failed_cells_are_tried_again(tmp_path):
         ({"tag": "second"}, "tag"),
         ({"run": RUN | {"rtol": 1e-7}}, "run"),
         ({"measure": history}, "measure"),
+        ({"build": touchy}, "build"),
+        ({"grid": dict(reversed(GRID.items()))}, "dims"),  # the same cells under other numbers
     ],
 )
 def test_the_ledger_of_another_sweep_is_refused_by_name(tmp_path, change, word):
-    given = {"grid": GRID, "measure": speed, "run": RUN, "ledger": tmp_path / "sweep.db"}
-    sweep(wheel, **given)
+    given = {"build": wheel, "grid": GRID, "measure": speed, "run": RUN, "ledger": tmp_path / "sweep.db"}
+    sweep(**given)
     with pytest.raises(ValueError, match=rf"belongs to another sweep, it differs in {word}; give another file"):
-        sweep(wheel, **(given | change))
+        sweep(**(given | change))
+
+
+def test_the_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
+    sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
+    monkeypatch.setattr("mbsd3d.ledger.package_version", lambda: "0.0.1")
+    with pytest.raises(ValueError, match="belongs to another sweep, it differs in mbsd3d; give another file"):
+        sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
 
 
 def test_ledgers_that_cannot_be_used(tmp_path):
