@@ -185,7 +185,7 @@ def test_run_writes_everything_and_prints_the_certificate(folder):
 
 
 def test_run_with_a_certificate_that_fails(folder, monkeypatch):
-    from mbsd3d.run import simulation
+    from mbsd3d.api import simulation
 
     whole = simulation.simulate
     monkeypatch.setattr(simulation, "simulate", lambda *args, **options: whole(*args, centripetal=False, **options))

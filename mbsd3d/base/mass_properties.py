@@ -27,6 +27,7 @@ class MassProperties:
 
     Examples
     --------
+    >>> from mbsd3d.inertia import box, rod
     >>> hammer = combine([(0.3, (0, 0, 0.15), rod(0.3, 0.3)), (0.5, (0, 0, 0.3), box(0.5, (0.1, 0.03, 0.03)))])
     >>> hammer.com.round(5)
     array([0.     , 0.     , 0.24375])
@@ -61,6 +62,7 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
     Examples
     --------
+    >>> from mbsd3d.inertia import sphere
     >>> barbell = combine([(2.0, (0, 0, 0.5), sphere(2.0, 0.1)), (2.0, (0, 0, -0.5), sphere(2.0, 0.1))])
     >>> barbell.mass, barbell.inertia.diagonal().round(3)
     (4.0, array([1.016, 1.016, 0.016]))

@@ -21,6 +21,7 @@ class Signal(ABC):
 
     Signals add up, with each other and with numbers, and are multiplied by numbers.
 
+    >>> from mbsd3d import Sine
     >>> swing = 0.5 + 2 * Sine(amplitude=0.1, frequency=1.0)
     >>> round(float(swing(0.25)), 12)
     0.7
@@ -105,6 +106,7 @@ class Sum(Signal):
 
     Raises ValueError if the intervals of two tables have no time in common.
 
+    >>> from mbsd3d import Ramp
     >>> Ramp(1.0) + 2.0 == Sum((Ramp(1.0), Constant(2.0)))
     True
     """
@@ -136,6 +138,7 @@ class Scaled(Signal):
 
     Raises ValueError if ``factor`` is not a finite number.
 
+    >>> from mbsd3d import Ramp
     >>> 2.0 * Ramp(1.0) == Scaled(Ramp(1.0), 2.0)
     True
     """
