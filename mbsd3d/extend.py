@@ -46,7 +46,7 @@ NAMES = {
     "linear.variations": ("STEP", "Field", "directions"),
     "kernels.jit": ("CACHE",),
 }
-MODULES = {"kinds": "kernels.kinds"}
+MODULES = {"joints": "mechanism.joints", "kinds": "kernels.kinds"}
 WHERE = {name: module for module, names in NAMES.items() for name in names}
 
 __all__ = [*WHERE, *MODULES]

@@ -10,13 +10,12 @@ from click.testing import CliRunner
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
-from bicycle.circle_figure import plot
-from bicycle.continuation import Curve
-from bicycle.equations import canonical
-from bicycle.families import SECTIONS, Search
-from bicycle.loads import steer_torque
+from bicycle.linear.equations import canonical
+from bicycle.model.mechanism import steer_torque
+from bicycle.pages.figures import plot_circles
 from bicycle.parameters import library, named
-from bicycle.turning import Turner
+from bicycle.turns.families import SECTIONS, Curve, Search
+from bicycle.turns.turning import TurnSolver
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
 from validation.theory.steady_turn import steady_turn
@@ -54,7 +53,7 @@ def on_the_family(turner, steer):
 
 
 def test_hands_free_circles_begin_at_the_capsize_speed():
-    turner = Turner(BENCHMARK)
+    turner = TurnSolver(BENCHMARK)
     (a, v_a), (b, v_b) = (on_the_family(turner, steer) for steer in (0.003, 0.0015))
     limit = (v_b * a**2 - v_a * b**2) / (a**2 - b**2)  # speed = limit + const lean^2 + O(lean^4), lean 0.01
     assert limit == pytest.approx(CAPSIZE, rel=1e-8)
@@ -121,7 +120,7 @@ def test_turns_held_at_a_speed():
 
 
 def test_what_one_speed_needed_helps_the_next():
-    shared = Turner(BENCHMARK)
+    shared = TurnSolver(BENCHMARK)
     circles.held(BENCHMARK, 4.0, [0.3], turner=shared)
     first = len(shared.squares)
     (turn,), (alone,) = circles.held(BENCHMARK, 5.0, [0.3], turner=shared), circles.held(BENCHMARK, 5.0, [0.3])
@@ -131,10 +130,10 @@ def test_what_one_speed_needed_helps_the_next():
 
 def test_a_bar_shows_how_far_the_torques_are(monkeypatch):
     monkeypatch.setattr(circles, "LEANS", np.array([0.1, 0.2]))
-    told, turns = [], []
+    told, turns, failed = [], [], []
     monkeypatch.setattr(circles.Progress, "update", lambda bar, value: told.append((bar.title, value)))
-    circles.held_if_possible(BENCHMARK, (5.0, 7.0), turns)
-    assert [len(group) for group in turns] == [2, 2]
+    circles.held_if_possible(BENCHMARK, (5.0, 7.0), turns, failed.append)
+    assert [len(group) for group in turns] == [2, 2] and not failed
     assert told == [("circles: steer torques", value) for value in (0.0, 0.5, 1.0, 1.5)]
 
 
@@ -148,7 +147,7 @@ def test_families_tell_of_every_point():
 
 def test_torques_are_drawn_as_a_smooth_line_through_the_turns():
     turns = circles.held(BENCHMARK, 5.0, np.radians([5.0, 10.0, 15.0, 20.0]))
-    points, line = plot(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
+    points, line = plot_circles(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
     assert np.allclose(line.get_xydata()[::10], points.get_xydata(), rtol=0, atol=1e-12)
     middle = circles.held(BENCHMARK, 5.0, [np.radians(12.5)])[0].torque
     straight = np.interp(12.5, *points.get_xydata().T)

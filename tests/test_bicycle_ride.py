@@ -12,9 +12,9 @@ import scipy.linalg
 from click.testing import CliRunner
 
 from bicycle import Meijaard2007, circles, ride, whipple
-from bicycle.equations import canonical
-from bicycle.manoeuvres import MANOEUVRES
+from bicycle.linear.equations import canonical
 from bicycle.parameters import library, named, names
+from bicycle.rides.manoeuvres import MANOEUVRES
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse

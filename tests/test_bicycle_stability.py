@@ -11,12 +11,11 @@ import pytest
 from click.testing import CliRunner
 from numpy.polynomial import Polynomial
 
-from bicycle import Meijaard2007, critical, general, named, parameters, stability, straight, whipple
-from bicycle.double_roots import double_roots
-from bicycle.equations import canonical
-from bicycle.models import Bicycle, outputs
+from bicycle import Meijaard2007, critical, general, named, parameters, stability, whipple
+from bicycle.linear.characteristic import double_roots
+from bicycle.linear.equations import NAMES, canonical, follow
+from bicycle.model.mechanism import Bicycle, outputs
 from bicycle.parameters import library
-from bicycle.tracking import NAMES, follow
 from mbsd3d import TorsionSpring
 from mbsd3d.cli import main
 
@@ -77,7 +76,7 @@ ROUND = replace(BENCHMARK, tR=0.05, tF=0.03, rF=0.42, name="round tyres")
 
 @pytest.mark.parametrize("p", [ROUND, named("Tms"), named("Yellowrev", unphysical=True)], ids=lambda p: p.name)
 def test_known_deviations_give_what_linearize_gives(p):
-    rest, running = straight.output_matrices(whipple(p, 7.0), p, 7.0)
+    rest, running = general.output_matrices(whipple(p, 7.0), p, 7.0)
     for A, speed in ((rest, 0.0), (running, 7.0)):
         whole = general.linearization(whipple, p, speed).A
         assert A == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
@@ -88,7 +87,7 @@ def test_known_deviations_give_what_linearize_gives(p):
 def test_deviations_of_another_bicycle_are_noticed():
     """The rows of the model refuse deviations that do not belong to it."""
     for change in ({"c": 0.081}, {"rF": 0.351}, {"lam": 0.315}):
-        assert straight.output_matrices(whipple(BENCHMARK, 7.0), replace(BENCHMARK, **change), 7.0) is None
+        assert general.output_matrices(whipple(BENCHMARK, 7.0), replace(BENCHMARK, **change), 7.0) is None
 
 
 def damped(p, speed=0.0):
@@ -112,7 +111,7 @@ def test_a_model_of_another_form_is_linearised_at_every_speed():
 def test_other_mechanisms_are_left_to_linearize():
     bare = whipple(BENCHMARK, 5.0)
     renamed = Bicycle(bare.bodies[::-1], bare.joints, gravity=bare.gravity)
-    assert straight.output_matrices(renamed, BENCHMARK, 5.0) is None
+    assert general.output_matrices(renamed, BENCHMARK, 5.0) is None
 
 
 def cost(function, times=1):

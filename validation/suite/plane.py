@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Constant, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
-from mbsd3d.base.errors import Mbsd3dError
+from mbsd3d.extend import Mbsd3dError
 from validation.engines import planar
 
 from .findings import PLANE, Finding, judged, not_compared

@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mbsd3d import accelerations, linearize
-from mbsd3d.mechanism import measures
+from mbsd3d import accelerations, linearize, measures
 from validation import cases
 from validation.comparison import compare, condition
 from validation.peers import Count, counted, counted_by_exudyn
