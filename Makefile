@@ -1,18 +1,31 @@
 # `make demo` and `make test` are all a fresh machine needs: both make .venv first.
+SHELL := bash
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
+PIP := $(BIN)/python -m pip --disable-pip-version-check install
+# The files go to the cores one by one: what the tests of a file share is made once.
+PYTEST := $(BIN)/python -m pytest
+SPREAD := -n auto --dist loadfile
 
-.PHONY: demo test slow lint pictures precision clean
+.PHONY: demo test slow timing warm lint pictures precision clean
 
 demo: $(READY)
-	$(BIN)/mbsd3d demo --all --out out
+	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
+	@$(BIN)/mbsd3d demo --all --out out
 
-test: $(READY)
-	$(BIN)/python -m pytest -m "not slow"
+test: warm
+	$(PYTEST) $(SPREAD) -m "not slow and not timing"
 
-slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+slow: warm
+	$(PYTEST) $(SPREAD) -m "slow and not timing"
+
+timing: warm
+	$(PYTEST) -m timing
+
+# Compiled once here, and not by each worker.
+warm: $(READY)
+	@$(BIN)/mbsd3d warmup
 
 pictures: $(READY)
 	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures
@@ -34,7 +47,12 @@ $(READY): requirements.txt pyproject.toml
 	  { echo "mbsd3d needs Python 3.11 or newer: install one and call 'make PYTHON=python3.12 $(MAKECMDGOALS)'"; exit 1; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || \
 	  { echo "this Python has no venv module: install it (Debian, Ubuntu: apt install python3-venv) and call make again"; exit 1; }
-	test -x $(BIN)/pip || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --disable-pip-version-check -q -r requirements.txt
-	$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e .
+	@test -x $(BIN)/pip || { echo "mbsd3d: making the environment .venv"; $(PYTHON) -m venv .venv; }
+	@echo "mbsd3d: installing $$(grep -vc '^#' requirements.txt) packages into .venv, once: one to three minutes"
+	@set -o pipefail; $(PIP) -r requirements.txt | while read -r word name rest; do case $$word in \
+	  Collecting|Processing|Downloading|Using) printf '\r  %-70.70s' "$${name##*/}" ;; \
+	  Installing) printf '\r  %-70s\n' "unpacking ..." ;; \
+	esac; done
+	@$(PIP) -q --no-deps --no-build-isolation -e .
+	@echo "mbsd3d: installed"
 	@touch $@

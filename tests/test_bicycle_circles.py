@@ -145,6 +145,7 @@ def test_families_tell_of_every_point():
     assert len(told) >= len(points) > 3
 
 
+@pytest.mark.slow
 def test_torques_are_drawn_as_a_smooth_line_through_the_turns():
     turns = circles.held(BENCHMARK, 5.0, np.radians([5.0, 10.0, 15.0, 20.0]))
     points, line = plot_circles(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
@@ -281,6 +282,7 @@ def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
     assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
 
 
+@pytest.mark.slow
 def test_tables_keep_names_with_a_point(tmp_path, monkeypatch):
     monkeypatch.setattr(circles, "families", lambda parameters, keep: None)
     lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key[0] != "t"]

@@ -238,6 +238,7 @@ def test_command_writes_what_it_says(tmp_path):
         assert name in CliRunner().invoke(main, ["bicycle", "ride", "--list"]).output
 
 
+@pytest.mark.slow
 def test_rides_that_differ_have_files_of_their_own(tmp_path):
     common = ["bicycle", "ride", "--manoeuvre", "pulse", "--t-end", "0.1", "--out", str(tmp_path)]
     for more in ([], ["--speed", "4.25"], ["--speed", "5"], ["--fallen", "30", "--held-down"], ["--fallen", "60"]):

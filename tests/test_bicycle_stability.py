@@ -3,7 +3,6 @@
 import csv
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -114,24 +113,15 @@ def test_other_mechanisms_are_left_to_linearize():
     assert general.output_matrices(renamed, BENCHMARK, 5.0) is None
 
 
-def cost(function, times=1):
-    """Processor time of a call, the least of three [s]."""
-    found = []
-    for _ in range(3):
-        began = time.process_time()
-        for _ in range(times):
-            function()
-        found.append((time.process_time() - began) / times)
-    return min(found)
-
-
-def test_speeds_and_cells_of_maps_are_cheap():
-    speeds = np.linspace(0.0, 10.0, 200)
-    one = cost(lambda: general.linearization(whipple, BENCHMARK, 5.0))
-    every = cost(lambda: general.eigenvalues(whipple, BENCHMARK, speeds))
-    assert every < 6.0 * one  # 1.3 times as measured; 200 times without the polynomials
-    cell = cost(lambda: general.linear_equations(whipple, BENCHMARK, check=False), 5)
-    assert cell < 0.7 * one  # a fifth as measured, although it needs two speeds
+def test_speeds_and_cells_of_maps_are_cheap(monkeypatch):
+    """Of 200 speeds one is linearised, as a check of the polynomials; of a cell of a map none."""
+    built, linearised, linearization = [], [], general.linearization
+    build = lambda parameters, speed: built.append(speed) or whipple(parameters, speed=speed)  # noqa: E731
+    monkeypatch.setattr(general, "linearization", lambda *a: linearised.append(a[2]) or linearization(*a))
+    general.eigenvalues(build, BENCHMARK, np.linspace(0.0, 10.0, 200))
+    assert (built, linearised) == ([10.0, 6.0], [6.0])
+    general.linear_equations(build, BENCHMARK, check=False)
+    assert (built, linearised) == ([10.0, 6.0, 5.0], [6.0])
 
 
 # --- modes over the speed ---------------------------------------------------------------------------------------------

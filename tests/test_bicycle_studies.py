@@ -181,6 +181,7 @@ def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
             assert abs(model.by[name][key] - slope) * change < 1e-7 * closed.speeds[name]
 
 
+@pytest.mark.slow
 def test_derivatives_by_forward_differences_next_to_zero():
     light = replace(BENCHMARK, mR=1.5e-4, name="light rear wheel")  # a central difference would need negative masses
     closed, model = sensitivity.derivatives(light), sensitivity.derivatives(light, whipple)
@@ -189,7 +190,7 @@ def test_derivatives_by_forward_differences_next_to_zero():
         assert abs(model.by[name]["mR"] - slopes["mR"]) < 1e-4 < abs(slopes["mR"])
 
 
-@pytest.mark.parametrize("zero", ["IFyy", "IRyy", "IFxx"])
+@pytest.mark.parametrize("zero", ["IFyy", *(pytest.param(x, marks=pytest.mark.slow) for x in ("IRyy", "IFxx"))])
 def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
     point = replace(BENCHMARK, **{zero: 0.0}, unphysical=True)
     closed, model = sensitivity.derivatives(point), sensitivity.derivatives(point, whipple)
@@ -199,6 +200,7 @@ def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
             assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
 
 
+@pytest.mark.slow
 def test_a_crown_as_large_as_its_wheel_can_only_become_smaller():
     ball = replace(BENCHMARK, tR=BENCHMARK.rR, tF=0.01)
     assert np.isfinite([*sensitivity.derivatives(ball, whipple).by["weave"].values()]).all()
@@ -209,6 +211,7 @@ def test_a_body_without_mass_has_no_derivative_by_its_inertia():
         sensitivity.derivatives(named("Tms"), whipple)
 
 
+@pytest.mark.slow
 def test_derivatives_with_round_tyres_obey_the_rule_of_lengths():
     found = sensitivity.derivatives(ROUND, whipple)
     length = dict.fromkeys(("w", "c", "rR", "xB", "zB", "xH", "zH", "rF", "tR", "tF"), 1.0)

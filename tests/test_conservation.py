@@ -60,6 +60,7 @@ def scipy_flips(off, count):
     return np.abs(run.y.T - theory.free_body(times, MOMENTS, omega).omega_body).max() / MIDDLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [None, 1])
 def test_flips_of_the_case_file_are_as_good_as_rounding_allows(seed):
     """A thousandth off the axis rounding of the state itself grows 1e9 times in twenty flips: 1e-7 is the end."""
@@ -75,7 +76,7 @@ def test_ablation_flips_see_the_gyroscopic_term_and_one_per_cent_of_a_moment():
     assert np.abs(exact - wrong).max() / MIDDLE > 100 * 2e-9
 
 
-@pytest.mark.parametrize("seed", [None, 1])
+@pytest.mark.parametrize("seed", [pytest.param(None, marks=pytest.mark.slow), 1])
 def test_energy_and_momentum_over_a_thousand_revolutions(seed):
     body = racket(1e-2, seed)
     system = System(bodies=[body], gravity=(0.0, 0.0, 0.0))

@@ -1,7 +1,5 @@
 """Own states of force elements and feedback of measures, against hand-written equations integrated by scipy."""
 
-import time
-
 import numpy as np
 import pytest
 from models import direction, random_body
@@ -197,11 +195,9 @@ def swing(gain, name="servo"):
     "make", [lambda: swing(-400.0), lambda: cart(None, (-400.0, -8.0))[0]], ids=["hinge", "slider"]
 )
 def test_a_gain_that_blows_up_is_named(make):
-    simulate(swing(1.0), 0.1)  # compiled before the clock starts
-    began = time.perf_counter()
     with pytest.raises(IntegrationError, match="grows without end.*force 'servo'.*gains") as caught:
         simulate(make(), 1e3)
-    assert time.perf_counter() - began < 5.0
+    assert caught.value.solution.record.evaluations < 200_000  # 23 000 and 1000, of a run of 1000 s
     assert caught.value.solution.t.size > 10 and np.isfinite(caught.value.solution.arrays["q"]).all()
 
 

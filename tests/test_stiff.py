@@ -1,6 +1,5 @@
 """Stiff models: the governor against its reduced equations, a 1e8 N/m bushing, and DOP853 that says it is stiff."""
 
-import time
 from functools import cache
 
 import numpy as np
@@ -171,11 +170,10 @@ def test_adaptive_steps_leave_the_stiff_scale_behind():
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-8])
 def test_dop853_stops_on_a_stiff_model_and_says_what_to_do(rtol):
-    simulate(sensor(), 1e-4, rtol=rtol)  # compiled, and short: a stiff run that ends soon goes on
-    began = time.perf_counter()
+    simulate(sensor(), 1e-4, rtol=rtol)  # a stiff run that ends soon goes on
     with pytest.raises(IntegrationError, match="stiff.*'mount'.*GeneralizedAlpha") as error:
         simulate(sensor(), 2.0, rtol=rtol)
-    assert time.perf_counter() - began < 5.0  # s, as promised for bad input
+    assert error.value.solution.record.evaluations < 10_000  # 700; the whole run would take a hundred million
     assert error.value.time < 0.1 and error.value.solution.t.size > 15
     assert "force 'mount'" in error.value.part
 

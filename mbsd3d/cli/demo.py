@@ -1,5 +1,6 @@
 """``mbsd3d demo``: effects that exist only in space, beside their theory."""
 
+import time
 from typing import Any
 
 import click
@@ -37,10 +38,15 @@ def demo(name: str | None, everything: bool, only_list: bool, watched: bool, out
         return
     pages = can_view(needed=watched)
     folder, failed = ready_folder(out), []
-    for shown in demos.values() if everything else [demos[key]]:
+    for k, shown in enumerate(demos.values() if everything else [demos[key]]):
+        began = time.perf_counter()
+        if everything:
+            click.echo(f"mbsd3d: demo {k + 1} of {len(demos)}, {shown.name} ...", err=True)
         outcome = shown.run()
         click.echo(report(shown, outcome))
         click.echo(f"{listing(write(shown, outcome, folder, pages=pages))}\n")
+        if everything:
+            click.echo(f"mbsd3d: {shown.name} took {time.perf_counter() - began:.1f} s", err=True)
         failed += [] if outcome.passed else [shown.name]
     if watched:
         watch_demo(outcome, shown.name)
