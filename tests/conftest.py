@@ -1,4 +1,4 @@
-"""Ctrl-C and workers of all tests; fixtures of several modules: a browser, and a page of a mechanism in motion."""
+"""Ctrl-C, workers and noise of all tests; fixtures of several modules: a browser, a page."""
 
 import os
 import signal
@@ -8,9 +8,20 @@ import types
 import pytest
 from browser import launch
 from moving import mechanism
+from noise import noisy
 from pages import COUNT, END, TITLE, opened, seek
 
 from mbsd3d import simulate
+from mbsd3d.equations import compiled as model
+
+
+@pytest.fixture(scope="session", autouse=True)
+def noise_on_masses():
+    """Relative noise of ``MBSD3D_TEST_NOISE``, e.g. 1e-15, on every mass and inertia (``make test-perturbed``)."""
+    with pytest.MonkeyPatch.context() as patch:
+        if size := float(os.environ.get("MBSD3D_TEST_NOISE", "0")):
+            patch.setattr(model, "body_table", noisy(model.body_table, size))
+        yield
 
 
 def pytest_configure():

@@ -85,14 +85,16 @@ def test_turn_that_is_disturbed_comes_back_or_leaves_by_its_eigenvalues(lean, st
     found = replace(turn, system=replace(turn.system, forces=torques)).ride(1.6, rtol=1e-13, output=161)
     after = found.t >= 0.1
     for signal in (found.lean_rate[after], found.steer_rate[after]):
-        # the motion is 1e-5 of the turn, so is what is nonlinear in it; the ablation shifts the eigenvalues by a tenth
-        assert misfit(found.t[after], signal, turn.eigenvalues) < 1e-5
-        assert misfit(found.t[after], signal, 1.1 * turn.eigenvalues) > 1e-2
+        # the motion is 1e-5 of the turn, so is what is nonlinear in it; every step adds its tolerance to rates of 1e-6
+        limit = 1e-5 + found.solution.record.steps * 1e-13 / np.abs(signal).max()
+        assert misfit(found.t[after], signal, turn.eigenvalues) < limit
+        assert misfit(found.t[after], signal, 1.1 * turn.eigenvalues) > 1e-2  # the ablation: shifted by a tenth
 
 
 def test_a_turn_goes_on_for_a_round():
     turn = circles.turn(BENCHMARK, 0.25, 0.15)
     found = turn.ride(rtol=1e-11, output=73)
+    # some hundred steps of 1e-11 add up, and what they leave in lean and steer turns into heading and place
     assert np.degrees(found.heading[-1]) == pytest.approx(360.0, abs=1e-5)
     assert np.diff(found.heading) == pytest.approx(np.full(72, 2 * np.pi / 72), abs=1e-8)
     centre = np.array([0.0, -turn.radius])
@@ -163,7 +165,7 @@ def test_pivoting_about_the_rear_contact():
     # at rest and in motion the accelerations vanish at nearly the same lean: a condition of 1e3
     assert turn.square == pytest.approx(known.square, rel=1e-8) and turn.torque == pytest.approx(known.torque, abs=1e-8)
     found = turn.ride(1.0, rtol=1e-10)
-    assert np.ptp(found.contacts["rear"].point, axis=0).max() < 1e-6
+    assert np.ptp(found.contacts["rear"].point, axis=0).max() < 1e-6  # m: the condition times 1e-8 rad/s^2, as above
     assert np.ptp(found.contacts["front"].point, axis=0).max() > 1.0
 
 

@@ -192,7 +192,7 @@ def test_static_wheel_loads():
     # at rest and held upright only for an instant: at lean zero it does not begin to fall
     found = accelerations(system)
     for joint, key in (("rear contact", "rear_N"), ("front contact", "front_N")):
-        assert found.reaction(joint).force[0] == pytest.approx([0, 0, expected[key]], abs=1e-10)
+        assert found.reaction(joint).force[0] == pytest.approx([0, 0, expected[key]], abs=1e-10)  # 1e-13 of 900 N
 
 
 def angular(found, system):
@@ -292,13 +292,14 @@ def test_all_published_sets_ride(name):
 def test_two_mass_skate():
     """Point masses on massless wheels: singular mass matrices, and stable from 2.84 m/s."""
     p = replace(named("Tms"), lam=np.pi / 36)
-    found = general.linearization(whipple, p, 4.0)
-    assert found.A == pytest.approx(canonical(p).A(4.0), abs=1e-11)
+    found, expected = general.linearization(whipple, p, 4.0), canonical(p)
+    rounding = np.finfo(float).eps * np.linalg.cond(expected.M) * np.abs(found.A).max()
+    assert found.A == pytest.approx(expected.A(4.0), abs=rounding)
     assert found.A == pytest.approx(whipple_lagrange.lateral_matrix(p, 4.0), abs=1e-9)
     assert np.all(found.eigenvalues.real < 0.0)
     assert np.any(general.linearization(whipple, p, 2.8).eigenvalues.real > 0.0)
     large = replace(p, rR=0.3, rF=0.2)  # the size of the wheels does not matter
-    assert general.linearization(whipple, large, 4.0).A == pytest.approx(found.A, abs=1e-11)
+    assert general.linearization(whipple, large, 4.0).A == pytest.approx(found.A, abs=rounding)
 
 
 # --- symmetries -------------------------------------------------------------------------------------------------------

@@ -123,8 +123,9 @@ def test_mirrored_pushes_make_mirrored_rides():
                  rtol=1e-11)
         for side in (1.0, -1.0)
     )  # fmt: skip
+    limit = 2 * right.solution.record.steps * 1e-11  # every step of either may be off by its tolerance
     for name in ("lean", "steer", "heading"):
-        assert np.abs(getattr(right, name) + getattr(left, name)).max() < 1e-9
+        assert np.abs(getattr(right, name) + getattr(left, name)).max() < limit
     assert right.lean[-5:].min() != 0.0 and right.contacts["rear"].across == pytest.approx(
         -left.contacts["rear"].across, abs=1e-6
     )

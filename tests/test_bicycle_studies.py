@@ -178,6 +178,7 @@ def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
         assert abs(closed.speeds[name] - model.speeds[name]) < 1e-10
         for key, slope in slopes.items():
             change = max(abs(getattr(BENCHMARK, key)), 0.1)  # differences of 1e-3 of this
+            # truncation 1e-12 times fifth derivatives, and rounding 1e-11 over the step
             assert abs(model.by[name][key] - slope) * change < 1e-7 * closed.speeds[name]
 
 
@@ -197,6 +198,7 @@ def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
     for name, slopes in closed.by.items():
         for key, slope in slopes.items():
             change = max(abs(getattr(point, key)), 0.1)
+            # one-sided: six times the truncation and seven times the rounding of central differences
             assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
 
 
@@ -409,7 +411,7 @@ def test_growths_of_ablations_are_those_of_an_eigenvalue_solver():
     p, mass = balanced, balanced.mH + balanced.mF
     x, z = (p.mH * p.xH + p.mF * p.w) / mass, (p.mH * p.zH - p.mF * p.rF) / mass
     away = (x - p.w - p.c) * np.cos(p.lam) - z * np.sin(p.lam)  # distance from the steer axis
-    assert abs(away) < 1e-15
+    assert abs(away) < 1e-15  # some roundings of lengths below 1 m
 
 
 def test_ablations_keep_what_was_computed_before_ctrl_c():

@@ -517,7 +517,8 @@ def test_bicycle_at_its_critical_speeds():
         found = linearize(bicycle(BICYCLE["reference"][name], 7))
         slowest = min((s for s in found.eigenvalues if s != 0.0), key=lambda s: abs(s.real), default=0.0)
         zero = np.sum(found.eigenvalues == 0.0) == 7  # a capsize rate below rounding is a zero like the six others
-        assert zero or abs(slowest.real) < 1e-12  # the speeds are published with 15 digits
+        # the speeds are published with 15 digits; rounding times the condition 300 of M and rates of 13 1/s is 9e-13
+        assert zero or abs(slowest.real) < 1e-12
 
 
 def orbit(factor):
@@ -550,7 +551,7 @@ def test_free_precession_in_space_is_steady():
     found = linearize(System([body], gravity=(0, 0, 0)))
     assert np.abs(np.cross(found.generator.rotation, w * [A, A, C])).max() < 1e-9  # turns about its momentum
     # in turning axes a drift of the whole is a Jordan block at +-i Omega: rounding moves that by its square root
-    assert np.abs(found.eigenvalues.real).max() < 1e-7
+    assert np.abs(found.eigenvalues.real).max() < 10 * np.sqrt(np.finfo(float).eps) * np.linalg.norm(w)
 
 
 # --- modes ------------------------------------------------------------------------------------------------------------
@@ -564,8 +565,9 @@ def test_modes_are_normalised_and_move_with_closed_joints(tmp_path):
     assert abs(np.abs(moves).max() - 1.0) < 1e-12
     largest = moves.ravel()[np.argmax(np.abs(moves))]
     assert abs(largest.imag) < 1e-12 and largest.real > 0.0
-    # the couplers go in a circle without turning, the rods turn
-    assert np.abs(mode.shape("coupler0")[1]).max() < 1e-12 and np.abs(mode.shape("rod1")[1][2]) > 0.5
+    # the couplers go in a circle without turning, with the ends of rods as long as two lengths of the model
+    assert np.abs(mode.shape("coupler0")[1]).max() < 1e-12
+    assert abs(np.abs(mode.shape("rod1")[1][2]) - 1.0 / 2.0) < 1e-12
     motion = mode.motion(amplitude=0.3, cycles=1.0, samples=9)
     assert close(motion.t[-1], 1.0 / mode.frequency)
     pin = motion.position("rod0") + motion.rotation("rod0") @ case.system.bodies[0].local_point(np.zeros(3))

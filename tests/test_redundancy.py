@@ -8,6 +8,7 @@ from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from validation import cases
 from validation.comparison import compare
+from validation.suite.references import allowed
 
 TILT = rotation((1.0, 2.0, -0.5), 0.4)
 R = matrix(TILT)
@@ -177,7 +178,7 @@ def test_report_reads():
 def test_the_change_point_of_the_four_bar_passes_with_rank_events(shift):
     """Twice a turn all rods are collinear and the rank drops from 29 to 27; the motion goes on along its branch."""
     case = cases.load("iftomm_A02_fourbar_N2", shift)
-    solution = simulate(case.system, case.t_end, rtol=1e-10, output=case.times)
+    solution = simulate(case.system, case.t_end, rtol=1e-8, output=case.times)
     assert any("nearly dependent rows passed" in why for _, _, why, _ in solution.record.rank_events)
-    assert compare(case, solution).scaled_error < 1e-7
+    assert compare(case, solution).scaled_error < allowed(case, 1e-8)
     assert solution.certificate.passed, solution.certificate.failures

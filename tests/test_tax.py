@@ -28,10 +28,11 @@ def mechanism(request):
 def test_space_and_plane_move_alike(mechanism, options):
     flat = planar.simulate(mechanism.plane(), mechanism.turn, dt=mechanism.turn / STEPS, output=5)
     deep = simulate(mechanism.space(**options), mechanism.turn, rtol=1e-12, output=5)
+    limit = deep.record.steps * 1e-12  # m: a step adds at most its tolerance, of lengths below 1; RK4 is better
     for link in mechanism.links:
         off = deep.com(link.name) - np.pad(flat.com(link.name), ((0, 0), (0, 1)), constant_values=link.centre[2])
-        assert np.abs(off).max() < 2e-11  # m: RK4, and rtol 1e-12 over some 30 steps
-        assert np.abs(deep.omega(link.name)[:, 2] - flat.omega(link.name)).max() < 1e-10 * mechanism.rate
+        assert np.abs(off).max() < limit
+        assert np.abs(deep.omega(link.name)[:, 2] - flat.omega(link.name)).max() < limit * mechanism.rate
 
 
 @pytest.mark.parametrize("centroidal", [False, True])

@@ -154,7 +154,8 @@ def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[F
     except (ValueError, Mbsd3dError) as reason:
         yield not_compared(PLANE, str(reason))
         return
-    ours = run(made.system, made.t_end, state=made.state, output=SAMPLES).solution
+    rtol = made.solution.record.rtol
+    ours = run(made.system, made.t_end, state=made.state, output=SAMPLES, rtol=rtol).solution
     errors = [apart(ours, frame, theirs) for theirs in runs]
     order = float(np.log(errors[0] / errors[1]) / np.log(LADDER[1] / LADDER[0])) if errors[-1] > 0.0 else np.inf
     limit = LIMIT if order >= LEAST_ORDER else made.accuracy
