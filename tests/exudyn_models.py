@@ -34,7 +34,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.equations.mass_matrix import inertia_about_origin
-from validation.engines.exudyn import EXPRESSES, twin
+from validation.twins.exudyn import EXPRESSES, twin
 
 
 def sharp_disc(rng, a, b):

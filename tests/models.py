@@ -39,7 +39,7 @@ from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import dense_jacobian, scaled_jacobian
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
-from validation.examples import (  # noqa: F401  # the tests take all of them from here
+from validation.cases.examples import (  # noqa: F401  # the tests take all of them from here
     EXAMPLES,
     NOT_ON_GROUND,
     across,

@@ -26,7 +26,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.equations.mass_matrix import inertia_about_origin
-from validation.engines.mujoco import twin
+from validation.twins.mujoco import twin
 
 mujoco = pytest.importorskip("mujoco")
 

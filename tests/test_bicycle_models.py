@@ -15,7 +15,7 @@ from bicycle.parameters import deviations, library, read_values
 from mbsd3d import State, System, accelerations, simulate
 from mbsd3d.base.quaternions import exponential, multiply
 from mbsd3d.base.rotations import matrix
-from validation import whipple_lagrange
+from validation.theory import whipple_lagrange
 
 BENCHMARK = Meijaard2007()
 ROUND = replace(

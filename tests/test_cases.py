@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from mbsd3d import accelerations, simulate
-from validation import cases
-from validation.comparison import compare
-from validation.robot import hinge_accelerations, robot_poses
-from validation.suite.references import PASSES, allowed
-from validation.suite.trial import RTOL
+from validation.cases import reference as cases
+from validation.cases.comparison import compare
+from validation.cases.robot import hinge_accelerations, robot_poses
+from validation.suite.trials.references import PASSES, allowed
+from validation.suite.trials.trial import RTOL
 
 TIMED = cases.names(timed=True)
 

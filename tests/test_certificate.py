@@ -38,8 +38,8 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism import measures
 from mbsd3d.results.certificate import estimate
 from validation import cases
-from validation.comparison import compare
-from validation.suite.references import allowed
+from validation.cases.comparison import compare
+from validation.suite.trials.references import allowed
 
 CHECKS = {
     "joint gaps", "joint velocities", "energy balance", "momentum balance", "angular momentum", "Newton-Euler",

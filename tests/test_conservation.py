@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from mbsd3d import GROUND, Body, Spherical, System, rotation, simulate
 from mbsd3d.base.rotations import matrix
 from validation import cases, theory
-from validation.comparison import compare
+from validation.cases.comparison import compare
 
 MOMENTS = np.array([1.0, 2.0, 3.0])
 MIDDLE = 5.0

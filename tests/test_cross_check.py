@@ -16,18 +16,19 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, simulate
+from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
-from mbsd3d.mechanism import measures
-from validation import cross_check, twins
-from validation.crosscheck import causes, formulation, limits
+from validation import cross_check
+from validation.cases.mechanisms import chain
+from validation.crosscheck import causes, formulation, ladder
 from validation.crosscheck import check as checking
 from validation.crosscheck import ours as own
 from validation.crosscheck.ours import motion_of, ours_at
 from validation.crosscheck.quantities import momenta, rotation_matrices
-from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, CrossCheck, Finding
-from validation.engines.base import EngineFailed, EngineMissing
-from validation.mechanisms import chain
+from validation.crosscheck.result import CrossCheck
+from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, Finding
+from validation.tax import pairs as twins
+from validation.twins.base import EngineFailed, EngineMissing
 
 pytestmark = pytest.mark.usefixtures("own_clock")
 
@@ -59,7 +60,7 @@ def sequence(order, runs=6, noise=0.0, limit=0.7):
 @pytest.mark.parametrize("order", [1, 2, 4, 6])
 def test_limit_and_order_of_a_sequence(order):
     runs = sequence(order)
-    found = limits.limit_of(runs, order)
+    found = ladder.limit_of(runs, order)
     away = np.abs(found.values - 0.7).max()
     assert found.order == pytest.approx(order, abs=0.1)  # the next power still counts some per cent
     assert away <= 3.0 * found.error[-1]  # the estimate holds
@@ -69,22 +70,22 @@ def test_limit_and_order_of_a_sequence(order):
 
 def test_an_order_fitted_to_two_gaps_does_not_make_a_limit_certain():
     one = [np.full((2, 1, 1), x) for x in (1.0, 0.5, 0.28)]  # gaps 0.5 and 0.22: of no power, and fitted exactly
-    assert limits.limit_of(one, 2.0).error[-1] > 0.05  # with order 2 the limit is 0.1 away
+    assert ladder.limit_of(one, 2.0).error[-1] > 0.05  # with order 2 the limit is 0.1 away
 
 
 def test_runs_that_only_add_rounding_are_left_out():
     runs = sequence(4, runs=10, noise=1e-9)
-    best, last = limits.best_limit(runs, 4.0), limits.limit_of(runs, 4.0)
+    best, last = ladder.best_limit(runs, 4.0), ladder.limit_of(runs, 4.0)
     assert best.error[-1] < 0.3 * last.error[-1]  # the noise of the last run is 16 times that of run 6
     assert np.abs(best.values - 0.7).max() <= 3.0 * best.error[-1]
 
 
 def test_runs_that_do_not_converge_have_an_error_as_large_as_they_scatter():
     runs = [np.full((3, 1, 1), x) for x in (1.0, 1.3, 0.9, 1.2)]
-    found = limits.limit_of(runs, 2.0)
-    assert found.order < limits.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
+    found = ladder.limit_of(runs, 2.0)
+    assert found.order < ladder.LEAST_ORDER and found.error[-1] == pytest.approx(0.7)  # 0.3 and 0.4
     with pytest.raises(ValueError, match="three or more"):
-        limits.limit_of(runs[:2], 2.0)
+        ladder.limit_of(runs[:2], 2.0)
 
 
 # -- quantities --
@@ -185,7 +186,7 @@ def fake(monkeypatch):
 
 
 def test_a_twin_of_another_mechanism_differs_and_no_setting_explains_it(fake):
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     fake("mujoco", heavier(mujoco.twin))
     check = cross_check(LOOP.space(), 0.2, engines=["mujoco"], budget=4.0)
@@ -197,7 +198,7 @@ def test_a_twin_of_another_mechanism_differs_and_no_setting_explains_it(fake):
 
 def test_softness_that_does_not_fall_with_the_step_is_proven_by_changing_it(fake):
     """Real MuJoCo, with the time constant of its equalities held fixed: its limit is a softer mechanism."""
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     def stays_soft(system, softness=16.0, **settings):
         made = mujoco.twin(system, softness=softness, **settings)
@@ -220,7 +221,7 @@ def test_softness_that_does_not_fall_with_the_step_is_proven_by_changing_it(fake
 
 @pytest.mark.slow
 def test_a_lower_order_than_expected_is_said_with_the_number_of_the_step(fake):
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     def first_order(system, **settings):
         made = mujoco.twin(system, integrator="Euler", **settings)
@@ -273,7 +274,7 @@ def test_our_own_error_is_never_forgiven(monkeypatch):
 
 def test_what_differs_in_one_way_is_not_made_good_by_another(fake):
     """The first way differs at the start and cannot follow the motion; the others agree."""
-    from validation.engines import exudyn
+    from validation.twins import exudyn
 
     def two_faced(system, formulation="rigid bodies", **settings):
         if formulation == "rigid bodies":
@@ -341,7 +342,7 @@ def test_nothing_compared_does_not_pass():
 
 
 def test_an_engine_that_fails_on_the_way_keeps_what_was_found_at_the_start(fake):
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     def stops(system, **settings):
         made = mujoco.twin(system, **settings)
@@ -358,7 +359,7 @@ def test_an_engine_that_fails_on_the_way_keeps_what_was_found_at_the_start(fake)
 
 @pytest.mark.parametrize("what", ["velocity", "reaction of 'hinge'"])
 def test_numbers_that_are_not_finite_are_not_compared(fake, what):
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     def spoilt(system, **settings):
         made = mujoco.twin(system, **settings)
@@ -381,7 +382,7 @@ def test_numbers_that_are_not_finite_are_not_compared(fake, what):
 
 
 def test_ctrl_c_in_a_run_keeps_the_start(fake):
-    from validation.engines import mujoco
+    from validation.twins import mujoco
 
     def stopped(system, **settings):
         made = mujoco.twin(system, **settings)
@@ -499,7 +500,7 @@ def test_validate_prints_a_table_and_writes_page_and_data(model):
 
 
 def test_validate_ends_with_1_where_something_differs(model, fake):
-    from validation.engines import exudyn
+    from validation.twins import exudyn
 
     fake("exudyn", heavier(exudyn.twin))
     done = run("arm.py", "--t-end", "0.2", "--engine", "exudyn", "--html", "arm.html", "--budget", "2")

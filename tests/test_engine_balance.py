@@ -227,7 +227,7 @@ def test_command_line_fails_if_the_ways_disagree(monkeypatch):
         (["I4", "--rpm", "0"], "rpm 0 has no harmonics"),
         (["I4", "--L", "0.5"], "must exceed radius"),
         (["I4", "--masses", "flywheel=3"], "'flywheel' is unknown; give crank, centre, rod"),
-        (["I4", "--masses", "rod=heavy"], "rod='heavy' is no number"),
+        (["I4", "--masses", "rod=heavy"], "rod='heavy' is not a number"),
         (["I4", "--masses", "rod=1,rod=2"], "rod is given twice"),
         (["I4", "--L", "1.0001"], "hardly exceeds the crank: its orders fall so slowly that a turn takes"),
         (["I4", "--gas", "-5"], "gas: peak: -5.0 is not positive"),

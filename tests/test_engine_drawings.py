@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.engine_balance import drawings, portrait, spatial
+from validation.engine_balance import spatial
 from validation.engine_balance.layouts import Engine, layout, names
-from validation.engine_balance.sheets import Harmonic
+from validation.engine_balance.pages import drawings, portrait
+from validation.engine_balance.pages.sheets import Harmonic
 
 RNG = np.random.default_rng(7)
 

@@ -10,9 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from mbsd3d.report.wording import digits
-from validation.engine_balance import balance, claims, cli, gas, pages, report, truth
+from validation.engine_balance import balance, cli, gas, report
 from validation.engine_balance.balance import compare
 from validation.engine_balance.layouts import Engine, Layout, layout, names
+from validation.engine_balance.pages import site as pages
+from validation.engine_balance.published import claims, truth
 
 HOSTILE = '<i>"my & twin"</i>'
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from validation.engine_balance import cli, gas, phasor, shafts, spatial, studies
+from validation.engine_balance import cli, gas, phasor, report, shafts, spatial
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine, Layout, layout
-from validation.spectrum import spectrum
+from validation.engine_balance.spectrum import spectrum
 
 LIMIT = 1e-9  # of F_single; rounding stays below 1e-12
 UNEVEN = dict(rpm=37.0, radius=0.8, rod_length=1.7, crank_centre=0.35, rod_fraction=0.37, piston_mass=4.4)
@@ -146,6 +146,6 @@ def test_studies_on_the_command_line():
 
 
 def test_counterweights_take_the_forward_half():
-    rows = {row[0]: row for row in studies.balance_shafts(Engine("V6_90_shared")).rows}
+    rows = {row[0]: row for row in report.balance_shafts(Engine("V6_90_shared")).rows}
     assert rows["1x forward"][4] == "0" and rows["1x backward"][4] != "0"
     assert rows["2x both"][4] == "0" and rows["2x forward"][4] != "0"

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from validation.engine_balance import cli, corrections, report, truth
+from validation.engine_balance import cli, report
 from validation.engine_balance.layouts import data
+from validation.engine_balance.published import corrections, truth
 from validation.theory.slider_crank import SliderCrank, slider_crank_loads
 
 KNOWN = {

@@ -8,15 +8,15 @@ from test_loads import EXAMPLES as FORCES
 from mbsd3d import GROUND, Body, GearMesh, Prismatic, Revolute, System, simulate
 from mbsd3d.base.rotations import matrix
 from validation import cases
-from validation.engines.base import EngineFailed
-from validation.mechanisms import ladder
+from validation.cases.mechanisms import ladder
 from validation.theory.torque_free import free_body
+from validation.twins.base import EngineFailed
 
 pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 
 from exudyn_models import EVERY, check_start, distances, example, judge, moving, tree  # noqa: E402
 
-from validation.engines.exudyn import EXPRESSES_FORCES, twin  # noqa: E402
+from validation.twins.exudyn import EXPRESSES_FORCES, twin  # noqa: E402
 
 
 @pytest.mark.parametrize(("cls", "ground"), EVERY, ids=lambda x: getattr(x, "__name__", x))

@@ -40,10 +40,10 @@ from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.linear.variations import Field
 from mbsd3d.mechanism import measures
 from validation import cases
-from validation.theory.rolling import rolling_circle
 from validation.theory.small_motions import (
     circling_disc_rate,
     nutation_rate,
+    rolling_circle,
     sleigh_rate,
     upright_disc,
     whirling_pendulum_rate,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import direction, middle, public_classes
+from models import EXAMPLES, direction, middle, public_classes
 from mujoco_pairs import Pair, bodies_of, loaded, loop, start, tree
 
 from mbsd3d import (
@@ -14,16 +14,14 @@ from mbsd3d import (
     Body,
     Bushing,
     ConstantVelocity,
-    Driver,
+    Fixed,
     Force,
     GearMesh,
     Joint,
     JointFriction,
-    KnifeEdge,
     Parallel,
     Polynomial,
     Revolute,
-    RollingDisc,
     SpeedDriver,
     Spherical,
     State,
@@ -35,20 +33,30 @@ from mbsd3d import (
 )
 from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
-from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
-from validation.engines.mujoco import EXPRESSES, twin
+from validation.twins.base import EngineFailed, EngineMissing, NotExpressible
+from validation.twins.definitions.rows import law_of
+from validation.twins.mujoco import EXPRESSES, REFUSED, twin
 
 mujoco = pytest.importorskip("mujoco")
 
 
-def test_every_joint_is_expressed_or_refused():
-    joints = public_classes(Joint) - {Driver}
-    assert set(EXPRESSES) <= joints
-    assert joints - set(EXPRESSES) == {RollingDisc, KnifeEdge}
+class Weld(Fixed):
+    """A joint of a user's own."""
 
 
-@pytest.mark.parametrize("cls", [RollingDisc, KnifeEdge])
+def test_a_class_that_no_table_knows_is_refused_by_name():
+    """Also by the definitions: a new joint needs no entry anywhere to be refused with a reason."""
+    _, (first, *_) = bodies_of(4)
+    system = System([first], [Weld(GROUND, first, at=(0.1, 0.2, 0.3), name="seam")])
+    with pytest.raises(NotExpressible, match="joint 'seam' .Weld.: MuJoCo has no such element"):
+        twin(system)
+    with pytest.raises(NotExpressible, match="joint 'seam' .Weld.: no definition is written for it"):
+        law_of(system, system.joints[0])
+
+
+@pytest.mark.parametrize("cls", [cls for cls in EXAMPLES if cls not in EXPRESSES], ids=lambda cls: cls.__name__)
 def test_refused_joints(cls):
+    assert set(EXPRESSES) <= public_classes(Joint) and not set(EXPRESSES) & set(REFUSED)
     system = tree(cls)
     with pytest.raises(NotExpressible, match=f"joint '{cls.__name__} 1' .*MuJoCo"):
         twin(system)

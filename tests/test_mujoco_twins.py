@@ -38,8 +38,8 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from validation.engines.base import EngineFailed
-from validation.engines.mujoco import twin
+from validation.twins.base import EngineFailed
+from validation.twins.mujoco import twin
 
 mujoco = pytest.importorskip("mujoco")
 

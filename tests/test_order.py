@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 
 from mbsd3d import DOP853, GROUND, RK4, Body, Cylindrical, GeneralizedAlpha, Prismatic, Revolute, System, simulate
 from mbsd3d.mechanism import measures
-from validation import cases, theory
+from validation import theory
+from validation.cases import reference as cases
 
 T = 0.1
 """s: sixteen radians of spin of the fast top, so that errors stay above rounding."""

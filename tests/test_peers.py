@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from mbsd3d import GROUND, Body, CustomForce, Revolute, System
-from validation import cases, mechanisms, peers
+from validation import cases
+from validation.benchmark import counts as peers
+from validation.cases import mechanisms
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from scipy.interpolate import CubicSpline
 import mbsd3d
 from mbsd3d.base.errors import AssemblyError, IntegrationError
 from validation import theory
-from validation.engines import planar
-from validation.engines.planar.march import evaluate
+from validation.twins import planar
+from validation.twins.planar.march import evaluate
 
 G = (0.0, -9.81)
 ENGINE = theory.SliderCrank(0.31, 0.83, 2.3, 0.12, 1.7, 0.37, 0.09, 0.9, crank_inertia=0.05)
@@ -46,7 +46,7 @@ def test_rows_are_derivatives_of_their_residuals_off_the_constraints(k, monkeypa
     """c_dot = J v - f_dot and (J v - f_dot)_dot = J v_dot - gamma along a curved path that obeys no joint."""
     bodies, joints = every_joint()
     partners = [joint for joint in joints[k].partners()]
-    monkeypatch.setattr("validation.engines.planar.system.refuse_redundant", lambda *_: None)
+    monkeypatch.setattr("validation.twins.planar.system.refuse_redundant", lambda *_: None)
     system = planar.System(bodies, [*partners, joints[k]])
     lowered, rng = system.lowered, np.random.default_rng(k)
     slope, bend = rng.normal(size=(2, 4, 3))
@@ -456,9 +456,9 @@ def test_errors_name_part_value_and_remedy():
     with pytest.raises(ValueError, match="Rolling 'wheel': radius 0.3 m, but the centre stands 0.25 m.*equal"):
         planar.Rolling(ground, body("d", (0, 0.25), 0, com=(0, 0)), at=(1, 0), along=(1, 0), radius=0.3, name="wheel")
     rail = planar.Slider(ground, one, at=(0, 0), axis=(1, 0), name="rail")
-    with pytest.raises(ValueError, match=r"Gear 'pair': 'rail' \(Slider\) is no Revolute"):
+    with pytest.raises(ValueError, match=r"Gear 'pair': 'rail' \(Slider\) is not a Revolute"):
         planar.Gear(rail, b, ratio=2.0, name="pair")
-    with pytest.raises(ValueError, match="AngleDriver 'motor': 'gear' .Gear. is no Revolute"):
+    with pytest.raises(ValueError, match="AngleDriver 'motor': 'gear' .Gear. is not a Revolute"):
         planar.AngleDriver(gear, planar.rate(1.0), name="motor")
     with pytest.raises(ValueError, match="1 freedoms are not driven; add"):
         planar.kinematics(four_bar(), [0.0, 1.0])
@@ -466,7 +466,7 @@ def test_errors_name_part_value_and_remedy():
         planar.kinematics(slider_crank(), [0.0, np.nan])
     with pytest.raises(ValueError, match="output 1; give None or a count"):
         planar.simulate(four_bar(), 1.0, dt=0.1, output=1)
-    with pytest.raises(ValueError, match="Revolute 'a' is no driver; ask for its reaction"):
+    with pytest.raises(ValueError, match="Revolute 'a' is not a driver; ask for its reaction"):
         planar.simulate(pair, 0.1, dt=0.1).effort("a")
     with pytest.raises(ValueError, match="'z' is not one of the joints; there are 'a', 'b', 'gear'"):
         planar.simulate(pair, 0.1, dt=0.1).reaction("z")
@@ -566,7 +566,7 @@ def test_point_masses_where_the_rate_is_constant():
 def test_pieces_leave_no_trace(piece, monkeypatch):
     """Runs go through Python now and then, so that Ctrl-C ends them; numbers are the same to the last bit."""
     normal = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
-    monkeypatch.setattr("validation.engines.planar.runs.PIECE", piece)
+    monkeypatch.setattr("validation.twins.planar.runs.PIECE", piece)
     again = planar.simulate(four_bar(), 0.3, dt=1e-3, output=7), planar.kinematics(slider_crank(), np.arange(250) / 99)
     for one, two in zip(normal, again, strict=True):
         for part in one.system.bodies:
@@ -582,7 +582,7 @@ def test_ctrl_c_ends_a_run(monkeypatch):
             raise KeyboardInterrupt
         return 0, 0, 0.0
 
-    monkeypatch.setattr("validation.engines.planar.runs.march", interrupted)
+    monkeypatch.setattr("validation.twins.planar.runs.march", interrupted)
     with pytest.raises(KeyboardInterrupt):
         planar.simulate(four_bar(), 1e6, dt=1e-3, output=3)
     assert [begin for begin, _ in calls[1:]] == [end for _, end in calls[:-1]] and calls[0][0] == 0

@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mbsd3d import DOP853, simulate
-from mbsd3d.plotting.plots import save_figure
-from validation.benchmark import candidates, goals, ladders, store, tables
+from mbsd3d import DOP853, save_figure, simulate
+from validation.benchmark import candidates, ladders, store, tables
 from validation.benchmark.cli import main
-from validation.benchmark.ends import Poses, poses
 from validation.benchmark.figure import front, work_precision
 from validation.benchmark.ladders import Climb, Point, Reached
 from validation.benchmark.precision import Row, measure
-from validation.benchmark.problems import PROBLEMS, four_bar_poses
+from validation.benchmark.problems import PROBLEMS, Poses, four_bar_poses, poses
 
 SMALL = [name for name in PROBLEMS if name.split()[-1] not in ("30", "40", "100", "150", "300", "1000")]
 
@@ -56,8 +54,8 @@ def test_the_best_candidate_depends_on_the_error():
 
 
 def test_goals_are_decided_by_bounds_on_the_right_side_only():
-    assert goals.judge(120.0, ">", 100.0) == "met" and goals.judge(80.0, ">", 100.0) == "open"
-    assert goals.judge(80.0, "", 100.0) == "MISSED" and goals.judge(120.0, "<", 100.0) == "open"
+    assert tables.judge(120.0, ">", 100.0) == "met" and tables.judge(80.0, ">", 100.0) == "open"
+    assert tables.judge(80.0, "", 100.0) == "MISSED" and tables.judge(120.0, "<", 100.0) == "open"
 
 
 def test_growth_of_a_cubic_cost():
@@ -65,7 +63,7 @@ def test_growth_of_a_cubic_cost():
         points = tuple(Point(k, n**3 * 1e-9 * 2.0**k, 1e-3 * 4.0**-k) for k in range(12))
         return Row(f"chain {n}", "chain", n, 5 * n, (Climb("mbsd3d", "x", points),))
 
-    exponent, least, most = goals.growth([sized(n) for n in (10, 30, 100, 300)], "mbsd3d", "chain")
+    exponent, least, most = tables.growth([sized(n) for n in (10, 30, 100, 300)], "mbsd3d", "chain")
     assert exponent == pytest.approx(3.0, abs=1e-9) and (least, most) == (30, 300)
 
 

@@ -28,8 +28,9 @@ from mbsd3d import (
 from mbsd3d import Polynomial as Powers
 from mbsd3d.base.quaternions import exponential
 from mbsd3d.base.rotations import matrix
-from validation import cases, theory
-from validation.robot import hinge_accelerations, robot_poses
+from validation import theory
+from validation.cases import reference as cases
+from validation.cases.robot import hinge_accelerations, robot_poses
 
 RATE = 10.0
 """rad/s of the input shafts."""

@@ -28,7 +28,7 @@ from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.equations.jacobian import BlockRows, scaled_rows
 from validation import cases
-from validation.mechanisms import ladder
+from validation.cases.mechanisms import ladder
 
 ROUNDING = 1e-11  # of rows of order one, times what an elimination with pivots down to 1e-3 may make of it
 

@@ -34,10 +34,10 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from validation import theory
-from validation.engines import planar
-from validation.inline_four import RATE, inline_four, one_turn
-from validation.planes.shaft import bound
-from validation.spectrum import spectrum
+from validation.cases.inline_four import RATE, inline_four, one_turn
+from validation.engine_balance.planes.shaft import bound
+from validation.engine_balance.spectrum import spectrum
+from validation.twins import planar
 
 TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
 EXACT = 1e-12

@@ -7,8 +7,8 @@ from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, accel
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from validation import cases
-from validation.comparison import compare
-from validation.suite.references import allowed
+from validation.cases.comparison import compare
+from validation.suite.trials.references import allowed
 
 TILT = rotation((1.0, 2.0, -0.5), 0.4)
 R = matrix(TILT)

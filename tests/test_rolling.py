@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from mbsd3d import GROUND, Revolute, RollingDisc, System, accelerations, simulate
 from mbsd3d.base.rotations import matrix
-from validation import reference_point
+from validation.twins.definitions import equations as reference_point
 
 RTOL = 1e-11
 ACCURACY = 1e-8

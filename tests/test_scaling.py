@@ -18,7 +18,7 @@ from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.jacobian import scaled_rows
 from mbsd3d.results import record
 from mbsd3d.results.record import QUANTITIES, Samples
-from validation.mechanisms import ladder
+from validation.cases.mechanisms import ladder
 
 HERE = Path(__file__).parent
 

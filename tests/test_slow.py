@@ -9,8 +9,8 @@ import pytest
 
 from mbsd3d import IntegrationError, simulate
 from validation import cases
-from validation.comparison import compare
-from validation.suite.references import PASSES, allowed
+from validation.cases.comparison import compare
+from validation.suite.trials.references import PASSES, allowed
 
 HERE = Path(__file__).parent
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.spectrum import WINDOWS, gain, spectrum, taper
+from validation.engine_balance.spectrum import WINDOWS, gain, spectrum, taper
 
 RATE, RNG = 7.3, np.random.default_rng(5)
 C = RNG.normal(size=(4, 2)) + 1j * RNG.normal(size=(4, 2))

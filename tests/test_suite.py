@@ -9,7 +9,7 @@ import pytest
 from mbsd3d.demos.base import discover
 from validation import cases
 from validation.engine_balance.layouts import names
-from validation.suite import bicycles, engines, ladders, listing, plane, randoms, references, table
+from validation.suite import table
 from validation.suite.findings import (
     AGREES,
     CERTIFICATE,
@@ -26,9 +26,10 @@ from validation.suite.findings import (
     Record,
     judged,
     not_compared,
-)  # fmt: skip
+)
 from validation.suite.suite import examined, lost
-from validation.suite.trial import examine, run
+from validation.suite.trials import bicycles, engines, ladders, listing, plane, randoms, references
+from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")
 

@@ -15,8 +15,9 @@ from browser import visit
 from click.testing import CliRunner
 
 from mbsd3d.cli import main
-from validation import cases, comparison
-from validation.suite import references, table
+from validation.cases import comparison
+from validation.cases import reference as cases
+from validation.suite import table
 from validation.suite.document import content_of, encoded
 from validation.suite.findings import (
     AGREES,
@@ -28,11 +29,12 @@ from validation.suite.findings import (
     Finding,
     Record,
     not_compared,
-)  # fmt: skip
+)
 from validation.suite.ledger import Ledger, identity
 from validation.suite.page import page_of
 from validation.suite.suite import Suite, examined
-from validation.suite.trial import Trial
+from validation.suite.trials import references
+from validation.suite.trials.trial import Trial
 
 pytestmark = pytest.mark.usefixtures("own_clock")
 

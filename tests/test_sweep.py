@@ -14,7 +14,7 @@ from mbsd3d import simulate
 from mbsd3d.base.errors import SweepError
 from mbsd3d.sweeps.grids import Samples, samples
 from mbsd3d.sweeps.sweep import sweep
-from validation.inline_four import inline_four, one_turn, orders
+from validation.cases.inline_four import inline_four, one_turn, orders
 
 ROOT = Path(__file__).parent.parent
 ENGINE = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())

@@ -10,10 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from mbsd3d import Kinematic, simulate
-from validation import noise, tax
-from validation.engines import planar
-from validation.noise import Floor
-from validation.twins import mechanisms
+from validation.tax import cost as tax
+from validation.tax import noise
+from validation.tax.noise import Floor
+from validation.tax.pairs import mechanisms
+from validation.twins import planar
 
 MECHANISMS = {m.name: m for m in mechanisms()}
 STEPS = 2000  # a turn of RK4, closed at each: errors of 8e-9 at 304 steps fall to 4e-12
@@ -135,7 +136,7 @@ def test_command_line_gives_json(small, monkeypatch):
 def test_runs_without_the_engines_it_does_not_measure():
     """In a process of its own: nothing of MuJoCo is imported, not even by the line about the machine."""
     code = (
-        "import sys; sys.modules['mujoco'] = None; from validation import tax; "
+        "import sys; sys.modules['mujoco'] = None; from validation.tax import cost as tax; "
         "print(tax.machine('numpy', 'no-such-engine')); assert 'validation.benchmark' not in sys.modules"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)

@@ -8,7 +8,7 @@ __all__ = ["cross_check", "reduce_to_planes"]
 def __getattr__(name: str) -> Any:
     """The functions, imported when they are asked for: the closed forms do not need the package they judge."""
     if name == "reduce_to_planes":
-        from validation.reduction import reduce_to_planes
+        from validation.engine_balance.planes.reduction import reduce_to_planes
 
         return reduce_to_planes
     if name == "cross_check":

@@ -49,10 +49,10 @@ def validate(model: str | None, **options: Any) -> None:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
         raise ValueError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
     if model is None:
-        from .suite.cli import validate_all
+        from validation.suite.cli import validate_all
 
         validate_all(**given)
         return
-    from .crosscheck.command import validate_model
+    from validation.crosscheck.command import validate_model
 
     validate_model(model, **given)

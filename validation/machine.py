@@ -9,10 +9,7 @@ from pathlib import Path
 def machine(*packages: str) -> str:
     """Processor class, cores, versions of Python and of ``packages``, load; nothing of them is imported.
 
-    Parameters
-    ----------
-    packages : str
-        Names of distributions; those that are not installed are said to be absent.
+    ``packages``: names of distributions; those that are not installed are said to be absent.
 
     Examples
     --------

@@ -1,5 +1,5 @@
 """``python -m validation.benchmark``."""
 
-from .cli import main
+from validation.benchmark.cli import main
 
 main()

@@ -16,10 +16,9 @@ import numpy as np
 
 from mbsd3d import DOP853
 from mbsd3d.extend import matrix
-
-from ..engines.base import NotComparable
-from .ends import Poses, poses, whole
-from .problems import PLANAR_CUTS, Problem
+from validation.benchmark.problems import PLANAR_CUTS, Poses, Problem, poses, whole
+from validation.twins import exudyn, mujoco
+from validation.twins.base import NotComparable
 
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))
@@ -48,7 +47,7 @@ class Unfinished(NotComparable):
 
 @contextmanager
 def ended_after(seconds: float) -> Iterator[None]:
-    """Ctrl-C after a time, for what would go on in ever smaller steps; it comes out as `Unfinished`."""
+    """Ctrl-C after a time, for what would go on in ever smaller steps; raises `Unfinished`."""
     late: list[float] = []
 
     def interrupt(*_: Any) -> None:
@@ -72,14 +71,8 @@ def ended_after(seconds: float) -> Iterator[None]:
 class Candidate:
     """One way to solve a problem.
 
-    Attributes
-    ----------
-    engine, label : str
-        Who, and formulation, integrator and settings.
-    ladder : tuple of float
-        Numbers of steps, or tolerances, from coarse to fine.
-    start : function
-        Builds the model and returns a function (setting) -> `Run`; raises NotComparable.
+    ``engine, label``: who, and formulation, integrator and settings; ``ladder``: numbers of steps, or tolerances, from
+    coarse to fine; ``start``: builds the model and returns a function (setting) -> `Run`; raises NotComparable.
     """
 
     engine: str
@@ -173,11 +166,7 @@ def untried(engine: str, label: str, why: str) -> Candidate:
 
 def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:
     """The twin of a system in a peer."""
-    if engine == "MuJoCo":
-        from ..engines import mujoco as peer
-    else:
-        from ..engines import exudyn as peer
-    return peer.twin(system, **settings)
+    return (mujoco if engine == "MuJoCo" else exudyn).twin(system, **settings)
 
 
 def stepped(engine: str, label: str, problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:

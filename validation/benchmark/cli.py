@@ -47,7 +47,7 @@ def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, store
 
 def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
     """See `main`."""
-    from .problems import PROBLEMS
+    from validation.benchmark.problems import PROBLEMS
 
     unknown = [name for name in names if name not in PROBLEMS]
     if unknown:
@@ -62,21 +62,21 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
     if "precision" in parts:
         precision(names or tuple(PROBLEMS), out, fresh, pictures)
     if "redundancy" in parts:
-        from ..peers import report
+        from validation.benchmark.counts import report
 
         click.echo("\n" + "\n".join(report()))
     if "speed" in parts:
-        from . import speed
+        from validation.benchmark import speed
 
         speed.main()
 
 
 def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> None:
     """Measure problems one by one, storing after each; Ctrl-C keeps what there is."""
-    from ..machine import machine
-    from . import store
-    from .precision import measure
-    from .problems import PROBLEMS
+    from validation.benchmark import store
+    from validation.benchmark.precision import measure
+    from validation.benchmark.problems import PROBLEMS
+    from validation.machine import machine
 
     path, where = out / STORE, machine("mbsd3d", *store.PACKAGES[1:])
     prepare(out, pictures)
@@ -118,7 +118,7 @@ def note(text: str) -> None:
 
 def show_stored(out: Path, pictures: Path | None) -> None:
     """Table and figure of stored rows."""
-    from . import store
+    from validation.benchmark import store
 
     prepare(out, pictures)
     show(store.load(out / STORE), out, pictures)
@@ -127,9 +127,8 @@ def show_stored(out: Path, pictures: Path | None) -> None:
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
     """Print and write."""
     from mbsd3d import save_figure
-
-    from .figure import SHOWN, work_precision
-    from .tables import report
+    from validation.benchmark.figure import SHOWN, work_precision
+    from validation.benchmark.tables import report
 
     if not rows:
         return

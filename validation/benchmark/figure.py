@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d.extend import LINE, THIN, dress, house, theme
-
-from .candidates import PEERS
-from .goals import MIDDLE
-from .ladders import Point
-from .precision import Row
+from validation.benchmark.candidates import PEERS
+from validation.benchmark.ladders import Point
+from validation.benchmark.precision import Row
+from validation.benchmark.tables import MIDDLE
 
 SHOWN = (
     "free body", "top fast", "bicycle M1", "Bricard", "Andrews", "four-bar 2", "four-bar 40", "Stewart platform",
@@ -31,16 +31,11 @@ def front(row: Row, engine: str) -> list[Point]:
     return found
 
 
-def work_precision(rows: Sequence[Row], dark: bool = False) -> Any:
+def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
     """A matplotlib figure: the best of each engine, down and left is better.
 
-    Raises
-    ------
-    ValueError
-        If none of the problems it shows was measured.
+    ValueError if none of the problems it shows was measured.
     """
-    from matplotlib.figure import Figure
-
     shown = sorted((row for row in rows if row.name in SHOWN), key=lambda row: SHOWN.index(row.name))
     if not shown:
         raise ValueError(f"none of {', '.join(SHOWN)} was measured; measure one with --mechanism")

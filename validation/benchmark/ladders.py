@@ -8,16 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from mbsd3d import IntegrationError
-
-from ..engines.base import NotComparable
-from .candidates import Candidate, Run
-from .ends import Poses
+from validation.benchmark.candidates import Candidate, Run
+from validation.benchmark.problems import Poses
+from validation.twins.base import NotComparable
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # errors: distances over the length of the model, and angles in radians
-DOMINATED, CLIMBED = (
-    4.0,
-    4,
-)  # after so many settings one gives up where a rival took a quarter of the time for less error
+DOMINATED, CLIMBED = 4.0, 4
+"""After so many settings one gives up where a rival took a quarter of the time for less error."""
 REPEATS, SHORT = 3, 0.03  # runs of a setting, while they take less than so many seconds together
 NOISE = 3.0  # an error that rises by this factor at a finer setting has met rounding
 
@@ -34,16 +31,9 @@ class Point(NamedTuple):
 class Climb:
     """What was measured of a candidate.
 
-    Attributes
-    ----------
-    engine, label : str
-        As of `Candidate`.
-    points : tuple of Point
-        From coarse to fine; settings that failed are left out.
-    failed : int
-        How many settings ended in an error or in numbers that are not finite.
-    note : str
-        Why there are no points, or what the last failure said.
+    ``engine, label``: as of `Candidate`; ``points``: from coarse to fine; settings that failed are left out;
+    ``failed``: how many settings ended in an error or in numbers that are not finite; ``note``: why there are no
+    points, or what the last failure said.
     """
 
     engine: str
@@ -108,15 +98,20 @@ def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool
     return below or rounding or seconds > limit / 2 or (beaten and len(points) >= CLIMBED)
 
 
+def in_bounds(climbed: Climb, target: float) -> int:
+    """First point from which on all errors are at most ``target``."""
+    inside = len(climbed.points)
+    while inside and climbed.points[inside - 1].error <= target:
+        inside -= 1
+    return inside
+
+
 def time_to(climbed: Climb, target: float) -> Reached:
     """Time to an error, on the line between the two settings around it in logarithms.
 
     The finer one is the coarsest from which on all errors are in bounds: no error that is small by chance.
     """
-    points, label = climbed.points, climbed.label
-    inside = len(points)
-    while inside and points[inside - 1].error <= target:
-        inside -= 1
+    points, label, inside = climbed.points, climbed.label, in_bounds(climbed, target)
     if inside == len(points):
         return Reached(max((point.seconds for point in points), default=0.0), ">", label)
     if inside == 0:
@@ -138,9 +133,7 @@ def best(climbs: Sequence[Climb], target: float) -> Reached | None:
 
 def around(climbed: Climb, target: float) -> list[int]:
     """Places of the points that decide the time to an error."""
-    inside = len(climbed.points)
-    while inside and climbed.points[inside - 1].error <= target:
-        inside -= 1
+    inside = in_bounds(climbed, target)
     return [k for k in (inside - 1, inside) if 0 <= k < len(climbed.points)]
 
 

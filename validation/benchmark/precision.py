@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.extend import compile_system, one_thread
-
-from .candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
-from .ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed
-from .problems import Problem
+from mbsd3d.extend import one_thread
+from validation.benchmark.candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
+from validation.benchmark.ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed
+from validation.benchmark.problems import Problem
 
 LEAST, MOST = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
 PATIENCE = 210.0  # the same in times of ours to the middle error; half of that is tried for sure: a ratio of 100
@@ -23,14 +22,8 @@ TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what
 class Row:
     """One problem, measured.
 
-    Attributes
-    ----------
-    name, family : str
-        Of the problem.
-    bodies, rows : int
-        Size of the system as built.
-    climbs : tuple of Climb
-        Everything that was tried.
+    ``name, family``: of the problem; ``bodies, rows``: size of the system as built; ``climbs``: everything that was
+    tried.
     """
 
     name: str
@@ -72,9 +65,8 @@ def from_dict(data: dict[str, Any]) -> Row:
 
 def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) -> Row:
     """Search, then time the best candidates of all engines in turns on one thread."""
-    compiled = compile_system(problem.system)
     with one_thread():
-        truth, length = problem.truth(), float(compiled.model.length)
+        truth, length = problem.truth(), float(problem.system.lowered.model.length)
         say("mbsd3d")
         own = ours(problem)
         own.start()(own.ladder[0])  # its kernels are compiled before anything is timed

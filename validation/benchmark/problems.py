@@ -1,4 +1,4 @@
-"""The mechanisms of the benchmark, and where each of them ends.
+"""The mechanisms of the benchmark, where each of them ends, and how far a run is from there.
 
 Loops come in two forms with the same motion: all hinges, as one would build it, and with weaker joints where loops are
 cut, so that no row repeats another. A peer is measured in the form that suits it best.
@@ -7,41 +7,72 @@ cut, so that no row repeats another. A peer is measured in the form that suits i
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Cylindrical, Joint, PointOnLine, Revolute, SpeedDriver, Spherical, System, Universal
+from mbsd3d import (
+    GROUND,
+    Body,
+    Cylindrical,
+    Joint,
+    PointOnLine,
+    Revolute,
+    SpeedDriver,
+    Spherical,
+    System,
+    Universal,
+    simulate,
+)
 from mbsd3d.extend import matrix
-
-from .. import cases, mechanisms
-from ..theory.pendulum import pendulum_motion
-from ..theory.torque_free import free_body
-from .ends import Poses, poses, whole
+from validation import cases
+from validation.cases import mechanisms
+from validation.theory.pendulum import pendulum_motion
+from validation.theory.torque_free import free_body
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
 POINT_CUTS = "point cuts"  # a row of each still repeats others
 TRUTH = 1e-12  # rtol of our own run where there is no closed form
 
 
+class Poses(NamedTuple):
+    """All bodies at the end of a run: reference points (bodies, 3) [m], rotations (bodies, 3, 3)."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+
+    def distance(self, other: "Poses", length: float) -> float:
+        """Greatest distance of a reference point over ``length``, or angle between rotations [rad]."""
+        shift = np.linalg.norm(self.position - other.position, axis=1) / length
+        # |R - R'| = 2 sqrt(2) sin(angle / 2), which is exact where arccos of the trace is not
+        chord = np.linalg.norm(self.rotation - other.rotation, axis=(1, 2)) / np.sqrt(8.0)
+        return float(max(shift.max(), (2.0 * np.arcsin(np.minimum(chord, 1.0))).max()))
+
+
+def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
+    """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
+    solution = simulate(system, t_end, output=output, progress=False, **options)
+    if solution.record.stopped_by:
+        raise KeyboardInterrupt(solution.record.stopped_by)
+    return solution
+
+
+def poses(solution: Any) -> Poses:
+    """End of a solution."""
+    bodies = solution.system.bodies
+    return Poses(
+        np.array([solution.position(body)[-1] for body in bodies]),
+        np.array([solution.rotation(body)[-1] for body in bodies]),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A mechanism from its reference pose to ``t_end``.
 
-    Attributes
-    ----------
-    name, family : str
-        "four-bar 40", "loop".
-    system : System
-        As one would build it.
-    t_end : float
-        [s].
-    forms : mapping
-        Text -> System with the same motion, other joints at the cuts.
-    tree : System or None
-        The mechanism as a tree of hinges, if it is one; massless bodies it adds stand before the others.
-    exact : function or None
-        Poses at ``t_end`` in closed form.
+    ``name, family``: "four-bar 40", "loop"; ``system``: as one would build it; ``t_end``: [s]; ``forms``: text ->
+    System with the same motion, other joints at the cuts; ``tree``: the mechanism as a tree of hinges, if it is one;
+    massless bodies it adds stand before the others; ``exact``: poses at ``t_end`` in closed form.
     """
 
     name: str

@@ -14,9 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 from mbsd3d import RK4, State, System, simulate
-
-from ..machine import machine
-from ..mechanisms import chain, ladder, mujoco_chain
+from validation.cases.mechanisms import chain, ladder, mujoco_chain
+from validation.machine import machine
 
 ROUNDS = 5
 LENGTHS = (3, 10, 30, 100, 300)

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mbsd3d.extend import write_atomically
-
-from ..machine import installed
-from .ladders import TARGETS
-from .precision import Row, from_dict
+from validation.benchmark.ladders import TARGETS
+from validation.benchmark.precision import Row, from_dict
+from validation.machine import installed
 
 PACKAGES = ("mbsd3d", "mujoco-core", "exudyn", "numpy", "numba")
 

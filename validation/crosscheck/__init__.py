@@ -4,5 +4,6 @@ Read in this order: `quantities` (what is compared), `limits` (convergence), `ou
 `causes` (attribution), `formulation` (the joints' definitions), `check`; `verdict` and `display` hold the result.
 """
 
-from .check import ENGINES, cross_check
-from .verdict import Attribution, Compared, CrossCheck, Curve, Finding
+from validation.crosscheck.check import ENGINES, cross_check
+from validation.crosscheck.result import CrossCheck
+from validation.crosscheck.verdict import Attribution, Compared, Curve, Finding

@@ -5,12 +5,11 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from mbsd3d import State
-from validation.engines.base import NotComparable, Twin
-
-from .judge import LOOSEST, Runs, limit_difference
-from .ours import Ours
-from .start import acceleration_differences
-from .verdict import DIFFERS, EXPLAINED, Attribution, Finding
+from validation.crosscheck.judge import LOOSEST, Runs, limit_difference
+from validation.crosscheck.ours import Ours
+from validation.crosscheck.start import acceleration_differences
+from validation.crosscheck.verdict import DIFFERS, EXPLAINED, Attribution, Finding
+from validation.twins.base import NotComparable, Twin
 
 
 class Cause(NamedTuple):

@@ -9,18 +9,18 @@ import numpy as np
 
 from mbsd3d import State
 from mbsd3d.extend import Progress, check_state, check_system, number
-from validation.engines.base import EngineMissing, NotComparable, Twin
+from validation.crosscheck.causes import explained
+from validation.crosscheck.formulation import ENGINE as DEFINITIONS
+from validation.crosscheck.formulation import compare_definitions, skipped
+from validation.crosscheck.judge import Runs, curves, judge_motion, own_error
+from validation.crosscheck.ladder import INTERVALS, climb, fastest_rate, first_steps
+from validation.crosscheck.ours import Ours, ours_at, ours_at_start
+from validation.crosscheck.result import CrossCheck
+from validation.crosscheck.start import judge_start
+from validation.crosscheck.verdict import DIFFERS, SKIPPED, Compared, Finding
+from validation.twins.base import EngineMissing, NotComparable, Twin
 
-from .causes import explained
-from .formulation import ENGINE as DEFINITIONS
-from .formulation import compare_definitions, skipped
-from .judge import Runs, curves, judge_motion, own_error
-from .ladder import INTERVALS, climb, fastest_rate, first_steps
-from .ours import Ours, ours_at, ours_at_start
-from .start import judge_start
-from .verdict import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
-
-MODULES = {"mujoco": "validation.engines.mujoco", "exudyn": "validation.engines.exudyn"}
+MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}
 NAMES = {"mujoco": "MuJoCo", "exudyn": "Exudyn"}
 ENGINES = (*MODULES, DEFINITIONS)
 WAYS: dict[str, tuple[dict[str, Any], ...]] = {

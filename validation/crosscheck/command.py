@@ -7,8 +7,7 @@ import click
 
 from mbsd3d import load
 from mbsd3d.extend import INTERRUPTED, ready_folder, write_atomically
-
-from .check import BUDGET, ENGINES, cross_check
+from validation.crosscheck.check import BUDGET, ENGINES, cross_check
 
 
 def validate_model(
@@ -34,7 +33,7 @@ def validate_model(
         text = json.dumps({"model": Path(model).name, **check.to_dict()}, indent=1, ensure_ascii=False, allow_nan=False)
         write(json_file, f"{text}\n")
     if html_file:
-        from .page import page
+        from validation.crosscheck.page import page
 
         write(html_file, page(check, Path(model).stem))
     for failure in check.failures:

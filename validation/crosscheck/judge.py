@@ -5,13 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from validation.engines.base import Array
-
-from .ladder import Ladder
-from .limits import Limit, best_limit
-from .ours import Ours
-from .quantities import POSES, Quantity, quantities
-from .verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.crosscheck.ladder import Ladder, Limit, best_limit
+from validation.crosscheck.ours import Ours
+from validation.crosscheck.quantities import POSES, Quantity, quantities
+from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.twins.base import Array
 
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
@@ -57,7 +55,7 @@ def chosen(found: Mapping[str, Quantity], joints: tuple[str, ...]) -> dict[str, 
 def horizon(runs: Runs, tolerance: float, own: float) -> int:
     """Number of samples over which the engine's limit is known to the tolerance, and stays so if errors grow.
 
-    Our own motion has to be known to ``own``, whatever is forgiven the engine.
+    Our own motion has to be known to ``own``, however much the engine is allowed.
     """
     unsure = np.max([runs.limit(name, None).error + runs.ours.error[name] for name in POSES], axis=0)
     grown = runs.ours.growth * unsure[1]

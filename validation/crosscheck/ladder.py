@@ -1,36 +1,98 @@
-"""A twin run with ever shorter steps, until its limit is known well enough or the time is up."""
+"""A twin run with ever shorter steps, and the limit that these runs tend to: its order, and how far to trust it."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from validation.engines.base import EngineFailed, Motion, finite
-
-from .limits import FEWEST, best_limit
-from .quantities import POSES, quantities
+from validation.crosscheck.quantities import POSES, quantities
+from validation.twins.base import Array, EngineFailed, Motion, finite
 
 INTERVALS = 32
 """Samples of a comparison less the start: enough to see where motions part; a power of two, as all step counts are."""
 MOST_STEPS = 2**21
 IDLE = 2
 """Finer runs in vain, after which rounding is all that is left."""
+ROUNDING = 1e-12
+"""Gaps below this part of a quantity's size are rounding of 10^3 to 10^6 steps: no order is read from them."""
+FEWEST = 4
+"""Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays."""
+LEAST_ORDER = 0.5
+"""Below it halving the step hardly helps, and extrapolating would only amplify."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Limit of a quantity over ever shorter steps, all relative to its size.
+
+    ``values`` (n, parts, k): Richardson's limit of the finest runs; ``error`` (n,): how uncertain it is up to each
+    sample: by how much the limit moves when the finest run is added, and when it is extrapolated with the expected
+    order instead of the observed one; ``order``: observed: log2 of the ratio of the last two gaps; None if they are
+    rounding; ``gaps``: greatest differences of neighbouring runs.
+    """
+
+    values: Array
+    error: Array
+    order: float | None
+    gaps: tuple[float, ...]
+
+
+def running_max(values: Array) -> Array:
+    """(n,) greatest absolute value over all parts up to each sample, of (n, parts, k)."""
+    return np.maximum.accumulate(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
+
+
+def observed_order(gaps: Sequence[float]) -> float | None:
+    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if there is none."""
+    for coarse, fine in reversed(list(zip(gaps[:-1], gaps[1:], strict=True))):
+        if fine > ROUNDING:
+            return float(np.log2(coarse / fine)) if coarse > 0.0 else 0.0
+    return None
+
+
+def limit_of(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
+    """Limit of three or more runs (n, parts, k), each with half the step of the one before; relative numbers.
+
+    The order is observed from sample ``first`` up to ``span`` (None: all), and used for the extrapolation: with gaps d
+    and order p the limit lies d / (2^p - 1) beyond the finest run. Three runs carry two such limits; their distance is
+    the error, with what the ``expected`` order would change: an order fitted to two gaps makes their limits agree.
+
+    ValueError for fewer than three runs: order and error need three.
+    """
+    if len(runs) < 3:
+        raise ValueError(f"limit_of: {len(runs)} runs; give three or more with halved steps")
+    moves = [fine - coarse for coarse, fine in zip(runs[:-1], runs[1:], strict=True)]
+    counts = (np.arange(len(runs[0])) >= first)[:, None, None]
+    gaps = tuple(float(np.abs(move[first:span]).max(initial=0.0)) for move in moves)
+    order, last = observed_order(gaps), running_max(moves[-1] * counts)
+    if order is None:
+        return Limit(runs[-1], last + ROUNDING, None, gaps)
+    if order < LEAST_ORDER:
+        return Limit(runs[-1], last + running_max(moves[-2] * counts), order, gaps)
+    beyond, usual = (1.0 / (2.0**p - 1.0) for p in (order, expected))
+    coarser, finer = (run + beyond * move for run, move in zip(runs[-2:], moves[-2:], strict=True))
+    error = running_max((finer - coarser) * counts) + abs(beyond - usual) * last + ROUNDING
+    return Limit(finer, error, order, gaps)
+
+
+def best_limit(runs: Sequence[Array], expected: float, span: int | None = None, first: int = 0) -> Limit:
+    """The limit of the first runs, as many as give the smallest error: finer ones may only add rounding.
+
+    An implicit engine divides the errors of its iterations by the step, or by its square in multipliers.
+    """
+    last = -1 if span is None else span - 1
+    found = [limit_of(runs[:count], expected, span, first) for count in range(FEWEST, len(runs) + 1)]
+    return min(found, key=lambda limit: limit.error[last])
 
 
 @dataclass
 class Ladder:
     """Runs of a twin over one time, the coarsest first.
 
-    Attributes
-    ----------
-    runs : list of Motion
-    steps : list of int
-    failed : list of str
-        What coarser runs than these ended with: a step too long for the engine is no difference.
-    stopped : str
-        Why there are no finer runs.
+    ``failed``: how coarser runs ended; a step too long for the engine does not count as a difference; ``stopped``: why
+    there are no finer runs.
     """
 
     twin: Any
@@ -59,10 +121,7 @@ def climb(
 ) -> Ladder:  # fmt: skip
     """Halve the step until the limit of poses and velocities is known to ``target``, or ``budget`` seconds are up.
 
-    Raises
-    ------
-    EngineFailed
-        If not enough runs end well.
+    EngineFailed if not enough runs end well.
     """
     ladder, began, steps, known = Ladder(twin), time.perf_counter(), first, []
     while not ladder.stopped:

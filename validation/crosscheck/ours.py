@@ -6,36 +6,27 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State, accelerations, simulate
-from validation.engines.base import Array, Load, Motion
-from validation.reference_point import constraint_rows
-
-from .limits import running_max
-from .quantities import POSES, Quantity, Sizes, quantities, sizes
+from validation.crosscheck.ladder import running_max
+from validation.crosscheck.quantities import POSES, Quantity, Sizes, quantities, sizes
+from validation.twins.base import Array, Load, Motion
+from validation.twins.definitions.equations import constraint_rows
 
 LOOSE, TIGHT = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
 NUDGE = 1e-6
 """Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth."""
 RANK = 1e-9
-"""Singular values of J below this part of the greatest are zero, as in `validation.reference_point`."""
+"""Singular values of J below this part of the greatest are zero, as in `validation.twins.definitions.equations`."""
 
 
 @dataclass(frozen=True)
 class Ours:
     """What is compared with an engine.
 
-    Attributes
-    ----------
-    motion : Motion
-    size : Sizes
-    found : dict
-        Quantity -> values; momentum and kinetic energy are those of `mbsd3d.Solution`, so that they are tested too.
-    error : dict
-        Quantity -> (n,) how wrong it may be up to each sample, relative.
-    growth : (n,) array
-        By how much neighbouring motions have parted up to each sample, relative to their start.
-    open : tuple
-        Joints whose reaction the constraints do not determine.
+    ``found``: quantity -> values; momentum and kinetic energy are those of `mbsd3d.Solution`, so that they are tested
+    too; ``error``: quantity -> (n,) how wrong it may be up to each sample, relative; ``growth`` (n,): by how much
+    neighbouring motions have parted up to each sample, relative to their start; ``open``: joints whose reaction the
+    constraints do not determine.
     """
 
     motion: Motion

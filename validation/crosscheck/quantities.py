@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from validation.engines.base import Array, Motion
+from validation.twins.base import Array, Motion
 
 POSES = ("position", "rotation", "velocity", "angular velocity")
 """Quantities that the others are made of."""
@@ -24,12 +24,8 @@ class Quantity(NamedTuple):
 class Sizes:
     """Natural sizes of a run: what an error of one hundred per cent would be.
 
-    Attributes
-    ----------
-    length, speed, spin : float
-        [m, m/s, rad/s]
-    momentum, angular_momentum, energy, force, moment : float
-        [kg m/s, kg m^2/s, J, N, N m]
+    ``length, speed, spin``: [m, m/s, rad/s]; ``momentum, angular_momentum, energy, force, moment``: [kg m/s, kg m^2/s,
+    J, N, N m].
     """
 
     length: float

@@ -6,11 +6,10 @@ import numpy as np
 
 from mbsd3d import State, accelerations
 from mbsd3d.extend import mass_matrix
-from validation.engines.base import Array, Twin
-
-from .ours import Ours
-from .quantities import largest
-from .verdict import AGREES, DIFFERS, SKIPPED, Finding
+from validation.crosscheck.ours import Ours
+from validation.crosscheck.quantities import largest
+from validation.crosscheck.verdict import AGREES, DIFFERS, SKIPPED, Finding
+from validation.twins.base import Array, Twin
 
 MASS = 1e-10
 """Relative difference of mass matrices: rounding of some hundred products and of the engine's own kinematics."""

@@ -1,5 +1,5 @@
 """``python -m validation.engine_balance``."""
 
-from .cli import main
+from validation.engine_balance.cli import main
 
 main(prog_name="python -m validation.engine_balance")

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
-from . import phasor, planar_sum, spatial
-from .harmonics import Harmonics
-from .layouts import Engine
+from validation.engine_balance import phasor, planar_sum, spatial
+from validation.engine_balance.harmonics import Harmonics
+from validation.engine_balance.layouts import Engine
 
 LIMIT = 1e-9  # of F_single: rounding of models with up to 26 bodies stays below 1e-12
 
@@ -39,24 +39,8 @@ class Comparison:
 def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), driver: str = "block") -> Comparison:
     """Harmonics 0 ... ``orders`` of block load and driving torque three ways.
 
-    Parameters
-    ----------
-    engine : Engine
-        Of identical, centred cylinders.
-    orders : int
-    gravity : (2,) array_like
-        In the plane of the cylinders [m/s^2].
-    driver : str
-        Where the driving torque reacts, "block" or "dyno".
-
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    ValueError
-        For an engine without the closed form, or at rpm 0.
+    ``engine``: of identical, centred cylinders; ``gravity`` (2,): in the plane of the cylinders [m/s^2]; ``driver``:
+    where the driving torque reacts, "block" or "dyno". ValueError for an engine without the closed form, or at rpm 0.
     """
     dyno = driver == "dyno"
     system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))

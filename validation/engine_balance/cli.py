@@ -35,7 +35,7 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
         try:
             found[MASSES[name]] = float(number)
         except ValueError:
-            raise click.BadParameter(f"{name}={number!r} is no number; give one [kg, m, -, kg m^2]") from None
+            raise click.BadParameter(f"{name}={number!r} is not a number; give one [kg, m, -, kg m^2]") from None
     return found
 
 
@@ -68,8 +68,7 @@ def main(
     engine in space. The exit code is 1 if they disagree.
     """
     from mbsd3d.extend import Mbsd3dError
-
-    from .layouts import Engine, names
+    from validation.engine_balance.layouts import Engine, names
 
     try:
         if truth:
@@ -105,8 +104,9 @@ def alone(switch: str, allowed: set[str]) -> None:
 
 def published(name: str | None) -> str:
     """The truth table of the toy engines, or its rows about one layout."""
-    from . import report, studies, truth
-    from .layouts import layout
+    from validation.engine_balance import report
+    from validation.engine_balance.layouts import layout
+    from validation.engine_balance.published import truth
 
     found = truth.rows()
     if name is not None:
@@ -114,15 +114,13 @@ def published(name: str | None) -> str:
         if not found:
             return f"no published figure is about {name}"
     return (
-        f"{report.truth(found)}\n\n{studies.single_cylinder()}"
-        if name in (None, "single")
-        else str(report.truth(found))
+        f"{report.truth(found)}\n\n{report.single_cylinder()}" if name in (None, "single") else str(report.truth(found))
     )
 
 
 def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | None) -> list:
     """Write the pages, say where; the comparisons they show."""
-    from .pages import write_pages
+    from validation.engine_balance.pages.site import write_pages
 
     if not folder:
         raise ValueError("--pages '' names no folder; give one, or . for this one")
@@ -134,8 +132,8 @@ def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | 
 
 def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: bool, sweep: bool, ways: bool) -> list:
     """Show harmonics of one engine or of all, and the studies asked for; the comparisons shown."""
-    from . import report
-    from .balance import compare
+    from validation.engine_balance import report
+    from validation.engine_balance.balance import compare
 
     if len(engines) > 1 and (gas is not None or shafts or sweep):
         raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
@@ -157,20 +155,20 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
 
 def studied(engine: Any, gas: float | None, shafts: bool, sweep: bool) -> list:
     """Tables of the studies asked for."""
-    from . import studies
+    from validation.engine_balance import report
 
     wanted = (
-        (gas is not None, lambda: studies.gas_harmonics(engine, gas)),
-        (shafts, lambda: studies.balance_shafts(engine)),
-        (sweep, lambda: studies.rod_ratios(engine)),
+        (gas is not None, lambda: report.gas_harmonics(engine, gas)),
+        (shafts, lambda: report.balance_shafts(engine)),
+        (sweep, lambda: report.rod_ratios(engine)),
     )
     return [table() for asked, table in wanted if asked]
 
 
 def show(comparison: Any) -> None:
     """One engine: components three ways, turning vectors, and how well the ways agree."""
-    from . import report
-    from .gas import firing_order
+    from validation.engine_balance import report
+    from validation.engine_balance.gas import firing_order
 
     plan = comparison.engine.layout
     click.echo(f"{plan.title}; {len(plan.pins)} cylinders, fires {firing_order(plan)}")

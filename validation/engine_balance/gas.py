@@ -21,8 +21,7 @@ import numpy as np
 
 from mbsd3d import Force, System, Table
 from mbsd3d.extend import number
-
-from .layouts import Engine, Layout
+from validation.engine_balance.layouts import Engine, Layout
 
 CYCLE = 4 * np.pi
 SEARCHED = 16  # cylinders: each doubles the number of firing orders
@@ -38,10 +37,7 @@ Gas = Callable[[np.ndarray], np.ndarray]
 def half_sine(peak: float = 10e3) -> Gas:
     """f(psi) of a half sine over the power stroke [N]; psi is counted from firing [rad], any array.
 
-    Raises
-    ------
-    ValueError
-        If the peak is not positive.
+    ValueError if the peak is not positive.
     """
     peak = number(peak, "gas: peak", positive=True)
 
@@ -70,10 +66,7 @@ def firing_angles(layout: Layout) -> np.ndarray:
     data file, the orders of I3 and I6 belong to cranks that turn the other way; those of V8_cross_real and
     V6_60_offset+60 number the cylinders from bank to bank, 1, 3, 5 ... opposite 2, 4, 6 ...)
 
-    Raises
-    ------
-    FiringOrderError
-        For too many cylinders to search, without a firing order.
+    FiringOrderError for too many cylinders to search, without a firing order.
     """
     top = -np.array(layout.phases) % 360.0
     given = ordered(layout, top)

@@ -37,11 +37,7 @@ class Harmonics:
 
     def difference(self, other: "Harmonics", length: float) -> float:
         """Largest difference of any component and order [N]; moments are divided by ``length`` [m]."""
-        parts = (
-            self.force - other.force,
-            (self.moment - other.moment) / length,
-            (self.torque - other.torque) / length,
-        )
+        parts = (self.force - other.force, (self.moment - other.moment) / length, (self.torque - other.torque) / length)
         return max(float(np.abs(part).max()) for part in parts)
 
 

@@ -28,26 +28,10 @@ FOLD = 1e-13  # of an order that sampling may fold back, relative to the force o
 class Layout:
     """Where the cylinders of an engine stand and how its crank is bent.
 
-    Parameters
-    ----------
-    name, title : str
-        Short name, and what it is.
-    pins, bores : (n,) floats
-        Directions of crankpins at q = 0 and of bores [degrees], from x towards y.
-    stations : (n,) floats
-        z of the cylinders [m].
-    bank_angle : float or None
-        Between the banks [degrees].
-    spacing : float
-        Bore spacing for which the stations hold [m].
-    firing_order : str or None
-        As the source gives it, "1-3-4-2".
-    note : str
-
-    Raises
-    ------
-    ValueError
-        If pins, bores and stations are not equally many, or a number is none.
+    ``name, title``: short name, and what it is; ``pins, bores`` (n,): directions of crankpins at q = 0 and of bores
+    [degrees], from x towards y; ``stations`` (n,): z of the cylinders [m]; ``bank_angle``: between the banks [degrees];
+    ``spacing``: bore spacing for which the stations hold [m]; ``firing_order``: as the source gives it, "1-3-4-2".
+    ValueError if pins, bores and stations are not equally many, or a number is none.
 
     Examples
     --------
@@ -96,10 +80,7 @@ def names() -> tuple[str, ...]:
 def layout(name: str) -> Layout:
     """A layout of the data file.
 
-    Raises
-    ------
-    ValueError
-        If there is none of that name, listing the names.
+    ValueError if there is none of that name, listing the names.
     """
     if name not in names():
         raise ValueError(f"layout '{name}' is unknown; there are {', '.join(names())}")
@@ -117,38 +98,17 @@ def layout(name: str) -> Layout:
     )
 
 
-def layouts() -> tuple[Layout, ...]:
-    """All layouts of the data file."""
-    return tuple(layout(name) for name in names())
-
-
 @dataclass(frozen=True)
 class Engine:
     """A layout with dimensions, masses and speed; the numbers unless given are those of the toy engine (toy_set_1).
 
-    Parameters
-    ----------
-    layout : Layout or str
-        Str: a name of the data file.
-    rpm : float
-        Crank speed [1/min] >= 0; harmonics need one above 0.
-    radius, rod_length : float
-        Crank radius R and rod length L > R [m].
-    crank_mass, crank_centre : float
-        Of the throw of one cylinder [kg], and how far from the axis, towards the pin, its centre of mass lies [m].
-    rod_mass, rod_fraction, rod_inertia : float
-        [kg]; centre of mass from the crankpin over L [-]; inertia about it, across the rod [kg m^2].
-    piston_mass : float or (n,) floats
-        [kg].
-    spacing : float or None
-        Bore spacing [m] to which the stations are scaled; None = that of the layout.
-    offset : float
-        Of the bore axes from the crank axis, at right angles to the bore in the direction of rotation [m].
-
-    Raises
-    ------
-    ValueError
-        Naming value and remedy, above all where the rod is too short.
+    ``layout``: or a name of the data file; ``rpm``: crank speed [1/min] >= 0; harmonics need one above 0;
+    ``radius, rod_length``: crank radius R and rod length L > R [m]; ``crank_mass, crank_centre``: of the throw of one
+    cylinder [kg], and how far from the axis, towards the pin, its centre of mass lies [m];
+    ``rod_mass, rod_fraction, rod_inertia``: [kg]; centre of mass from the crankpin over L [-]; inertia about it, across
+    the rod [kg m^2]; ``piston_mass``: [kg]; ``spacing``: bore spacing [m] to which the stations are scaled; None = that
+    of the layout; ``offset``: of the bore axes from the crank axis, at right angles to the bore in the direction of
+    rotation [m]. ValueError naming value and remedy, above all where the rod is too short.
     """
 
     layout: Layout
@@ -205,10 +165,7 @@ class Engine:
     def rate(self) -> float:
         """Crank speed w [rad/s], above 0.
 
-        Raises
-        ------
-        ValueError
-            If the engine stands still: nothing is periodic then.
+        ValueError if the engine stands still: nothing is periodic then.
         """
         if self.rpm == 0.0:
             raise ValueError(f"engine '{self.layout.name}': rpm 0 has no harmonics; give a speed above 0")
@@ -228,10 +185,7 @@ class Engine:
 
         The order n of a slider-crank falls like nu^n, nu = lam / (1 + sqrt(1 - lam^2)), lam = (R + offset) / L.
 
-        Raises
-        ------
-        ValueError
-            If the rod is hardly longer than the crank, so that more than MOST would be needed.
+        ValueError if the rod is hardly longer than the crank, so that more than MOST would be needed.
         """
         lam = (self.radius + abs(self.offset)) / self.rod_length
         last = min(np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)

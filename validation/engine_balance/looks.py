@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import shapes
-
-from .layouts import Engine
+from validation.engine_balance.layouts import Engine
 
 STEEL, ROD, PISTON, CASE = "#8a939c", "#c46a2b", "#2f6f9f", "#9aa3ab"
 

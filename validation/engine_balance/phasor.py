@@ -44,18 +44,8 @@ class Phasors(NamedTuple):
 def series(lam: float, power: float, count: int) -> np.ndarray:
     """Coefficients c_0, c_2, c_4 ... of (1 - lam^2 sin^2 q)^power.
 
-    Parameters
-    ----------
-    lam : float
-        R / L, 0 < lam < 1.
-    power : float
-        p, below 1; not a natural number.
-    count : int
-        Number of coefficients.
-
-    Returns
-    -------
-    (count,) ndarray
+    ``lam``: R / L, 0 < lam < 1; ``power``: p, below 1; not a natural number; ``count``: number of coefficients. Returns
+    (count,).
     """
     return np.array([_coefficient(lam, power, k) for k in range(count)])
 

@@ -11,11 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from mbsd3d import System
-from validation.engines import planar
-from validation.reduction import reduce_to_planes
-
-from .harmonics import Harmonics
-from .layouts import Engine
+from validation.engine_balance.harmonics import Harmonics
+from validation.engine_balance.layouts import Engine
+from validation.engine_balance.planes.reduction import reduce_to_planes
+from validation.twins import planar
 
 
 class PlaneLoad(NamedTuple):
@@ -69,21 +68,9 @@ def harmonics(
 ) -> Harmonics:
     """Harmonics 0 ... ``orders`` of the sum of planes.
 
-    Parameters
-    ----------
-    engine : Engine
-    orders : int
-    article : bool
-        True drops the velocity-quadratic term m w x (w x s), as the published planar solver did: of the crank, since
-        rod and piston are described about their centres of mass.
-    gravity : (2,) floats
-        [m/s^2]
-    dyno : bool
-        True: the driving torque reacts outside of the block.
-
-    Returns
-    -------
-    Harmonics
+    ``article``: true drops the velocity-quadratic term m w x (w x s), as the published planar solver did: of the crank,
+    since rod and piston are described about their centres of mass; ``gravity`` (2,): [m/s^2]; ``dyno``: the
+    driving torque reacts outside of the block.
     """
     n = engine.samples(orders)
     times = 2 * np.pi / engine.rate * np.arange(n) / n
@@ -100,22 +87,8 @@ def harmonics(
 def reduced(system: System, engine: Engine, orders: int = 6) -> tuple[np.ndarray, np.ndarray]:
     """Harmonics of force and moment of the planar models that `validation.reduce_to_planes` finds in a spatial engine.
 
-    Parameters
-    ----------
-    system : System
-        Of `spatial.build`, the driver on the block.
-    engine : Engine
-    orders : int
-
-    Returns
-    -------
-    force, moment : (orders + 1, 3) complex ndarray
-        [N], [N m].
-
-    Raises
-    ------
-    ValueError
-        If a hypothesis of the reduction fails, with all failures.
+    ``system``: of `spatial.build`, the driver on the block. Returns force, moment (orders + 1, 3) complex: [N], [N m].
+    ValueError if a hypothesis of the reduction fails, with all failures.
     """
     found = reduce_to_planes(system)
     if not found.holds:

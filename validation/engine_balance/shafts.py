@@ -17,11 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
-
-from . import looks
-from .harmonics import Harmonics
-from .layouts import Engine
-from .spatial import Z
+from validation.engine_balance import looks
+from validation.engine_balance.harmonics import Harmonics
+from validation.engine_balance.layouts import Engine
+from validation.engine_balance.spatial import Z
 
 RANK = 1e-10  # of the singular values of the shafts' loads: what they cannot do is left
 
@@ -30,23 +29,10 @@ RANK = 1e-10  # of the singular values of the shafts' loads: what they cannot do
 class Shaft:
     """A balance shaft.
 
-    Parameters
-    ----------
-    order : int
-        k >= 1, its speed over that of the crank.
-    direction : int
-        +1 turns with the crank, -1 against it.
-    position : (2,) floats
-        (x, y) of its axis [m].
-    planes : (p,) floats
-        z of its weights [m].
-    unbalance : (p,) complex
-        Of each weight at q = 0 [kg m]; zeros until `balance` has found them.
-
-    Raises
-    ------
-    ValueError
-        For an impossible order or direction, or unequal numbers of planes and unbalances.
+    ``order``: k >= 1, its speed over that of the crank; ``direction``: +1 turns with the crank, -1 against it;
+    ``position`` (2,): (x, y) of its axis [m]; ``planes`` (p,): z of its weights [m]; ``unbalance`` (p,) complex: of
+    each weight at q = 0 [kg m]; zeros until `balance` has found them. ValueError for an impossible order or direction,
+    or unequal numbers of planes and unbalances.
     """
 
     order: int
@@ -95,25 +81,9 @@ def engine_load(harmonics: Harmonics, order: int) -> np.ndarray:
 def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, torque: bool = False) -> list[Shaft]:
     """The shafts with the unbalances that leave the least force and couple of one harmonic.
 
-    Parameters
-    ----------
-    engine : Engine
-        Its spacing weighs couples against forces where not both can vanish.
-    harmonics : Harmonics
-        Block load of the engine alone.
-    shafts : sequence of Shaft
-        All of one order.
-    torque : bool
-        True also moves the axes, as little as possible, so that the shafts balance the torque reaction M_z, too.
-
-    Returns
-    -------
-    list of Shaft
-
-    Raises
-    ------
-    ValueError
-        If the orders differ or lie beyond the harmonics.
+    ``engine``: its spacing weighs couples against forces where not both can vanish; ``harmonics``: block load of the
+    engine alone; ``shafts``: all of one order; ``torque``: true also moves the axes, as little as possible, so that the
+    shafts balance the torque reaction M_z, too. ValueError if the orders differ or lie beyond the harmonics.
     """
     orders = sorted({shaft.order for shaft in shafts})
     if len(orders) != 1 or orders[0] >= len(harmonics.force):

@@ -28,11 +28,10 @@ from mbsd3d import (
     inertia,
     simulate,
 )
-from validation.spectrum import spectrum
-
-from . import looks
-from .harmonics import Harmonics
-from .layouts import Engine
+from validation.engine_balance import looks
+from validation.engine_balance.harmonics import Harmonics
+from validation.engine_balance.layouts import Engine
+from validation.engine_balance.spectrum import spectrum
 
 Z = (0.0, 0.0, 1.0)
 BLOCK_MASS = 100.0  # kg; at rest, only its weight counts
@@ -66,29 +65,11 @@ def build(
 ) -> System:
     """The engine at q = 0 as a mechanism.
 
-    Parameters
-    ----------
-    engine : Engine
-    pins : str
-        "spherical": the rods stand on a ball and a universal joint, all their rows are independent; "revolute": on two
-        hinges, three rows of each cylinder repeat others.
-    driver : str
-        "block": the driving torque reacts on the block; "dyno": on the ground, through a coupling of torque only.
-    gravity : (3,) array_like
-        [m/s^2]
-    bearings : int
-        Main bearings, evenly from end to end.
-
-    Returns
-    -------
-    System
-        Bodies "block", "crank", "rod 1", "piston 1" ...; joints "mount", "main 1" ..., "crankpin 1", "wristpin 1",
-        "bore 1" ...; "motor".
-
-    Raises
-    ------
-    ValueError
-        For an unknown option, or at rpm 0.
+    ``pins``: "spherical": the rods stand on a ball and a universal joint, all their rows are independent; "revolute":
+    on two hinges, three rows of each cylinder repeat others; ``driver``: "block": the driving torque reacts on the
+    block; "dyno": on the ground, through a coupling of torque only; ``gravity`` (3,): [m/s^2]; ``bearings``: main
+    bearings, evenly from end to end. Bodies "block", "crank", "rod 1", "piston 1" ...; joints "mount", "main 1"
+    ..., "crankpin 1", "wristpin 1", "bore 1" ...; "motor". ValueError for an unknown option, or at rpm 0.
     """
     what = f"engine '{engine.layout.name}'"
     if pins not in ("revolute", "spherical"):

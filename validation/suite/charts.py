@@ -1,13 +1,19 @@
-"""Convergence of other engines as SVG: difference from our motion over the step, both logarithmic.
+"""Pictures of mechanisms, small enough that a hundred of them make a page that loads; convergence of engines as SVG.
 
-Drawn by hand: a hundred figures of matplotlib would take longer than the engines, and ten times the space.
+Charts show the difference from our motion over the step, both logarithmic. They are drawn by hand: a hundred figures
+of matplotlib would take longer than the engines, and ten times the space.
 """
 
+import base64
+import io
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
+from mbsd3d.extend import house
 from validation.crosscheck import Compared, CrossCheck, Curve
-from validation.engine_balance.drawings import stroke, svg, text
+from validation.engine_balance.pages.drawings import stroke, svg, text
+from validation.suite.trials.trial import Run
 
 QUANTITIES = ("position", "rotation", "velocity", "energy", "reaction force")
 """The curves that are drawn; the others follow from them."""
@@ -17,6 +23,28 @@ LEAST = 1e-17
 Place = Callable[[float, float], complex]  # of a step and a difference
 KEY = 18.0
 """Height of the line that says which colour is what."""
+SIZE, DOTS = (3.6, 2.7), 110  # inch, per inch
+MOST = 40
+"""Bodies that can be told apart at this size."""
+
+
+def picture(made: Run) -> str:
+    """The mechanism at the end of its run as a data address; "" for more bodies than one can tell apart."""
+    if len(made.system.bodies) > MOST:
+        return ""
+    figure = drawn(made)
+    buffer = io.BytesIO()
+    with house():
+        figure.savefig(buffer, format="webp", dpi=DOTS, pil_kwargs={"quality": 70})
+    return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+
+
+def drawn(made: Run) -> Any:
+    """A figure of the last sample, of the reference pose without one."""
+    if made.solution is None:
+        return made.system.picture(size=SIZE)
+    last = made.solution.state(made.solution.t.size - 1)
+    return made.system.picture(last, size=SIZE)
 
 
 def chart(check: CrossCheck) -> str:

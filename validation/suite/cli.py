@@ -15,9 +15,9 @@ def validate_all(
     *, out: str = OUT, names: tuple[str, ...] = (), quick: bool = False, fresh: bool = False, only_list: bool = False
 ) -> None:
     """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
-    from .ledger import Ledger, identity
-    from .listing import chosen, trials
-    from .suite import Suite
+    from validation.suite.ledger import Ledger, identity
+    from validation.suite.suite import Suite
+    from validation.suite.trials.listing import chosen, trials
 
     if only_list:
         list_cases(quick)
@@ -43,7 +43,7 @@ def validate_all(
 
 def show(suite: Any, folder: Any) -> None:
     """Table on the screen, files in the folder."""
-    from .table import text
+    from validation.suite.table import text
 
     if suite.records:
         click.echo(text(suite.records))
@@ -53,7 +53,7 @@ def show(suite: Any, folder: Any) -> None:
 
 def list_cases(quick: bool) -> None:
     """Names and titles of all cases."""
-    from .listing import trials
+    from validation.suite.trials.listing import trials
 
     found = trials(quick)
     width = max(len(trial.name) for trial in found)

@@ -18,8 +18,7 @@ from typing import Any
 
 from mbsd3d.extend import package_version
 from validation.machine import machine
-
-from .findings import AGREES, DIFFERS, JUDGES, Record, failed
+from validation.suite.findings import AGREES, DIFFERS, JUDGES, Record, failed
 
 FORMAT = 1
 PICTURES = ("picture", "charts")

@@ -50,7 +50,7 @@ class Finding:
 
 
 def judged(judge: str, quantity: str, error: float, limit: float, note: str = "") -> Finding:
-    """A finding by its numbers: an error beyond the limit differs, and so does one that is no number."""
+    """A finding by its numbers: an error beyond the limit differs, and so does NaN."""
     agrees = math.isfinite(error) and error <= limit
     return Finding(judge, AGREES if agrees else DIFFERS, quantity, finite(error), finite(limit), note)
 
@@ -69,23 +69,11 @@ def finite(value: float) -> float | None:
 class Record:
     """A case that was examined; plain data, so that it can be kept as JSON.
 
-    Attributes
-    ----------
-    name, group, title : str
-        Of the case.
-    findings : tuple of Finding
-        In the order they were made.
-    facts : mapping
-        Numbers of the case: bodies, joints, t_end [s], rows, rank, mobility, redundant, steps.
-    attributions : tuple of mapping
-        How differences to other engines are explained: ``engine``, ``quantity``, ``cause``, ``change``, and the
-        difference ``before`` and ``after`` the change, relative.
-    engines : mapping
-        Engine -> how it was run.
-    picture, charts : str, tuple of str
-        PNG as a data address ("" = none); convergence plots as SVG.
-    seconds : float
-        What examining it took [s].
+    ``name, group, title``: of the case; ``findings``: in the order they were made; ``facts``: numbers of the case:
+    bodies, joints, t_end [s], rows, rank, mobility, redundant, steps; ``attributions``: how differences to other
+    engines are explained: ``engine``, ``quantity``, ``cause``, ``change``, and the difference ``before`` and ``after``
+    the change, relative; ``engines``: engine -> how it was run; ``picture, charts``: PNG as a data address ("" = none);
+    convergence plots as SVG; ``seconds``: what examining it took [s].
     """
 
     name: str

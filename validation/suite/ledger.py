@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import mbsd3d
-
-from .findings import Record, record_from
+from validation.suite.findings import Record, record_from
 
 FILE = "validation.jsonl"
 PACKAGES = ("numpy", "scipy", "numba", "mujoco-core", "mujoco", "exudyn")

@@ -2,37 +2,38 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-import mbsd3d
-from mbsd3d.extend import DARK, LIGHT, digits, package_version
+from markupsafe import Markup
 
-from . import table
-from .findings import AGREES, DEFINITIONS, DIFFERS, EXPLAINED, EXUDYN, JUDGES, MUJOCO, NOT_COMPARED, Finding, Record
+from mbsd3d.extend import digits
+from validation.pages import environment
+from validation.suite import table
+from validation.suite.findings import (
+    AGREES,
+    DEFINITIONS,
+    DIFFERS,
+    EXPLAINED,
+    EXUDYN,
+    JUDGES,
+    MUJOCO,
+    NOT_COMPARED,
+    Finding,
+    Record,
+)
 
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
 SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
 """Judges that compare a dozen quantities each: they stand side by side."""
 PART = "◐ "  # some quantities were not compared
-TEMPLATE = "validation.html"
 
 
 def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     """The whole page.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        In the order of the report.
-    content : mapping
-        Of `document.content_of`: machine, versions, verdict.
-
-    Returns
-    -------
-    str
-        HTML; every text of a case is escaped.
+    ``records``: in the order of the report; ``content``: of `document.content_of`: machine, versions, verdict. Returns
+    HTML; every text of a case is escaped.
     """
     return template().render(
         content=content,
@@ -43,9 +44,6 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
         differences=table.differences(records),
         omissions=table.omissions(records),
         meaning=JUDGES,
-        light=LIGHT,
-        dark=DARK,
-        version=package_version(),
     )
 
 
@@ -57,16 +55,12 @@ def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
 
 @cache
 def template() -> Any:
-    """Template of the page; every text that is put into it is escaped."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folders = [Path(__file__).parents[1] / "templates", Path(mbsd3d.__file__).parent / "templates"]
-    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
-    found = Environment(loader=FileSystemLoader(folders), **options)
-    found.filters |= {"number": number, "cell": cell, "key": anchor, "svg": svg}
-    found.filters |= {"single": single, "matrix": matrix, "reasons": reasons, "detailed": detailed}
-    found.globals |= {"marks": MARKS, "classes": CLASSES}
-    return found.get_template(TEMPLATE)
+    """Template of the page."""
+    filters = {
+        "number": number, "cell": cell, "key": anchor, "svg": Markup, "single": single, "matrix": matrix,
+        "reasons": reasons, "detailed": detailed,
+    }  # fmt: skip
+    return environment(filters, marks=MARKS, classes=CLASSES).get_template("validation.html")
 
 
 def number(value: Any) -> str:
@@ -124,10 +118,3 @@ def reasons(record: Record) -> list[str]:
 def anchor(name: str) -> str:
     """Id of a case on the page."""
     return "case-" + "".join(c if c.isalnum() else "-" for c in name)
-
-
-def svg(text: str) -> Any:
-    """A chart made by `mbsd3d.report.exhibits.inline_svg`: the only markup that is not escaped."""
-    from markupsafe import Markup
-
-    return Markup(text)

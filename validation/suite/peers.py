@@ -4,9 +4,8 @@ from typing import Any
 
 from validation.crosscheck import CrossCheck, cross_check
 from validation.crosscheck import Finding as PeerFinding
-
-from .findings import AGREES, DIFFERS, EXPLAINED, EXUDYN, MUJOCO, NOT_COMPARED, Finding, not_compared
-from .trial import Run, Trial
+from validation.suite.findings import AGREES, DIFFERS, EXPLAINED, EXUDYN, MUJOCO, NOT_COMPARED, Finding, not_compared
+from validation.suite.trials.trial import Run, Trial
 
 PEERS = {MUJOCO: "mujoco", EXUDYN: "exudyn"}
 """Judge -> engine of `cross_check`."""
@@ -22,20 +21,8 @@ MORE = 5.0
 def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], CrossCheck | None]:
     """Everything that the engines and the definitions say of a mechanism.
 
-    Parameters
-    ----------
-    made : Run
-        Mechanism and start.
-    trial : Trial
-        How long it is compared, and why not.
-    budget : float
-        Seconds that an engine's runs may take.
-
-    Returns
-    -------
-    findings : list of Finding
-    check : CrossCheck or None
-        Attributions and curves; None if nothing was compared.
+    ``made``: mechanism and start; ``trial``: how long it is compared, and why not; ``budget``: seconds that an engine's
+    runs may take. Returns findings; check: attributions and curves; None if nothing was compared.
     """
     if trial.alone:
         return [not_compared(judge, trial.alone) for judge in PEERS], None

@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from mbsd3d.extend import Progress, on_one_thread, outcomes, write_atomically
-
-from .charts import chart
-from .document import content_of, encoded
-from .findings import CERTIFICATE, DIFFERS, Finding, Record, failed
-from .ledger import Ledger
-from .listing import chosen, trials
-from .page import page_of
-from .peers import PEERS, attributions, compared, settings
-from .pictures import picture
-from .trial import Trial, examine, stopped
+from validation.suite.charts import chart, picture
+from validation.suite.document import content_of, encoded
+from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, failed
+from validation.suite.ledger import Ledger
+from validation.suite.page import page_of
+from validation.suite.peers import PEERS, attributions, compared, settings
+from validation.suite.trials.listing import chosen, trials
+from validation.suite.trials.trial import Trial, examine, stopped
 
 NAME = "validation"
 SEVERAL = 4  # cases that are worth the seconds in which processes start

@@ -3,7 +3,18 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from .findings import AGREES, CERTIFICATE, DIFFERS, EXPLAINED, JUDGES, NOT_COMPARED, Finding, Record, failed, severity
+from validation.suite.findings import (
+    AGREES,
+    CERTIFICATE,
+    DIFFERS,
+    EXPLAINED,
+    JUDGES,
+    NOT_COMPARED,
+    Finding,
+    Record,
+    failed,
+    severity,
+)
 
 MANY = 30
 """Of one group: more cases than that share a line, and only those that differ have their own."""

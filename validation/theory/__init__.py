@@ -19,9 +19,9 @@ from validation.theory.cardan import (
     double_cardan_angle,
     double_cardan_ratio,
 )
-from validation.theory.common import EXTENDED, GRAVITY
+from validation.theory.common import EXTENDED, GRAVITY, Attitude, quaternion, rotation_matrix
+from validation.theory.constant_rate import arm_slider, arm_slider_torque, ghost_angle, ghost_norm, ghost_quaternion
 from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.ghost import ghost_angle, ghost_norm, ghost_quaternion
 from validation.theory.harmonics import (
     EngineHarmonics,
     harmonic_amplitudes,
@@ -29,10 +29,8 @@ from validation.theory.harmonics import (
     slider_crank_harmonics,
 )
 from validation.theory.pendulum import hinge_force, pendulum_frequency, pendulum_motion, pendulum_period
-from validation.theory.rolling import RollingCircle, rolling_circle
-from validation.theory.rotations import Attitude, quaternion, rotation_matrix
-from validation.theory.slider import arm_slider, arm_slider_torque
 from validation.theory.slider_crank import CrankLoads, SliderCrank, block_force, slider_crank_loads, slider_crank_torque
+from validation.theory.small_motions import RollingCircle, rolling_circle
 from validation.theory.top import (
     TAYLOR_ORDER,
     TAYLOR_TOLERANCE,
@@ -50,56 +48,3 @@ from validation.theory.torque_free import (
     free_symmetric_body,
     polhode,
 )
-
-__all__ = [
-    "Attitude",
-    "CrankLoads",
-    "EXTENDED",
-    "EngineHarmonics",
-    "GRAVITY",
-    "Jacobi",
-    "Nutation",
-    "Polhode",
-    "RollingCircle",
-    "SliderCrank",
-    "TAYLOR_ORDER",
-    "TAYLOR_TOLERANCE",
-    "arm_slider",
-    "arm_slider_torque",
-    "block_force",
-    "cardan_acceleration",
-    "cardan_angle",
-    "cardan_harmonics",
-    "cardan_motor_torque",
-    "cardan_rate",
-    "cardan_ratio",
-    "double_cardan_angle",
-    "double_cardan_ratio",
-    "elliptic_phase",
-    "flip_interval",
-    "free_body",
-    "free_rod_point",
-    "free_symmetric_body",
-    "ghost_angle",
-    "ghost_norm",
-    "ghost_quaternion",
-    "harmonic_amplitudes",
-    "hinge_force",
-    "jacobi",
-    "nutation",
-    "pendulum_frequency",
-    "pendulum_motion",
-    "pendulum_period",
-    "polhode",
-    "quarter_period",
-    "quaternion",
-    "rolling_circle",
-    "rotation_matrix",
-    "sleeping_spin",
-    "slider_crank_coefficients",
-    "slider_crank_harmonics",
-    "slider_crank_loads",
-    "slider_crank_torque",
-    "spinning_body",
-    "steady_precession",
-]

@@ -12,22 +12,8 @@ def cardan_angle(angle: ArrayLike, bend: float) -> Array:
     Both angles count from the pose where the arm of the cross carried by the **input** yoke is normal to the plane of
     the shafts; with that arm in the plane, add pi/2 to both.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle [rad].
-    bend : float
-        Angle between the shafts, |bend| < pi/2 [rad].
-
-    Returns
-    -------
-    ndarray
-        Output angle [rad].
-
-    Raises
-    ------
-    ValueError
-        If the shafts are bent by a right angle or more.
+    ``angle``: input angle [rad]; ``bend``: angle between the shafts, |bend| < pi/2 [rad]. Returns output angle [rad].
+    ValueError if the shafts are bent by a right angle or more.
     """
     _check_bend(bend)
     s, c = np.sin(angle), np.cos(angle)
@@ -38,19 +24,8 @@ def cardan_angle(angle: ArrayLike, bend: float) -> Array:
 def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
     """Output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle as in :func:`cardan_angle` [rad].
-    bend : float
-        Angle between the shafts [rad].
-    rate : float
-        Input rate; 1 gives the transmission ratio [rad/s].
-
-    Returns
-    -------
-    ndarray
-        Output rate [rad/s].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    rate; 1 gives the transmission ratio [rad/s]. Returns output rate [rad/s].
     """
     _check_bend(bend)
     return rate * np.cos(bend) / (1 - (np.sin(bend) * np.sin(angle)) ** 2)
@@ -59,19 +34,9 @@ def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
 def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration: float = 0.0) -> Array:
     """Output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle as in :func:`cardan_angle` [rad].
-    bend : float
-        Angle b between the shafts [rad].
-    rate, acceleration : float
-        Input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of :func:`cardan_rate`.
-
-    Returns
-    -------
-    ndarray
-        Output acceleration [rad/s^2].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle b between the shafts [rad];
+    ``rate, acceleration``: input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of
+    :func:`cardan_rate`. Returns output acceleration [rad/s^2].
     """
     ratio = cardan_rate(angle, bend)
     return ratio * acceleration + rate**2 * ratio**2 * np.sin(bend) ** 2 * np.sin(2 * np.asarray(angle)) / np.cos(bend)
@@ -80,21 +45,9 @@ def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration
 def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: float) -> Array:
     """Torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle as in :func:`cardan_angle` [rad].
-    bend : float
-        Angle between the shafts [rad].
-    rate : float
-        Input rate w [rad/s].
-    inertia : float
-        Axial moment of inertia I of the output shaft [kg m^2].
-
-    Returns
-    -------
-    ndarray
-        Torque on the input shaft [N m].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    rate w [rad/s]; ``inertia``: axial moment of inertia I of the output shaft [kg m^2]. Returns torque on the input
+    shaft [N m].
     """
     return inertia * cardan_acceleration(angle, bend, rate) * cardan_rate(angle, bend)
 
@@ -102,15 +55,7 @@ def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: flo
 def cardan_ratio(bend: float) -> float:
     """Greatest over least output rate, ``1 / cos^2(bend)``.
 
-    Parameters
-    ----------
-    bend : float
-        Angle between the shafts [rad].
-
-    Returns
-    -------
-    float
-        Ratio [-].
+    ``bend``: angle between the shafts [rad]. Returns ratio [-].
     """
     _check_bend(bend)
     return 1 / np.cos(bend) ** 2
@@ -121,17 +66,7 @@ def cardan_harmonics(bend: float, count: int) -> Array:
 
     ``cos(b) / (1 - sin^2(b) sin^2(x)) = 1 + 2 sum_k (-q)^k cos(2 k x)``, ``q = tan^2(b / 2)`` (Poisson kernel).
 
-    Parameters
-    ----------
-    bend : float
-        Angle b between the shafts [rad].
-    count : int
-        Number of harmonics.
-
-    Returns
-    -------
-    (count,) ndarray
-        Amplitudes [-].
+    ``bend``: angle b between the shafts [rad]; ``count``: number of harmonics. Returns (count,): amplitudes [-].
     """
     _check_bend(bend)
     return 2 * np.tan(bend / 2) ** (2 * np.arange(1, count + 1))
@@ -143,19 +78,9 @@ def double_cardan_angle(angle: ArrayLike, first: float, second: float, phasing: 
     Aligned yokes on the middle shaft (``phasing = 0``) run the second joint backwards:
     ``tan(out) = cos(first) tan(in) / cos(second)``, so equal bends give out = in, ratio 1.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle as in :func:`cardan_angle` [rad].
-    first, second : float
-        Bend of the two joints, Z or W arrangement alike [rad].
-    phasing : float
-        Angle by which the second yoke of the middle shaft is turned from the aligned pose [rad].
-
-    Returns
-    -------
-    ndarray
-        Output angle, 0 at input angle 0 [rad].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second``: bend of the two joints, Z or W
+    arrangement alike [rad]; ``phasing``: angle by which the second yoke of the middle shaft is turned from the aligned
+    pose [rad]. Returns output angle, 0 at input angle 0 [rad].
     """
     quarter = np.pi / 2 + phasing
     return cardan_angle(cardan_angle(angle, first) + quarter, second) - cardan_angle(quarter, second)
@@ -164,17 +89,8 @@ def double_cardan_angle(angle: ArrayLike, first: float, second: float, phasing: 
 def double_cardan_ratio(angle: ArrayLike, first: float, second: float, phasing: float = 0.0) -> Array:
     """Output over input rate of two universal joints, the product of both ratios.
 
-    Parameters
-    ----------
-    angle : array_like
-        Input angle as in :func:`cardan_angle` [rad].
-    first, second, phasing : float
-        As in :func:`double_cardan_angle` [rad].
-
-    Returns
-    -------
-    ndarray
-        Ratio [-].
+    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second, phasing``: as in
+    :func:`double_cardan_angle` [rad]. Returns ratio [-].
     """
     middle = cardan_angle(angle, first) + np.pi / 2 + phasing
     return cardan_rate(angle, first) * cardan_rate(middle, second)

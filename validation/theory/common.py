@@ -1,7 +1,9 @@
-"""Array type, precision and constants of the closed forms."""
+"""Array type, precision and constants of the closed forms; rotations and products that keep extended precision."""
+
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating]
 
@@ -10,3 +12,69 @@ GRAVITY = 9.81
 
 EXTENDED = np.longdouble
 """80-bit floats where the machine has them (64-bit elsewhere: results then lose about three digits)."""
+
+
+def rotation_matrix(quaternion: ArrayLike) -> Array:
+    """Rotation body to world, ``R = 1 + 2 e0 [e_v]x + 2 [e_v]x^2`` for a unit quaternion.
+
+    ``quaternion`` (4,): (e0, e1, e2, e3), normalised here [-]. Returns (3, 3): rotation matrix [-].
+    """
+    e = np.asarray(quaternion, dtype=EXTENDED)
+    e = e / np.sqrt(np.sum(e * e))
+    return np.eye(3, dtype=EXTENDED) + 2 * e[0] * skew(e[1:]) + 2 * product(skew(e[1:]), skew(e[1:]))
+
+
+def quaternion(rotation: ArrayLike) -> Array:
+    """Unit quaternions of rotation matrices, sign such that the largest component is positive.
+
+    The rows of ``4 e e'`` are sums of entries of R; the row with the largest diagonal is normalised.
+
+    ``rotation`` (..., 3, 3): body to world [-]. Returns (..., 4): scalar first [-].
+    """
+    R = np.asarray(rotation)
+    outer = np.empty(R.shape[:-2] + (4, 4), dtype=R.dtype)
+    trace = np.trace(R, axis1=-2, axis2=-1)
+    outer[..., 0, 0] = 1 + trace
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        outer[..., i + 1, i + 1] = 1 + 2 * R[..., i, i] - trace
+        outer[..., 0, i + 1] = outer[..., i + 1, 0] = R[..., k, j] - R[..., j, k]
+        outer[..., i + 1, j + 1] = outer[..., j + 1, i + 1] = R[..., i, j] + R[..., j, i]
+    best = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
+    row = np.take_along_axis(outer, best[..., None, None], axis=-2)[..., 0, :]
+    return row / np.sqrt(np.sum(row * row, axis=-1, keepdims=True))
+
+
+class Attitude(NamedTuple):
+    """Motion of a body about a point."""
+
+    omega_body: Array
+    """Angular velocity in body axes, (n, 3) [rad/s]."""
+    rotation: Array
+    """Body to world, (n, 3, 3) [-]."""
+
+
+def turn(omega: Array, t: Array) -> Array:
+    """Rotations by the angle |omega| t about omega, (n, 3, 3)."""
+    speed = np.sqrt(np.sum(omega * omega))
+    axis = omega / speed if speed > 0 else omega
+    angle = (speed * t)[:, None, None]
+    cross = skew(axis)
+    return np.eye(3, dtype=EXTENDED) + np.sin(angle) * cross + (1 - np.cos(angle)) * product(cross, cross)
+
+
+def skew(a: Array) -> Array:
+    """Matrix [a]x with [a]x b = a x b, (3,) -> (3, 3)."""
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]], dtype=np.asarray(a).dtype)
+
+
+def product(a: Array, b: Array) -> Array:
+    """Matrix product over the last two axes that keeps extended precision."""
+    return np.einsum("...ij,...jk->...ik", a, b)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product over the last axis (faster than numpy's on small arrays)."""
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=-1)

@@ -12,20 +12,8 @@ from validation.theory.common import EXTENDED, Array
 def quarter_period(m1: float) -> float:
     """Complete elliptic integral ``K = R_F(0, m1, 1)``, infinite for ``m1 = 0``.
 
-    Parameters
-    ----------
-    m1 : float
-        Complement ``1 - m`` of the parameter, 0 <= m1 <= 1 [-].
-
-    Returns
-    -------
-    float
-        K [-].
-
-    Raises
-    ------
-    ValueError
-        If ``m1`` is outside [0, 1].
+    ``m1``: complement ``1 - m`` of the parameter, 0 <= m1 <= 1 [-]. Returns K [-]. ValueError if ``m1`` is outside [0,
+    1].
     """
     if not 0.0 <= m1 <= 1.0:
         raise ValueError(f"elliptic parameter m1 = {m1}: must lie in [0, 1] (m1 is 1 - m)")
@@ -37,22 +25,8 @@ def elliptic_phase(sine: float, cosine: float, m1: float) -> float:
 
     ``u = s R_F(c^2, c^2 + m1 s^2, 1)``. Taking sine *and* cosine keeps the digits near u = K that an angle would lose.
 
-    Parameters
-    ----------
-    sine, cosine : float
-        Values at the wanted argument; ``sine^2 + cosine^2 = 1`` up to rounding [-].
-    m1 : float
-        Complement of the parameter [-].
-
-    Returns
-    -------
-    float
-        u [-].
-
-    Raises
-    ------
-    ValueError
-        If ``cosine`` is negative.
+    ``sine, cosine``: values at the wanted argument; ``sine^2 + cosine^2 = 1`` up to rounding [-]; ``m1``: complement of
+    the parameter [-]. Returns u [-]. ValueError if ``cosine`` is negative.
     """
     if cosine < 0:
         raise ValueError(f"cosine {cosine} of an elliptic phase: reflect the motion so that it is not negative")
@@ -79,17 +53,8 @@ def jacobi(u: ArrayLike, m1: float) -> Jacobi:
     ``phi_N = 2^N a_N u`` and ``2 phi_(n-1) = phi_n + asin(c_n sin(phi_n) / a_n)`` down to ``am u = phi_0``;
     ``dn^2 = m1 + (1 - m1) cn^2`` has no cancellation. ``m1 = 0``: ``am u = 2 atan(tanh(u / 2))``.
 
-    Parameters
-    ----------
-    u : array_like
-        Argument [-].
-    m1 : float
-        Complement ``1 - m`` of the parameter [-].
-
-    Returns
-    -------
-    Jacobi
-        am, sn, cn, dn and the split of the argument.
+    ``u``: argument [-]; ``m1``: complement ``1 - m`` of the parameter [-]. Returns am, sn, cn, dn and the split of the
+    argument.
     """
     u = np.asarray(u, dtype=EXTENDED)
     m1 = EXTENDED(m1)

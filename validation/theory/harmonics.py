@@ -16,22 +16,8 @@ def slider_crank_coefficients(lam: float, count: int) -> Array:
     ``a_2k = sum_(j >= k) C(1/2, j) (-1)^(j+k) 2^(1-2j) C(2j, j-k) lam^(2j)``, all terms of one sign;
     ``a_0 = (2 / pi) E(lam^2)``.
 
-    Parameters
-    ----------
-    lam : float
-        Crank radius over rod length, 0 <= lam < 1 [-].
-    count : int
-        Number of coefficients beyond a_0.
-
-    Returns
-    -------
-    (count + 1,) ndarray
-        a_0, a_2, a_4, ... [-].
-
-    Raises
-    ------
-    ValueError
-        If ``lam`` is outside [0, 1).
+    ``lam``: crank radius over rod length, 0 <= lam < 1 [-]; ``count``: number of coefficients beyond a_0. Returns
+    (count + 1,): a_0, a_2, a_4, ... [-]. ValueError if ``lam`` is outside [0, 1).
     """
     if not 0 <= lam < 1:
         raise ValueError(f"lam = {lam}: the rod must be longer than the crank, 0 <= lam < 1")
@@ -69,22 +55,9 @@ def slider_crank_harmonics(
     ``F_u = w^2 [(m_c r_c + m_r R + m_p R) cos q + (m_p + f m_r) L sum_k (2k)^2 a_2k cos(2 k q)]``,
     ``F_v = w^2 (m_c r_c + (1 - f) m_r R) sin q``.
 
-    Parameters
-    ----------
-    mechanism : SliderCrank
-        Masses and lengths.
-    rate : float
-        Crank rate w [rad/s].
-    count : int
-        Number of even orders.
-    centripetal : bool
-        False drops ``m_c w^2 r_c`` of the crank: what a solver returns that forgets the centripetal force of a body
-        whose reference point is not its centre of mass.
-
-    Returns
-    -------
-    EngineHarmonics
-        Orders and amplitudes.
+    ``mechanism``: masses and lengths; ``rate``: crank rate w [rad/s]; ``count``: number of even orders;
+    ``centripetal``: false drops ``m_c w^2 r_c`` of the crank: what a solver returns that forgets the centripetal force
+    of a body whose reference point is not its centre of mass. Returns orders and amplitudes.
     """
     crank = mechanism.crank_mass * mechanism.crank_centre * centripetal
     even = 2 * np.arange(1, count + 1)
@@ -98,19 +71,9 @@ def slider_crank_harmonics(
 def harmonic_amplitudes(signal: Callable[[Array], Array], count: int, samples: int = 256) -> Array:
     """Amplitudes of the harmonics 0 ... count of a signal of one turn, by the discrete Fourier transform.
 
-    Parameters
-    ----------
-    signal : callable
-        Maps angles (n,) [rad] to values (n,); smooth and of period 2 pi.
-    count : int
-        Highest harmonic, below ``samples / 2``.
-    samples : int
-        Samples per turn; the error is that of the harmonics beyond ``samples - count``.
-
-    Returns
-    -------
-    (count + 1,) ndarray
-        Mean and amplitudes, unit of the signal.
+    ``signal``: maps angles (n,) [rad] to values (n,); smooth and of period 2 pi; ``count``: highest harmonic, below
+    ``samples / 2``; ``samples``: samples per turn; the error is that of the harmonics beyond ``samples - count``.
+    Returns (count + 1,): mean and amplitudes, unit of the signal.
     """
     angles = 2 * np.pi * np.arange(samples) / samples
     spectrum = np.abs(np.fft.rfft(signal(angles))) / samples

@@ -10,24 +10,9 @@ from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
 def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: float = GRAVITY) -> float:
     """Small-oscillation frequency of a physical pendulum, ``w0^2 = m g d / I``.
 
-    Parameters
-    ----------
-    inertia : float
-        About the hinge axis [kg m^2].
-    mass, distance : float
-        Mass [kg] and distance of the centre of mass from the hinge axis [m].
-    gravity : float
-        Component of gravity normal to the hinge axis: g sin(angle between axis and vertical) [m/s^2].
-
-    Returns
-    -------
-    float
-        w0 [rad/s].
-
-    Raises
-    ------
-    ValueError
-        If an argument is negative or the inertia is zero.
+    ``inertia``: about the hinge axis [kg m^2]; ``mass, distance``: mass [kg] and distance of the centre of mass from
+    the hinge axis [m]; ``gravity``: component of gravity normal to the hinge axis: g sin(angle between axis and
+    vertical) [m/s^2]. Returns w0 [rad/s]. ValueError if an argument is negative or the inertia is zero.
     """
     if inertia <= 0 or min(mass, distance, gravity) < 0:
         raise ValueError(f"pendulum (inertia {inertia}, mass {mass}, distance {distance}): give positive values")
@@ -39,17 +24,8 @@ def pendulum_period(frequency: float, angle: float, rate: float = 0.0) -> float:
 
     ``k^2 = sin^2(angle / 2) + (rate / 2 w0)^2``; k > 1 means that it goes over the top.
 
-    Parameters
-    ----------
-    frequency : float
-        Small-oscillation frequency w0 [rad/s].
-    angle, rate : float
-        State at any instant, angle from the lowest position [rad], [rad/s].
-
-    Returns
-    -------
-    float
-        Period [s].
+    ``frequency``: small-oscillation frequency w0 [rad/s]; ``angle, rate``: state at any instant, angle from the lowest
+    position [rad], [rad/s]. Returns period [s].
     """
     k2, m1 = _pendulum_modulus(frequency, angle, rate)
     if k2 <= 1:
@@ -63,19 +39,8 @@ def pendulum_motion(t: ArrayLike, frequency: float, angle: float, rate: float = 
     Swinging (k <= 1): ``sin(phi / 2) = +-k sn(u | k^2)``, ``phi_dot = +-2 k w0 cn u``, ``u = w0 t + u0``.
     Turning (k > 1): ``phi = +-2 am(u | 1 / k^2)``, ``phi_dot = +-2 k w0 dn u``, ``u = k w0 t + u0``.
 
-    Parameters
-    ----------
-    t : array_like
-        Times [s].
-    frequency : float
-        Small-oscillation frequency w0 [rad/s].
-    angle, rate : float
-        State at t = 0, angle from the lowest position [rad], [rad/s].
-
-    Returns
-    -------
-    angle, rate : ndarray
-        [rad] (continuous over turns), [rad/s].
+    ``t``: times [s]; ``frequency``: small-oscillation frequency w0 [rad/s]; ``angle, rate``: state at t = 0, angle from
+    the lowest position [rad], [rad/s]. Returns angle, rate: [rad] (continuous over turns), [rad/s].
     """
     t = np.asarray(t, dtype=EXTENDED)
     k2, m1 = _pendulum_modulus(frequency, angle, rate)
@@ -106,23 +71,9 @@ def hinge_force(
 ) -> Array:
     """Total force of its hinges on a body that turns about a fixed axis, ``m (alpha u x s + w^2 u x (u x s) - g)``.
 
-    Parameters
-    ----------
-    mass : float
-        [kg].
-    arm : (3,) array_like
-        s from any point of the axis to the centre of mass, world [m].
-    axis : (3,) array_like
-        Unit vector u, world [-].
-    rate, acceleration : float
-        Angular rate w [rad/s] and acceleration alpha about the axis [rad/s^2].
-    gravity : (3,) array_like
-        World [m/s^2].
-
-    Returns
-    -------
-    (3,) ndarray
-        Force, world [N].
+    ``mass``: [kg]; ``arm`` (3,): s from any point of the axis to the centre of mass, world [m]; ``axis`` (3,): unit
+    vector u, world [-]; ``rate, acceleration``: angular rate w [rad/s] and acceleration alpha about the axis [rad/s^2];
+    ``gravity`` (3,): world [m/s^2]. Returns (3,): force, world [N].
     """
     side = np.cross(axis, arm)
     return mass * (acceleration * side + rate**2 * np.cross(axis, side) - np.asarray(gravity))

@@ -15,23 +15,11 @@ class SliderCrank:
 
     The crank stands at ``q`` from u towards v; the rod leans by ``sin(phi) = lam sin(q)``, lam = R / L.
 
-    Parameters
-    ----------
-    radius, rod_length : float
-        Crank radius R and rod length L > R [m].
-    crank_mass, crank_centre : float
-        Mass [kg] and distance of its centre of mass from the axis, towards the pin [m].
-    rod_mass, rod_fraction, rod_inertia : float
-        Mass [kg], distance of the centre of mass from the crankpin over L [-], inertia about it [kg m^2].
-    piston_mass : float
-        [kg].
-    crank_inertia : float
-        About the centre of mass of the crank; enters only with an angular acceleration [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If the crank is as long as the rod or longer.
+    ``radius, rod_length``: crank radius R and rod length L > R [m]; ``crank_mass, crank_centre``: mass [kg] and
+    distance of its centre of mass from the axis, towards the pin [m]; ``rod_mass, rod_fraction, rod_inertia``: mass
+    [kg], distance of the centre of mass from the crankpin over L [-], inertia about it [kg m^2]; ``piston_mass``: [kg];
+    ``crank_inertia``: about the centre of mass of the crank; enters only with an angular acceleration [kg m^2].
+    ValueError if the crank is as long as the rod or longer.
     """
 
     radius: float
@@ -89,32 +77,15 @@ def _crank_paths(mechanism: SliderCrank, angle: Array) -> _CrankPaths:
 
 
 def slider_crank_torque(
-    mechanism: SliderCrank,
-    angle: ArrayLike,
-    rate: float,
-    *,
-    gravity: ArrayLike = (0.0, 0.0),
-    acceleration: float = 0.0,
+    mechanism: SliderCrank, angle: ArrayLike, rate: float, *, gravity: ArrayLike = (0.0, 0.0), acceleration: float = 0.0
 ) -> Array:
     """Driving torque by virtual power, ``T = sum m x' . (x'' w^2 + x' alpha - g) + J phi' (phi'' w^2 + phi' alpha)``.
 
     A dash is d/dq; at constant rate this is ``d/dt`` of the kinetic energy minus the power of gravity, over w.
 
-    Parameters
-    ----------
-    mechanism : SliderCrank
-        Masses and lengths.
-    angle : (n,) array_like
-        Crank angle q [rad].
-    rate, acceleration : float
-        Crank rate w [rad/s] and acceleration alpha [rad/s^2].
-    gravity : (2,) array_like
-        Components along the bore (u, towards the head) and across it (v) [m/s^2].
-
-    Returns
-    -------
-    (n,) ndarray
-        Torque on the crank [N m].
+    ``mechanism``: masses and lengths; ``angle`` (n,): crank angle q [rad]; ``rate, acceleration``: crank rate w [rad/s]
+    and acceleration alpha [rad/s^2]; ``gravity`` (2,): components along the bore (u, towards the head) and across it
+    (v) [m/s^2]. Returns (n,): torque on the crank [N m].
     """
     paths = _crank_paths(mechanism, np.atleast_1d(np.asarray(angle, dtype=float)))
     masses = (mechanism.crank_mass, mechanism.rod_mass, mechanism.piston_mass)
@@ -152,23 +123,10 @@ def slider_crank_loads(
 ) -> CrankLoads:
     """Forces in pins, bearing and bore by Newton and Euler, part by part from the piston to the crank.
 
-    Parameters
-    ----------
-    mechanism : SliderCrank
-        Masses and lengths.
-    angle : (n,) array_like
-        Crank angle q [rad].
-    rate, acceleration : float
-        Crank rate w [rad/s] and acceleration [rad/s^2].
-    gravity : (2,) array_like
-        Components along the bore (u, towards the head) and across it (v) [m/s^2].
-    centripetal : bool
-        False drops ``m_c w^2 r_c`` of the crank, which falsifies the bearing force only.
-
-    Returns
-    -------
-    CrankLoads
-        Forces and torque.
+    ``mechanism``: masses and lengths; ``angle`` (n,): crank angle q [rad]; ``rate, acceleration``: crank rate w [rad/s]
+    and acceleration [rad/s^2]; ``gravity`` (2,): components along the bore (u, towards the head) and across it (v)
+    [m/s^2]; ``centripetal``: false drops ``m_c w^2 r_c`` of the crank, which falsifies the bearing force only. Returns
+    forces and torque.
     """
     angle, g = np.atleast_1d(np.asarray(angle, dtype=float)), np.asarray(gravity, dtype=float)
     paths = _crank_paths(mechanism, angle)
@@ -199,21 +157,8 @@ def _cross2(a: Array, b: Array) -> Array:
 def block_force(mechanism: SliderCrank, angle: ArrayLike, rate: float, centripetal: bool = True) -> Array:
     """Inertia force on the block at constant crank rate, minus bearing and guide force without gravity.
 
-    Parameters
-    ----------
-    mechanism : SliderCrank
-        Masses and lengths.
-    angle : (n,) array_like
-        Crank angle q [rad].
-    rate : float
-        Crank rate [rad/s].
-    centripetal : bool
-        As in :func:`slider_crank_loads`.
-
-    Returns
-    -------
-    (n, 2) ndarray
-        Along the bore and across it [N].
+    ``mechanism``: masses and lengths; ``angle`` (n,): crank angle q [rad]; ``rate``: crank rate [rad/s];
+    ``centripetal``: as in :func:`slider_crank_loads`. Returns (n, 2): along the bore and across it [N].
     """
     loads = slider_crank_loads(mechanism, angle, rate, centripetal=centripetal)
     across = loads.bearing[:, 1] + loads.guide

@@ -1,8 +1,49 @@
-"""Small motions about equilibria and steady motions: closed forms of frequencies and growth rates."""
+"""Steady rolling on a circle; small motions about equilibria and steady motions: frequencies and growth rates."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from validation.theory.common import GRAVITY
+
+
+class RollingCircle(NamedTuple):
+    """Steady circular rolling of a disc."""
+
+    precession: float
+    """Rate about the vertical, > 0 [rad/s]."""
+    spin: float
+    """Own rotation about the disc axis relative to the precessing frame, opposite in sign to the precession [rad/s]."""
+    centre_radius: float
+    """Radius of the circle of the disc centre [m]."""
+    centre_height: float
+    """[m]"""
+
+    @property
+    def period(self) -> float:
+        """Time for one round [s]."""
+        return 2 * np.pi / self.precession
+
+
+def rolling_circle(
+    mass: float, radius: float, transverse: float, axial: float, circle: float, lean: float, gravity: float = GRAVITY
+) -> RollingCircle:
+    """Thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle b.
+
+    Moment of momentum about the centre of mass, with rho = R - r sin(b) and spin = -W R / r:
+    ``W^2 (m r rho + C rho / r + A sin b) = m g r tan b``.
+
+    ``mass, radius``: of the disc [kg], r [m]; ``transverse, axial``: A (a diameter) and C (the axis) about the centre
+    of mass [kg m^2]; ``circle``: radius R of the track of the contact point [m]; ``lean``: angle b of the disc plane
+    from the vertical, 0 < b < pi/2 [rad]; ``gravity``: [m/s^2]. Returns rates, radius and height of the disc centre.
+    ValueError if no such motion exists.
+    """
+    rho = circle - radius * np.sin(lean)
+    inertia = mass * radius * rho + axial * rho / radius + transverse * np.sin(lean)
+    if not 0 < lean < np.pi / 2 or inertia <= 0:
+        raise ValueError(f"lean {lean} rad on a circle of {circle} m: lean inwards, by less than pi/2")
+    precession = np.sqrt(mass * gravity * radius * np.tan(lean) / inertia)
+    return RollingCircle(precession, -precession * circle / radius, rho, radius * np.cos(lean))
 
 
 def upright_disc(
@@ -14,21 +55,8 @@ def upright_disc(
     ``(A + m r^2) lean'' = m g r lean + (C + m r^2) n W`` and ``A W' = -C n lean'``; stable for
     ``speed^2 > A m g r^3 / (C (C + m r^2))``, which is g r / 3 for a thin one.
 
-    Parameters
-    ----------
-    mass, radius : float
-        [kg], r [m].
-    transverse, axial : float
-        A (a diameter) and C about the centre of mass [kg m^2].
-    speed : float
-        [m/s].
-    gravity : float
-        [m/s^2].
-
-    Returns
-    -------
-    (3, 3) ndarray
-        Its eigenvalues are 0 and a pair.
+    ``mass, radius``: [kg], r [m]; ``transverse, axial``: A (a diameter) and C about the centre of mass [kg m^2];
+    ``speed``: [m/s]; ``gravity``: [m/s^2]. Returns (3, 3): its eigenvalues are 0 and a pair.
     """
     spin, about_contact = speed / radius, transverse + mass * radius**2
     pull, turn = mass * gravity * radius / about_contact, (axial + mass * radius**2) * spin / about_contact
@@ -44,19 +72,9 @@ def circling_disc_rate(
     Linear in the deviation of h of ``(A + m r^2) h'' = A W^2 sin h cos h - (C + m r^2) W n sin h - m g r cos h``, the
     integrals ``(C + m r^2) n' = m r^2 W sin(h) h'`` and ``A sin(h) W' = (C n - 2 A W cos h) h'`` eliminated.
 
-    Parameters
-    ----------
-    mass, radius, transverse, axial, gravity : float
-        As in `upright_disc`.
-    lean : float
-        Of the disc plane from the vertical, inwards [rad].
-    precession, spin : float
-        W about the vertical; n, the angular velocity along the disc axis that points up where h < pi/2 [rad/s].
-
-    Returns
-    -------
-    float
-        [1/s^2], negative where the motion is unstable.
+    ``mass, radius, transverse, axial, gravity``: as in `upright_disc`; ``lean``: of the disc plane from the vertical,
+    inwards [rad]; ``precession, spin``: W about the vertical; n, the angular velocity along the disc axis that points
+    up where h < pi/2 [rad/s]. Returns [1/s^2], negative where the motion is unstable.
     """
     h = 0.5 * np.pi - lean
     s, c, W, n = np.sin(h), np.cos(h), precession, spin
@@ -78,17 +96,8 @@ def nutation_rate(
     ``A tilt'' = A W^2 sin cos - C w3 W sin + m g l sin`` with both momenta constant, so that
     ``dW/dtilt = (C w3 - 2 A W cos) / (A sin)``.
 
-    Parameters
-    ----------
-    transverse, axial, spin, weight_moment, tilt
-        As in `steady_precession`.
-    precession : float
-        W [rad/s].
-
-    Returns
-    -------
-    float
-        [1/s^2]
+    ``transverse, axial, spin, weight_moment, tilt``: as in `steady_precession`; ``precession``: W [rad/s]. Returns
+    [1/s^2].
     """
     s, c, W = np.sin(tilt), np.cos(tilt), precession
     dW = (axial * spin - 2 * transverse * W * c) / (transverse * s)
@@ -99,19 +108,8 @@ def nutation_rate(
 def sleigh_rate(mass: float, inertia: float, ahead: float, speed: float) -> float:
     """Growth rate of the yaw rate of Chaplygin's sleigh in straight motion, ``-m a v / (I + m a^2)``.
 
-    Parameters
-    ----------
-    mass, inertia : float
-        [kg]; about the vertical through the centre of mass [kg m^2].
-    ahead : float
-        a, the centre of mass ahead of the blade [m]; what it is to the side does not matter.
-    speed : float
-        v [m/s].
-
-    Returns
-    -------
-    float
-        [1/s]
+    ``mass, inertia``: [kg]; about the vertical through the centre of mass [kg m^2]; ``ahead``: a, the centre of mass
+    ahead of the blade [m]; what it is to the side does not matter; ``speed``: v [m/s]. Returns [1/s].
     """
     return -mass * ahead * speed / (inertia + mass * ahead**2)
 
@@ -124,25 +122,10 @@ def whirling_pendulum_rate(
 
     ``(I1 + m l^2) p'' = W^2 I_v'(p) / 2 - m g l sin p``, ``I_v = m (e + l sin p)^2 + I2 sin^2 p + I3 cos^2 p``.
 
-    Parameters
-    ----------
-    mass : float
-        [kg]
-    inertia : (I1, I2, I3)
-        About the centre of mass: the hinge axis (tangential), across, along the pendulum [kg m^2].
-    arm, offset : float
-        l from the hinge to the centre of mass; e from the shaft to the hinge [m].
-    turn : float
-        W [rad/s].
-    angle : float
-        p, outwards from the vertical [rad].
-    gravity : float
-        [m/s^2].
-
-    Returns
-    -------
-    float
-        [1/s^2]; for the angle of relative equilibrium, where ``p'' = 0``.
+    ``mass``: [kg]; ``inertia`` (I1, I2, I3): about the centre of mass: the hinge axis (tangential), across, along the
+    pendulum [kg m^2]; ``arm, offset``: l from the hinge to the centre of mass; e from the shaft to the hinge [m];
+    ``turn``: W [rad/s]; ``angle``: p, outwards from the vertical [rad]; ``gravity``: [m/s^2]. Returns [1/s^2]; for the
+    angle of relative equilibrium, where ``p'' = 0``.
     """
     i1, i2, i3 = inertia
     s, c = np.sin(angle), np.cos(angle)

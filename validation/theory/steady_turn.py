@@ -142,23 +142,10 @@ def steady_turn(p: Any, lean: float, steer: float, crowns: tuple[float, float] =
 
     One of the nine equations for eight unknowns depends on the others, since the motion run backwards is one too.
 
-    Parameters
-    ----------
-    p : object
-        With the 25 parameters and g of the linear benchmark as attributes; x forward, y right, z down, lengths in m.
-    lean, steer : float
-        To the right > 0 [rad]; not both zero.
-    crowns : (float, float)
-        Radii of the rims of rear and front wheel [m]; rR and rF are the outer radii.
-
-    Returns
-    -------
-    SteadyTurn
-
-    Raises
-    ------
-    ValueError
-        If no pitch below 1.2 rad brings both wheels to the ground (from the root search).
+    ``p``: with the 25 parameters and g of the linear benchmark as attributes; x forward, y right, z down, lengths in m;
+    ``lean, steer``: to the right > 0 [rad]; not both zero; ``crowns`` (float, float): radii of the rims of rear and
+    front wheel [m]; rR and rF are the outer radii. ValueError if no pitch below 1.2 rad brings both wheels to the
+    ground (from the root search).
     """
     x = Pose(p, lean, steer, crowns)
     v, yaw = x.direction()

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.theory.common import EXTENDED, Array
+from validation.theory.common import EXTENDED, Array, Attitude, cross, rotation_matrix
 from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
-from validation.theory.rotations import Attitude, cross, rotation_matrix
 
 TAYLOR_ORDER = 26
 TAYLOR_TOLERANCE = 1e-21
@@ -26,28 +25,11 @@ def spinning_body(
     and ``M = m g s``. The series of order 26 follow from Cauchy products; the step keeps the last term below 1e-21.
     Close to a separatrix rounding to 80 bits still grows to 1e-10 in twenty flips; :func:`free_body` does not suffer.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Times, ascending from t >= 0 [s].
-    inertia : (3,) or (3, 3) array_like
-        About the fixed point (or the centre of mass of a free body), body axes [kg m^2].
-    omega : (3,) array_like
-        Angular velocity at t = 0, body axes [rad/s].
-    orientation : (4,) array_like
-        Quaternion at t = 0 [-].
-    weight_moment : (3,) array_like
-        Weight times vector from the fixed point to the centre of mass, body axes; gravity is along -z [N m].
-
-    Returns
-    -------
-    Attitude
-        Angular velocity (body axes) and rotation at ``t``.
-
-    Raises
-    ------
-    ValueError
-        If ``t`` is negative or not ascending.
+    ``t`` (n,): times, ascending from t >= 0 [s]; ``inertia`` (3,): about the fixed point (or the centre of mass of a
+    free body), body axes [kg m^2]; ``omega`` (3,): angular velocity at t = 0, body axes [rad/s]; ``orientation`` (4,):
+    quaternion at t = 0 [-]; ``weight_moment`` (3,): weight times vector from the fixed point to the centre of mass,
+    body axes; gravity is along -z [N m]. Returns angular velocity (body axes) and rotation at ``t``. ValueError if
+    ``t`` is negative or not ascending.
     """
     t = np.atleast_1d(np.asarray(t, dtype=EXTENDED))
     if t[0] < 0 or np.any(np.diff(t) < 0):
@@ -104,26 +86,10 @@ def steady_precession(
 ) -> tuple[float, float]:
     """Slow and fast precession rate W of a symmetric top, roots of ``A W^2 cos(tilt) - C w3 W + m g l = 0``.
 
-    Parameters
-    ----------
-    transverse, axial : float
-        A and C about the **fixed point** [kg m^2].
-    spin : float
-        Axial component w3 of the angular velocity (own spin plus W cos(tilt)) [rad/s].
-    weight_moment : float
-        m g l, l from the fixed point to the centre of mass [N m].
-    tilt : float
-        Angle of the axis from the vertical [rad].
-
-    Returns
-    -------
-    slow, fast : float
-        [rad/s]; the fast one is infinite for a horizontal axis.
-
-    Raises
-    ------
-    ValueError
-        If the spin is too small for any steady precession.
+    ``transverse, axial``: A and C about the **fixed point** [kg m^2]; ``spin``: axial component w3 of the angular
+    velocity (own spin plus W cos(tilt)) [rad/s]; ``weight_moment``: m g l, l from the fixed point to the centre of mass
+    [N m]; ``tilt``: angle of the axis from the vertical [rad]. Returns slow, fast: [rad/s]; the fast one is infinite
+    for a horizontal axis. ValueError if the spin is too small for any steady precession.
     """
     momentum, quadratic = axial * spin, transverse * np.cos(tilt)
     discriminant = momentum**2 - 4 * quadratic * weight_moment
@@ -139,17 +105,7 @@ def steady_precession(
 def sleeping_spin(transverse: float, axial: float, weight_moment: float) -> float:
     """Least spin of a stable upright top, ``C^2 w3^2 = 4 A m g l``.
 
-    Parameters
-    ----------
-    transverse, axial : float
-        A and C about the fixed point [kg m^2].
-    weight_moment : float
-        m g l [N m].
-
-    Returns
-    -------
-    float
-        w3 [rad/s].
+    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``weight_moment``: m g l [N m]. Returns w3 [rad/s].
     """
     return 2 * np.sqrt(transverse * weight_moment) / axial
 
@@ -178,13 +134,7 @@ class Nutation(NamedTuple):
 
 
 def nutation(
-    transverse: float,
-    axial: float,
-    spin: float,
-    weight_moment: float,
-    tilt: float,
-    tilt_rate: float,
-    precession: float,
+    transverse: float, axial: float, spin: float, weight_moment: float, tilt: float, tilt_rate: float, precession: float
 ) -> Nutation:
     """Nutation of a heavy symmetric top from its cubic.
 
@@ -192,26 +142,10 @@ def nutation(
     ``beta = 2 m g l / A``, ``alpha = tilt_rate^2 + W^2 sin^2(tilt) + beta u0``; ``rate^2 = beta (u3 - u1) / 4`` and
     ``m = (u2 - u1) / (u3 - u1)``.
 
-    Parameters
-    ----------
-    transverse, axial : float
-        A and C about the fixed point [kg m^2].
-    spin : float
-        Axial component w3 of the angular velocity [rad/s].
-    weight_moment : float
-        m g l > 0 [N m].
-    tilt, tilt_rate, precession : float
-        Angle of the axis from the vertical [rad], its rate and the precession W at t = 0 [rad/s].
-
-    Returns
-    -------
-    Nutation
-        Roots, rate and phase.
-
-    Raises
-    ------
-    ValueError
-        If ``weight_moment`` is not positive.
+    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``spin``: axial component w3 of the angular velocity
+    [rad/s]; ``weight_moment``: m g l > 0 [N m]; ``tilt, tilt_rate, precession``: angle of the axis from the vertical
+    [rad], its rate and the precession W at t = 0 [rad/s]. Returns roots, rate and phase. ValueError if
+    ``weight_moment`` is not positive.
     """
     if weight_moment <= 0:
         raise ValueError(f"weight_moment {weight_moment} of the top: must be positive (measure the tilt from the top)")

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import elliprj
 
-from validation.theory.common import EXTENDED, Array
+from validation.theory.common import EXTENDED, Array, Attitude, product, rotation_matrix, turn
 from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.rotations import Attitude, product, rotation_matrix, turn
 
 
 class Polhode(NamedTuple):
@@ -39,22 +38,9 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     no digits cancel: ``2 T I_q - L^2 = I_p (I_q - I_p) w_p^2 + I_m (I_q - I_m) w_m^2``, and so on. q is the axis of
     largest moment if ``L^2 >= 2 T I_m``, else that of the smallest.
 
-    Parameters
-    ----------
-    inertia : (3,) array_like
-        Principal moments about the centre of mass, body axes [kg m^2].
-    omega : (3,) array_like
-        Angular velocity at t = 0, body axes [rad/s].
-
-    Returns
-    -------
-    Polhode or None
-        None if ``w x I w = 0``: the body then turns steadily.
-
-    Raises
-    ------
-    ValueError
-        If a moment is not positive.
+    ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
+    at t = 0, body axes [rad/s]. Returns none if ``w x I w = 0``: the body then turns steadily. ValueError if a moment
+    is not positive.
     """
     inertia, omega = np.asarray(inertia, dtype=EXTENDED), np.asarray(omega, dtype=EXTENDED)
     if inertia.shape != (3,) or np.any(inertia <= 0):
@@ -99,26 +85,9 @@ def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: A
         phi = L t / I_q + L (I_q - I_p) / (I_p I_q lam) [Pi(u) - Pi(u0)],
         Pi(u) = integral of du / (1 + n sn^2 u),  n = I_q (I_m - I_p) / (I_p (I_q - I_m)) > 0.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Times [s].
-    inertia : (3,) array_like
-        Principal moments about the centre of mass, body axes [kg m^2].
-    omega : (3,) array_like
-        Angular velocity at t = 0, **body** axes [rad/s].
-    orientation : (4,) array_like
-        Quaternion at t = 0, body to world [-].
-
-    Returns
-    -------
-    Attitude
-        Angular velocity (body axes) and rotation at ``t``.
-
-    Raises
-    ------
-    ValueError
-        If a moment is not positive.
+    ``t`` (n,): times [s]; ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega``
+    (3,): angular velocity at t = 0, **body** axes [rad/s]; ``orientation`` (4,): quaternion at t = 0, body to world
+    [-]. Returns angular velocity (body axes) and rotation at ``t``. ValueError if a moment is not positive.
     """
     t = np.atleast_1d(np.asarray(t, dtype=EXTENDED))
     start = rotation_matrix(orientation)
@@ -166,17 +135,8 @@ def _momentum_frame(angle: Array, rates: Array, curve: Polhode) -> Array:
 def flip_interval(inertia: ArrayLike, omega: ArrayLike) -> float:
     """Time between two flips of the middle axis, ``2 K / lam``.
 
-    Parameters
-    ----------
-    inertia : (3,) array_like
-        Principal moments about the centre of mass, body axes [kg m^2].
-    omega : (3,) array_like
-        Angular velocity at any instant, body axes [rad/s].
-
-    Returns
-    -------
-    float
-        Interval [s]; infinite on the separatrix and for a steady rotation.
+    ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
+    at any instant, body axes [rad/s]. Returns interval [s]; infinite on the separatrix and for a steady rotation.
     """
     curve = polhode(inertia, omega)
     return np.inf if curve is None else float(2 * quarter_period(float(curve.m1)) / curve.rate)
@@ -187,26 +147,10 @@ def free_symmetric_body(
 ) -> Attitude:
     """Torque-free body with symmetry axis z: ``R = R_0 exp([L_0] t / A) exp([e_z] w_z (1 - C / A) t)``.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Times [s].
-    transverse, axial : float
-        A > 0 and C >= 0 about the centre of mass; C = 0 is a rod [kg m^2].
-    omega : (3,) array_like
-        Angular velocity at t = 0, body axes [rad/s].
-    orientation : (4,) array_like
-        Quaternion at t = 0 [-].
-
-    Returns
-    -------
-    Attitude
-        Angular velocity (body axes) and rotation at ``t``.
-
-    Raises
-    ------
-    ValueError
-        If ``transverse`` is not positive or ``axial`` is negative.
+    ``t`` (n,): times [s]; ``transverse, axial``: A > 0 and C >= 0 about the centre of mass; C = 0 is a rod [kg m^2];
+    ``omega`` (3,): angular velocity at t = 0, body axes [rad/s]; ``orientation`` (4,): quaternion at t = 0 [-]. Returns
+    angular velocity (body axes) and rotation at ``t``. ValueError if ``transverse`` is not positive or ``axial`` is
+    negative.
     """
     if transverse <= 0 or axial < 0:
         raise ValueError(f"moments ({transverse}, {axial}): transverse must be positive and axial not negative")
@@ -223,26 +167,10 @@ def free_rod_point(
 ) -> tuple[Array, Array]:
     """Point of a free thin rod: ``r = r_G + v t + s cos(w t) + (w x s) sin(w t) / |w|``.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Times [s].
-    centre, velocity : (3,) array_like
-        Centre of mass at t = 0 [m] and its velocity [m/s], world.
-    arm : (3,) array_like
-        From the centre of mass to the point at t = 0, along the rod, world [m].
-    omega : (3,) array_like
-        Angular velocity, at right angles to the rod, world [rad/s].
-
-    Returns
-    -------
-    position, velocity : (n, 3) ndarray
-        Of the point, world [m], [m/s].
-
-    Raises
-    ------
-    ValueError
-        If ``omega`` has a component along the rod.
+    ``t`` (n,): times [s]; ``centre, velocity`` (3,): centre of mass at t = 0 [m] and its velocity [m/s], world; ``arm``
+    (3,): from the centre of mass to the point at t = 0, along the rod, world [m]; ``omega`` (3,): angular velocity, at
+    right angles to the rod, world [rad/s]. Returns position, velocity (n, 3): of the point, world [m], [m/s].
+    ValueError if ``omega`` has a component along the rod.
     """
     t = np.atleast_1d(np.asarray(t, dtype=float))[:, None]
     centre, velocity, arm, omega = (np.asarray(a, dtype=float) for a in (centre, velocity, arm, omega))

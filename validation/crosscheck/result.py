@@ -1,0 +1,184 @@
+"""The result of a comparison: verdicts, table, figure and data."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from validation.crosscheck.verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
+
+USUAL = 1.1e-6  # tolerance that goes without saying
+HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """Result of `cross_check`.
+
+    Attributes
+    ----------
+    t_end, tolerance : float
+        [s]; relative.
+    engines : tuple of Compared
+    growth : float
+        By how much neighbouring motions of this model part until t_end, relative to their start.
+    own_error : float
+        Estimated error of our own poses and velocities at t_end, relative.
+    interrupted : bool
+        Ctrl-C ended it; what was found until then stands.
+    start_only : bool
+        Only mass matrix and accelerations were asked for.
+    """
+
+    t_end: float
+    tolerance: float
+    engines: tuple[Compared, ...]
+    growth: float = float("nan")
+    own_error: float = float("nan")
+    interrupted: bool = False
+    start_only: bool = False
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All, engine by engine."""
+        return tuple(finding for engine in self.engines for finding in engine.findings)
+
+    @property
+    def verdict(self) -> Mapping[tuple[str, str], str]:
+        """(engine, quantity) -> "agrees", "explained: cause and number", "differs: ..." or "not compared: reason"."""
+        return {(x.engine, x.quantity): x.verdict for x in self.findings}
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What differs without a proven cause, in sentences."""
+        return tuple(f"{x.engine}, {x.quantity} {x.verdict}" for x in self.findings if x.status == DIFFERS)
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """Engines of which the motion or the start was compared at all."""
+        return tuple(x.engine for x in self.engines if any(f.status != SKIPPED for f in x.findings))
+
+    @property
+    def followed(self) -> tuple[str, ...]:
+        """Engines whose motion was compared, or whose start where only that was asked for; definitions are none."""
+        return tuple(
+            x.engine
+            for x in self.engines
+            if x.engine != "definitions"
+            and any(f.status != SKIPPED and (self.start_only or f.uncertainty is not None) for f in x.findings)
+        )
+
+    @property
+    def passed(self) -> bool:
+        """The motion was compared with another engine, and nothing differs without a proven cause."""
+        return not self.failures and not self.interrupted and bool(self.followed)
+
+    def of(self, engine: str) -> Compared:
+        """What was found with an engine; ValueError for one that was not asked for."""
+        for found in self.engines:
+            if found.engine.lower() == engine.lower():
+                return found
+        raise ValueError(f"'{engine}' was not asked for; there are {', '.join(x.engine for x in self.engines)}")
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def table(self) -> str:
+        """As text, one line per engine and quantity."""
+        return table(self)
+
+    def figure(self, dark: bool = False) -> Any:
+        """Convergence of every engine to our motion, log-log, with the expected slopes; a matplotlib Figure."""
+        from validation.crosscheck.figure import convergence_figure  # matplotlib only where it is asked for
+
+        return convergence_figure(self.engines, dark)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: plain numbers (None where there is none), texts and lists."""
+        plain = {
+            "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
+            "passed": self.passed, "interrupted": self.interrupted, "start_only": self.start_only,
+            "failures": list(self.failures),
+            "notes": list(self.notes), "engines": [],
+        }  # fmt: skip
+        for engine in self.engines:
+            entry = asdict(engine)
+            entry["curves"] = [curve._asdict() for curve in engine.curves]
+            for shown, finding in zip(entry["findings"], engine.findings, strict=True):
+                shown["verdict"] = finding.verdict
+                shown["attributions"] = [x._asdict() for x in finding.attributions]
+            plain["engines"].append(entry)
+        return finite(plain)
+
+
+def finite(value: Any) -> Any:
+    """The same of plain Python types, None for numbers that are not finite: JSON has no word for them."""
+    if isinstance(value, dict):
+        return {key: finite(x) for key, x in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(x) for x in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def table(check: CrossCheck) -> str:
+    """One line per engine and quantity; differences are relative to the quantity's size in the run."""
+    lines = [HEADER]
+    for engine in check.engines:
+        lines += [row(finding) for finding in engine.findings]
+        if engine.steps:
+            runs = f"{engine.steps[0]} ... {engine.steps[-1]} steps, {sum(engine.seconds):.2g} s"
+            lines.append(f"{'':12} {engine.settings}; {runs}; {engine.stopped}")
+    lines.append(
+        f"neighbouring motions part by {check.growth:.3g} until {check.t_end:g} s; own error {check.own_error:.0e}"
+    )
+    return "\n".join([*lines, *check.notes, summary(check)])
+
+
+def summary(check: CrossCheck) -> str:
+    """The last line."""
+    if check.interrupted:
+        return "interrupted: what stands above was compared"
+    if check.failures:
+        return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
+    partly = [name for name in check.compared if name not in (*check.followed, "definitions")]
+    rest = f"; of {', '.join(partly)} only the start was compared" if partly else ""
+    agreeing = [name for name in check.compared if name not in partly]
+    if not check.passed:
+        return f"no motion was compared{rest}" if partly else "nothing was compared with another engine"
+    return f"agrees with {', '.join(how_far(check, x) for x in check.engines if x.engine in agreeing)}{rest}"
+
+
+def how_far(check: CrossCheck, engine: Compared) -> str:
+    """The engine, with what falls short of the whole time and of the tolerance that was asked for."""
+    motion = [x for x in engine.findings if x.uncertainty is not None and x.status != SKIPPED]
+    until = min((x.until for x in motion), default=check.t_end)
+    bound = max((x.bound for x in motion), default=0.0)
+    less = [f"until {until:.4g} s of {check.t_end:g} s"] if until < check.t_end * (1 - 1e-9) else []
+    less += [f"within {bound:.0e}"] if bound > 1.5 * check.tolerance else []
+    return f"{engine.engine} ({', '.join(less)})" if less else engine.engine
+
+
+def row(finding: Finding) -> str:
+    """One line."""
+    numbers = [
+        number(finding.difference, "10.1e"), number(finding.uncertainty, "8.0e"), number(finding.order, "5.2f"),
+        number(finding.until, "9.4g"),
+    ]  # fmt: skip
+    return f"{finding.engine:12} {finding.quantity:20} {' '.join(numbers)}  {verdict(finding)}"
+
+
+def verdict(finding: Finding) -> str:
+    """The verdict; of agreement also up to which difference where that is looser than usual, and what limits it."""
+    if finding.status != AGREES:
+        return finding.verdict
+    loose = f" within {finding.bound:.0e}" if finding.bound > USUAL else ""
+    return finding.verdict + loose + (f", {finding.reason}" if finding.reason else "")
+
+
+def number(value: float | None, form: str) -> str:
+    """Formatted, or as many blanks with a dash."""
+    return f"{value:{form}}" if value is not None else f"{'-':>{form.split('.')[0]}}"

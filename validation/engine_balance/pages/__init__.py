@@ -1,0 +1,1 @@
+"""A page per engine with its animation, and an index."""

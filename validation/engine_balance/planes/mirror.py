@@ -1,0 +1,118 @@
+"""How the constraint rows of a spatial system look in a plane: which act in it, which across it, and which do both.
+
+A reflection in a plane with normal n keeps the velocity in the plane and the spin about n (the in-plane part of a
+twist) and reverses the rest (the out-of-plane part). Rows whose space of allowed twists the reflection maps into itself
+let bodies that move in the plane stay in it. Rows are judged at the reference pose and at a pose in which every body is
+shifted and turned in its plane, so that nothing holds by chance of the pose.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbsd3d import State, System, rotation
+from mbsd3d.extend import equations, multiply
+
+RANK = 1e-9  # of scaled rows, over the largest singular value
+IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
+
+
+class Pose(NamedTuple):
+    """Rows of all joints at a pose."""
+
+    q: np.ndarray
+    """(n, 7)."""
+    J: np.ndarray
+    """(rows, n, 2, 3) of (r_dot, w), world."""
+
+
+class Rows:
+    """The rows of a system by joint, at two poses.
+
+    ``normal`` (3,): unit vector.
+    """
+
+    def __init__(self, system: System, normal: np.ndarray) -> None:
+        self.system, self.n = system, len(system.bodies)
+        e1 = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        e1 /= np.linalg.norm(e1)
+        self.axes = np.stack([e1, np.cross(normal, e1), normal])
+        self.index = {id(body): i for i, body in enumerate(system.bodies)}
+        counts = np.cumsum([0] + [sum(row.n_rows for row in joint.primitives) for joint in system.joints])
+        self.rows_of = {id(joint): np.arange(*counts[k : k + 2]) for k, joint in enumerate(system.joints)}
+        points = np.array([body.centre for body in system.bodies] + [joint.point() for joint in system.joints])
+        self.length = max(float(np.ptp(points, axis=0).max()), 1e-3)
+        state = system.state()
+        self.velocity = state.v.reshape(self.n, 2, 3)
+        self.poses = self.pose(state), self.pose(self.shaken(state))
+
+    def pose(self, state: State) -> Pose:
+        """Rows at a state."""
+        return Pose(state.q.reshape(self.n, 7), equations(self.system, state)[2].reshape(-1, self.n, 2, 3))
+
+    def shaken(self, state: State) -> State:
+        """Every body shifted and turned in its plane by amounts of its own."""
+        q = state.q.reshape(self.n, 7).copy()
+        for i, body in enumerate(q):
+            shift = 0.1 * self.length * np.array([np.cos(1.0 + 2.0 * i), np.sin(2.0 + 3.0 * i)])
+            body[:3] += shift @ self.axes[:2]
+            body[3:] = multiply(rotation(self.axes[2], 0.3 + 0.1 * np.sin(1.0 + 5.0 * i)), body[3:])
+        return State(state.t, q.ravel(), np.zeros_like(state.v), state.z)
+
+    def height(self, point: np.ndarray) -> float:
+        """z = point . n [m]."""
+        return float(point @ self.axes[2])
+
+    def flat(self, vector: np.ndarray) -> np.ndarray:
+        """Components along e1 and e2."""
+        return self.axes[:2] @ vector
+
+    def twists(self, joints: Sequence[Any], body: Any, z: float, pose: Pose) -> np.ndarray:
+        """(k, 6) of rows on the twist of a body at its reference point moved into the plane, axes e1, e2, n."""
+        i = self.index[id(body)]
+        rows = np.concatenate([self.rows_of[id(joint)] for joint in joints])
+        J = pose.J[rows, i]
+        up = (self.height(pose.q[i, :3]) - z) * self.axes[2]
+        turn = J[:, 1] + np.cross(up, J[:, 0])
+        return np.concatenate([J[:, 0] @ self.axes.T, turn @ self.axes.T / self.length], axis=1)
+
+    def tilt(self, joints: Sequence[Any], bodies: Sequence[Any], z: float) -> float:
+        """Angle [rad] by which the space of allowed twists leaves its mirror image in the plane, at the worse pose.
+
+        With V an orthonormal basis of the rows and P the reflection: sin(2 angle) = |V P (1 - V'V)|; of a slide that is
+        tilted out of the plane it is the tilt.
+        """
+        worst = 0.0
+        for pose in self.poses:
+            V = row_space(np.concatenate([self.twists(joints, body, z, pose) for body in bodies], axis=1))
+            mirrored = V.copy()
+            mirrored[:, [6 * k + c for k in range(len(bodies)) for c in OUT]] *= -1.0
+            off = mirrored - (mirrored @ V.T) @ V
+            worst = max(worst, float(np.linalg.norm(off, 2)) if off.size else 0.0)
+        return float(np.arcsin(min(worst, 1.0))) / 2
+
+    def wrenches(self, joints: Sequence[Any], body: Any, z: float, pose: Pose) -> np.ndarray:
+        """(r, 3) orthonormal in-plane wrenches (force, moment about O over the length) that rows put on a body."""
+        return row_space(self.twists(joints, body, z, pose)[:, IN])
+
+    def loose(self, bodies: Sequence[Any], heights: Sequence[float]) -> np.ndarray:
+        """(k, bodies, 3) basis of the out-of-plane motions of bodies, each from its own plane, that no row resists.
+
+        Of both poses the one that leaves fewer: at a dead point of the reference pose some are free that are not else.
+        """
+        found = []
+        for pose in self.poses:
+            twists = [self.twists(self.system.joints, b, z, pose) for b, z in zip(bodies, heights, strict=True)]
+            J = np.concatenate([twist[:, OUT] for twist in twists], axis=1)
+            found.append(np.linalg.svd(J)[2][len(row_space(J)) :])
+        return min(found, key=len).reshape(-1, len(bodies), 3)
+
+
+def row_space(J: np.ndarray) -> np.ndarray:
+    """(rank, columns) orthonormal basis of the rows."""
+    if not J.size:
+        return np.zeros((0, J.shape[1]))
+    scale = np.linalg.norm(J, axis=1, keepdims=True)
+    _, s, V = np.linalg.svd(J / np.where(scale > RANK, scale, np.inf), full_matrices=False)
+    return V[s > RANK * max(s[0], RANK)]

@@ -1,0 +1,1 @@
+"""The trials of the suite: what is run, and who judges it."""

@@ -1,0 +1,172 @@
+"""Closed forms of the reference cases: `validation.theory` fed with the masses and points of a model.
+
+Every law takes a `Run` and returns quantity -> (computed, exact); nothing of the computed motion enters the exact side.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import linearize
+from validation import theory
+from validation.suite.trials.trial import Run
+
+Pairs = dict[str, tuple[Any, Any]]
+
+
+def turned(axis: np.ndarray, angle: Any, vector: np.ndarray) -> np.ndarray:
+    """(n, 3) vector turned about a unit axis by angles (n,): Rodrigues."""
+    along, side = axis * (axis @ vector), np.cross(axis, vector)
+    angle = np.asarray(angle, dtype=float)[:, None]
+    return along + np.cos(angle) * (vector - along) + np.sin(angle) * side
+
+
+def swing(made: Run) -> tuple[Any, float, float, float]:
+    """(hinge, w0, angle from the lowest position, rate) at the start of one body that swings about a fixed axis."""
+    system = made.system
+    body, hinge = system.bodies[0], system.joints[0]
+    u, g, R = hinge.axis, system.gravity, body_rotation(body)
+    down, arm = g - u * (u @ g), R @ body.com + body.position - hinge.at
+    arm = arm - u * (u @ arm)
+    inertia = u @ R @ body.inertia @ R.T @ u + body.mass * arm @ arm
+    frequency = theory.pendulum_frequency(inertia, body.mass, np.linalg.norm(arm), np.linalg.norm(down))
+    return hinge, frequency, np.arctan2(u @ np.cross(down, arm), down @ arm), float(u @ body.omega)
+
+
+def body_rotation(body: Any) -> np.ndarray:
+    """(3, 3) at the reference pose, by the theory's own formula."""
+    return np.asarray(theory.rotation_matrix(body.orientation), dtype=float)
+
+
+def pendulum(made: Run) -> Pairs:
+    """Physical pendulum of any amplitude about any axis: elliptic functions."""
+    hinge, frequency, angle, rate = swing(made)
+    phi, phi_dot = theory.pendulum_motion(made.solution.t, frequency, angle, rate)
+    body = made.system.bodies[0]
+    arm = body.position + body_rotation(body) @ body.com - hinge.at
+    return {
+        "centre of mass": (made.solution.com(body), hinge.at + turned(hinge.axis, phi - angle, arm)),
+        "rate": (made.solution.omega(body) @ hinge.axis, phi_dot),
+    }
+
+
+def small_swing(made: Run) -> Pairs:
+    """Frequency of a hanging pendulum."""
+    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), swing(made)[1])}
+
+
+def rods_frequency(n: int) -> float:
+    """Of n four-bars in a row that hang: n + 1 rods of 1 kg and 1 m turn about their feet, n go in a circle [rad/s]."""
+    return theory.pendulum_frequency((n + 1) / 3 + n, (n + 1) / 2 + n, 1.0)
+
+
+def small_four_bars(made: Run) -> Pairs:
+    """Two four-bars that hang: a pendulum."""
+    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), rods_frequency(2))}
+
+
+def four_bars(made: Run) -> Pairs:
+    """Four-bars over the top, from upright at -1 rad/s, through the poses where all rods lie on one line."""
+    n = sum(body.name.startswith("coupler") for body in made.system.bodies)
+    phi, phi_dot = theory.pendulum_motion(made.solution.t, rods_frequency(n), np.pi, -1.0)
+    half = np.stack([0.5 * np.sin(phi), -0.5 * np.cos(phi), np.zeros_like(phi)], axis=1)
+    last = made.system.part(f"rod{n}")
+    return {
+        "centre of mass of the last rod": (made.solution.com(last), half + (n, 0, 0)),
+        "rate of the last rod": (made.solution.omega(last)[:, 2], phi_dot),
+    }
+
+
+def arm_and_slider(made: Run) -> Pairs:
+    """r = r0 cosh(w t), and the Coriolis torque of the motor."""
+    arm, slider = made.system.bodies
+    rate = arm.omega[2]
+    radius, speed = theory.arm_slider(made.solution.t, rate, 0.1)
+    torque = theory.arm_slider_torque(slider.mass, rate, radius, speed)
+    return {
+        "distance from the axis": (np.linalg.norm(made.solution.com(slider), axis=1), radius),
+        "motor torque": (made.solution.effort("M"), torque),
+    }
+
+
+def cardan(made: Run) -> Pairs:
+    """Cardan joint at 45 degrees: uneven rate, and the torque that an even input takes."""
+    rate, bend, inertia = 10.0, np.pi / 4, 0.08  # rad/s, rad, kg m^2 of the output about its axis
+    angle, axis = rate * made.solution.t, made.system.part("R2", "joints").axis
+    return {
+        "output rate": (made.solution.omega("out") @ axis, theory.cardan_rate(angle, bend, rate)),
+        "motor torque": (made.solution.effort("M"), theory.cardan_motor_torque(angle, bend, rate, inertia)),
+    }
+
+
+def free_body(made: Run) -> Pairs:
+    """Torque-free body: elliptic functions, attitude included."""
+    body = made.system.bodies[0]
+    start = body_rotation(body).T @ body.omega
+    exact = theory.free_body(made.solution.t, np.diag(body.inertia), start, body.orientation)
+    return {
+        "angular velocity": (made.solution.omega_body(body), exact.omega_body),
+        "rotation": (made.solution.rotation(body), exact.rotation),
+    }
+
+
+def heavy_top(made: Run) -> Pairs:
+    """Body on a ball joint at the origin under its weight: Taylor series in extended precision."""
+    body, mass = made.system.bodies[0], made.system.bodies[0].mass
+    R = body_rotation(body)
+    arm = body.com + R.T @ body.position  # from the pivot, body axes
+    about = body.inertia + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    weight = -mass * made.system.gravity[2]
+    exact = theory.spinning_body(made.solution.t, about, R.T @ body.omega, body.orientation, weight * arm)
+    return {
+        "angular velocity": (made.solution.omega_body(body), exact.omega_body),
+        "centre of mass": (made.solution.com(body), np.asarray(exact.rotation, dtype=float) @ arm),
+    }
+
+
+def circling(body: str, rate: float, made: Run) -> Pairs:
+    """The centre of mass goes round the vertical through the origin at a constant rate."""
+    part = made.system.part(body)
+    start = part.position + body_rotation(part) @ part.com
+    exact = turned(np.array([0.0, 0.0, 1.0]), rate * made.solution.t, start)
+    return {"centre of mass": (made.solution.com(body), exact)}
+
+
+def slow_top(made: Run) -> Pairs:
+    """Regular precession at the slow rate; 150 rad/s about the axis, which leans by 60 degrees."""
+    mass, length, transverse, axial = 2.0, 0.3, 0.02, 0.015
+    slow, _ = theory.steady_precession(transverse + mass * length**2, axial, 150.0, mass * 9.81 * length, np.pi / 3)
+    return circling("top", slow, made)
+
+
+def gimbal(made: Run) -> Pairs:
+    """A wheel on a level axle precesses steadily: W = m g l / (C w)."""
+    mass, length, axial = 3.0, 0.2, 0.09375
+    slow, _ = theory.steady_precession(axial, axial, 100.0, mass * 9.81 * length, np.pi / 2)
+    return circling("wheel", slow, made)
+
+
+def rolling(made: Run) -> Pairs:
+    """A leaning disc on a circle of ten times its radius, clockwise from above."""
+    disc, radius = made.system.bodies[0], 0.05
+    transverse, axial = np.diag(disc.inertia)[[0, 1]]
+    exact = theory.rolling_circle(disc.mass, radius, transverse, axial, 10 * radius, np.radians(5.0))
+    return circling("disc", -exact.precession, made)
+
+
+CLOSED_FORMS: dict[str, Callable[[Run], Pairs]] = {
+    "cardan_single_45": cardan,
+    "coriolis_slider": arm_and_slider,
+    "door_two_hinges": pendulum,
+    "eig_fourbar2_hanging": small_four_bars,
+    "eig_hanging_pendulum": small_swing,
+    "free_dzhanibekov": free_body,
+    "gyro_gimbal_wheel": gimbal,
+    "heavy_top_fast": heavy_top,
+    "iftomm_A01_pendulum": pendulum,
+    "iftomm_A02_fourbar_N2": four_bars,
+    "rolling_disc_circular": rolling,
+    "top_slow_precession": slow_top,
+}
+"""Case -> its law."""

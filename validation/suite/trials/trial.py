@@ -1,0 +1,111 @@
+"""A case of the suite: a mechanism, how it is run, and who judges it."""
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from mbsd3d import System, simulate
+from mbsd3d.extend import Mbsd3dError
+from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
+
+RTOL = 1e-10
+"""Of our runs: a hundredth of the tightest limit."""
+ACCURACY = 100 * RTOL
+"""What the errors of some hundred steps add up to where nothing is amplified."""
+STANDS = "other engines take too long for a short run; {} stands for it"
+"""Why a trial is not compared with engines in a short run."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A mechanism with its motion.
+
+    ``t_end``: [s]; 0 where only the start counts; ``solution``: our motion; None without one; ``state``: start; None =
+    that of the bodies; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
+    ``accuracy``: what our own motion may be wrong, relative to ``max(1, largest value)``: nobody is judged more finely.
+    """
+
+    system: System
+    t_end: float = 0.0
+    solution: Any = None
+    state: Any = None
+    source: Any = None
+    accuracy: float = ACCURACY
+
+
+def run(
+    system: System, t_end: float, *, state: Any = None, source: Any = None, accuracy: float = ACCURACY, **options: Any
+) -> Run:
+    """Simulate a mechanism at `RTOL`; other options as for `simulate`."""
+    solution = simulate(system, t_end, state=state, **{"rtol": RTOL, **options})
+    return Run(system, t_end, solution, state, source, accuracy)
+
+
+Judge = Callable[[Run], Iterable[Finding]]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A case of the suite.
+
+    ``name, group, title``: name on the command line; heading in the table; a few words; ``make``: builds and runs the
+    mechanism; ``judges``: judge of `findings.JUDGES` -> function that gives its findings for a `Run`; ``drawn``:
+    whether the page shows a picture of it; ``alone``: why other engines are not asked; "" = they are.
+    """
+
+    name: str
+    group: str
+    title: str
+    make: Callable[[], Run] = field(repr=False)
+    judges: Mapping[str, Judge] = field(default_factory=dict, repr=False)
+    drawn: bool = True
+    alone: str = ""
+
+
+def certificate(run: Run) -> list[Finding]:
+    """The checks of our own run, each over its limit; the largest error beside its limit is kept."""
+    if run.solution is None:
+        return []
+    found = run.solution.certificate
+    if not found.checks:
+        return [judged(CERTIFICATE, "run", 0.0, 1.0)]
+    worst = max(found.checks, key=lambda check: check.error / check.limit)
+    if found.passed:
+        return [judged(CERTIFICATE, worst.name, worst.error, worst.limit)]
+    return [Finding(CERTIFICATE, DIFFERS, worst.name, worst.error, worst.limit, "; ".join(found.failures))]
+
+
+def examine(trial: Trial) -> tuple[Record, Run | None]:
+    """Run a trial and ask its judges; whatever stops one of them is a finding that differs."""
+    began = time.perf_counter()
+    try:
+        made = trial.make()
+    except (Mbsd3dError, ValueError) as error:
+        findings = (stopped(CERTIFICATE, "run", error),)
+        return Record(trial.name, trial.group, trial.title, findings, seconds=time.perf_counter() - began), None
+    judges = {CERTIFICATE: certificate, **trial.judges}
+    findings = [finding for name, judge in judges.items() for finding in asked(name, judge, made)]
+    seconds = time.perf_counter() - began
+    return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made), seconds=seconds), made
+
+
+def asked(name: str, judge: Judge, made: Run) -> list[Finding]:
+    """Findings of a judge; one that stops has found that something is wrong."""
+    try:
+        return list(judge(made))
+    except Exception as error:  # one judge that breaks must not take the other cases with it
+        return [stopped(name, "run", error)]
+
+
+def stopped(judge: str, quantity: str, error: Exception) -> Finding:
+    """A finding for what could not be finished."""
+    return Finding(judge, DIFFERS, quantity, note=f"stopped: {type(error).__name__}: {' '.join(str(error).split())}")
+
+
+def facts_of(made: Run) -> dict[str, Any]:
+    """Sizes of a mechanism and of its run."""
+    system = made.system
+    facts = {"bodies": len(system.bodies), "joints": len(system.joints), "forces": len(system.forces)}
+    facts["t_end"] = made.t_end
+    return facts | ({"steps": made.solution.record.steps} if made.solution is not None else {})

@@ -1,0 +1,1 @@
+"""What planar mechanisms cost in space: ``python -m validation.tax``."""

@@ -1,0 +1,167 @@
+"""Planar mechanisms described once and built twice: for the planar solver, and in space with or without redundant rows.
+
+Points are (x, y, z): the plane drops z. In space the plane of motion is normal to z, and a chain of hinges closed
+into a loop repeats three rows. Without redundancy one hinge of each loop is a ball and the next one a cross, which
+leave the same motion.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbsd3d import GROUND, AngleDriver, Body, Joint, Prismatic, Ramp, Revolute, Spherical, System, Universal
+from validation.twins import planar
+
+Z = (0.0, 0.0, 1.0)
+HINGE, BALL, CROSS, GUIDE = "hinge", "ball", "cross", "guide"
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body: mass [kg], inertia about z and its centre of mass [kg m^2], O and that centre [m], both world."""
+
+    name: str
+    mass: float
+    inertia: float
+    origin: tuple
+    centre: tuple
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A joint of two links by name, None = the ground; ``kind`` is what a space without redundant rows has there."""
+
+    name: str
+    kind: str
+    a: str | None
+    b: str
+    at: tuple
+    axis: tuple = (1.0, 0.0, 0.0)
+    """Of a guide; of a cross, across the link b in the plane."""
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A planar mechanism of one freedom; the first link turns in the first coupling.
+
+    ``rate``: speed of the first link at t = 0, or always if driven [rad/s]; ``gravity`` (2,): [m/s^2].
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    couplings: tuple[Coupling, ...]
+    rate: float
+    gravity: tuple = (0.0, -9.81)
+
+    @property
+    def turn(self) -> float:
+        """Time of a turn of the first link at its first speed [s]."""
+        return 2 * np.pi / abs(self.rate)
+
+    def plane(self, *, driven: bool = False, centroidal: bool = False) -> planar.System:
+        """For the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
+        bodies = {None: planar.GROUND}
+        for k, link in enumerate(self.links):
+            origin = np.array(link.centre if centroidal else link.origin)[:2]
+            com, omega = np.array(link.centre)[:2] - origin, None if k or driven else self.rate
+            bodies[link.name] = planar.Body(link.name, link.mass, link.inertia, com=com, position=origin, omega=omega)
+        joints = [planar_joint(c, bodies[c.a], bodies[c.b]) for c in self.couplings]
+        if driven:
+            joints.append(planar.AngleDriver(joints[0], planar.rate(self.rate), name="motor"))
+        return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
+
+    def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> System:
+        """For `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
+        bodies = {None: GROUND}
+        for k, link in enumerate(self.links):
+            origin = np.array(link.centre if centroidal else link.origin)
+            com, omega = np.array(link.centre) - origin, None if k or driven else (0.0, 0.0, self.rate)
+            moments = link.inertia * np.array([0.4, 0.9, 1.0])
+            bodies[link.name] = Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
+        joints = [spatial_joint(c, bodies[c.a], bodies[c.b], redundant) for c in self.couplings]
+        if driven:
+            joints.append(AngleDriver(joints[0], Ramp(self.rate), name="motor"))
+        gravity = (*self.gravity, 0.0)
+        return System([bodies[link.name] for link in self.links], joints, gravity=gravity)
+
+
+def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
+    """The planar joint of a coupling."""
+    if c.kind == GUIDE:
+        return planar.Slider(a, b, at=c.at[:2], axis=c.axis[:2], name=c.name)
+    return planar.Revolute(a, b, at=c.at[:2], name=c.name)
+
+
+def spatial_joint(c: Coupling, a: Body, b: Body, redundant: bool) -> Joint:
+    """The spatial joint of a coupling."""
+    if c.kind == GUIDE:
+        return Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
+    if c.kind == HINGE or redundant:
+        return Revolute(a, b, at=c.at, axis=Z, name=c.name)
+    if c.kind == BALL:
+        return Spherical(a, b, at=c.at, name=c.name)
+    return Universal(a, b, at=c.at, axis_a=Z, axis_b=c.axis, name=c.name)
+
+
+def across(a: tuple, b: tuple) -> tuple:
+    """Unit vector in the plane at right angles to the line from a to b."""
+    x, y = b[0] - a[0], b[1] - a[1]
+    return (-y / np.hypot(x, y), x / np.hypot(x, y), 0.0)
+
+
+def slider_crank(angle: float = 0.4, radius: float = 0.31, rod_length: float = 0.83) -> Mechanism:
+    """A piston along x, every centre of mass off its O, weight across the bore."""
+    pin = (radius * np.cos(angle), radius * np.sin(angle), 0.0)
+    wrist = (pin[0] + np.sqrt(rod_length**2 - pin[1] ** 2), 0.0, 0.0)
+    links = (
+        Link("crank", 2.3, 0.05, (0, 0, 0), (0.39 * pin[0], 0.39 * pin[1], 0.0)),
+        Link("rod", 1.7, 0.09, pin, (0.63 * pin[0] + 0.37 * wrist[0], 0.63 * pin[1], 0.0)),
+        Link("piston", 0.9, 0.01, wrist, (wrist[0] + 0.05, 0.0, 0.0)),
+    )
+    couplings = (
+        Coupling("bearing", HINGE, None, "crank", (0.0, 0.0, 0.0)),
+        Coupling("crankpin", BALL, "crank", "rod", pin),
+        Coupling("wristpin", CROSS, "piston", "rod", wrist, across(pin, wrist)),
+        Coupling("bore", GUIDE, None, "piston", wrist),
+    )
+    return Mechanism("slider-crank", links, couplings, rate=17.0)
+
+
+def four_bar() -> Mechanism:
+    """A crank-rocker; the crank turns over the top."""
+    A, B, C, D = (0.0, 0.0, 0.0), (0.21, 0.17, 0.0), (0.95, 0.71, 0.0), (1.0, -0.05, 0.0)
+    links = (
+        Link("crank", 2.1, 0.15, A, (0.11, 0.07, 0.0)),
+        Link("coupler", 1.4, 0.10, B, (0.52, 0.55, 0.0)),
+        Link("rocker", 1.9, 0.13, D, (1.08, 0.31, 0.0)),
+    )
+    couplings = (
+        Coupling("A", HINGE, None, "crank", A),
+        Coupling("B", BALL, "crank", "coupler", B),
+        Coupling("C", CROSS, "rocker", "coupler", C, across(B, C)),
+        Coupling("D", HINGE, None, "rocker", D),
+    )
+    return Mechanism("four-bar", links, couplings, rate=11.0)
+
+
+def inline_four(angle: float = 0.3, radius: float = 1.0, rod_length: float = 2.0, spacing: float = 0.2) -> Mechanism:
+    """The toy engine of references/engine.json with its bores along y, without gravity; 10 rpm."""
+    centre = (0.0, 0.0, 0.0)
+    links, couplings = [Link("crank", 8.0, 6.0, centre, centre)], [Coupling("bearing", HINGE, None, "crank", centre)]
+    for i, side in enumerate((1.0, -1.0, -1.0, 1.0)):
+        z = (i - 1.5) * spacing
+        pin = (-side * radius * np.sin(angle), side * radius * np.cos(angle), z)
+        wrist = (0.0, pin[1] + np.sqrt(rod_length**2 - pin[0] ** 2), z)
+        links.append(Link(f"rod {i + 1}", 4.0, 1 / 3, pin, (pin[0] / 2, (pin[1] + wrist[1]) / 2, z)))
+        links.append(Link(f"piston {i + 1}", 5.0, 1.0, wrist, wrist))
+        couplings += [
+            Coupling(f"crankpin {i + 1}", BALL, "crank", f"rod {i + 1}", pin),
+            Coupling(f"wristpin {i + 1}", CROSS, f"piston {i + 1}", f"rod {i + 1}", wrist, across(pin, wrist)),
+            Coupling(f"bore {i + 1}", GUIDE, None, f"piston {i + 1}", wrist, (0.0, 1.0, 0.0)),
+        ]
+    return Mechanism("inline four", tuple(links), tuple(couplings), rate=2 * np.pi / 6, gravity=(0.0, 0.0))
+
+
+def mechanisms() -> tuple[Mechanism, ...]:
+    """All three."""
+    return slider_crank(), four_bar(), inline_four()

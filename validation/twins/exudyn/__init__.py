@@ -1,0 +1,118 @@
+"""A `System` as Exudyn has it: rigid bodies with constraints, or a kinematic tree in minimal coordinates."""
+
+from typing import Any
+
+from validation.twins.base import EngineFailed, NotExpressible, Twin
+from validation.twins.exudyn.assembly import ROTATIONS
+from validation.twins.exudyn.bodies import BodyTwin
+from validation.twins.exudyn.forces import FORCES
+from validation.twins.exudyn.joints import JOINTS
+from validation.twins.exudyn.library import exudyn
+from validation.twins.exudyn.minimal import TreeTwin
+from validation.twins.exudyn.solvers import last_words
+from validation.twins.inputs import check_met, start_of
+
+EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
+"""Joint class -> one line how."""
+
+EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}
+"""Force class -> one line how."""
+
+FORMULATIONS = ("rigid bodies", "kinematic tree")
+ROWS = ("independent", "all")
+
+
+def twin(
+    system: Any,
+    *,
+    state: Any = None,
+    formulation: str = "rigid bodies",
+    rotation: str = "rotation vector",
+    rows: str = "all",
+    **scheme: Any,
+) -> Twin:
+    """A twin of a system in Exudyn.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        The start; None = ``system.state()``.
+    formulation : str
+        "rigid bodies": six coordinates a body and constraints, implicit solvers (explicit ones for free bodies).
+        "kinematic tree": hinge coordinates of a tree of Revolute, Prismatic, Cylindrical and Universal joints, any
+        solver; no reactions.
+    rotation : str
+        Of rigid bodies: "rotation vector" (Lie group) or "euler parameters".
+    rows : str
+        Of rigid bodies where constraints repeat each other: "all" keeps them, for full pivoting, "independent" leaves
+        out as many as Exudyn counts.
+    **scheme
+        Fields of `Scheme`: solver "generalized-alpha", "index2", "rk44", "dopri5" or "rk67", spectral_radius, linear
+        "dense", "sparse" or "full-pivot", tolerance, modified_newton, adaptive. What is not given is chosen to fit:
+        see `BodyTwin`; "rk67" for kinematic trees.
+
+    Returns
+    -------
+    BodyTwin or TreeTwin
+        A `Twin`; ``twin.mbs`` is the system of Exudyn.
+
+    Raises
+    ------
+    EngineMissing
+        If Exudyn is not installed, or too old.
+    NotExpressible
+        For a part that Exudyn, or the formulation, has no element for.
+    EngineFailed
+        If Exudyn itself refuses the model.
+    ValueError
+        For an unknown setting, no System, a state of another system, or one that its joints do not allow.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System
+    >>> stone = Body("stone", 1.0, (0.1, 0.2, 0.3), position=(0, 0, 2), velocity=(3, 0, 0), omega=(0, 1, 4))
+    >>> motion = twin(System([stone])).run(0.5, steps=8, samples=1)
+    >>> round(float(motion.position[-1, 0, 2]), 9)  # 2 - g t^2 / 2
+    0.77375
+    """
+    for name, value, known in (
+        ("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS)), ("rows", rows, ROWS),
+    ):  # fmt: skip
+        if value not in known:
+            raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
+    module = exudyn()
+    start = start_of(system, state, "Exudyn")
+    check_met(system, start)
+    try:
+        if formulation == "kinematic tree":
+            return TreeTwin(module, system, start, **scheme)
+        return BodyTwin(module, system, start, rotation, rows, **scheme)
+    except module.ExudynError as error:
+        raise EngineFailed(f"Exudyn does not take the model: {last_words(str(error))}") from None
+
+
+def advised(system: Any) -> list[dict[str, Any]]:
+    """Settings that one who knows Exudyn would try for a system, in order; the first are those of ``twin(system)``.
+
+    Where rows repeat each other, full pivoting takes them as they are and passes singular positions, but stops where
+    masses are tiny (the squeezer mechanism of Andrews); rows left out run there, and stop at singular positions.
+
+    Returns keyword arguments of `twin`. EngineMissing, NotExpressible as `twin`.
+    """
+    made = twin(system)
+    if not system.joints:
+        return [{}, {"solver": "dopri5"}, {"solver": "rk44"}]
+    found: list[dict[str, Any]] = [{}]
+    if made.repeated:
+        found += [
+            {"rows": "independent", "solver": "index2"},
+            {"rows": "independent", "solver": "generalized-alpha", "tolerance": 1e-6},
+        ]
+    else:
+        found += [{"solver": "generalized-alpha"}, {"modified_newton": False}]
+    try:
+        twin(system, formulation="kinematic tree")
+    except NotExpressible:
+        return found
+    return [*found, *({"formulation": "kinematic tree", "solver": name} for name in ("rk67", "dopri5", "rk44"))]

@@ -1,0 +1,164 @@
+"""Bodies, ground and markers of a `System` in Exudyn.
+
+The frame of a body in Exudyn stands along the world axes at the reference pose of `mbsd3d` and has the same reference
+point O, so a marker is where and how the world sees it there, relative rotations are zero at the reference pose, and
+hinge coordinates of both sides count alike. With A the rotation of Exudyn: A = R R_ref'.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import GROUND
+from mbsd3d.extend import Coordinate, H, conjugate, exponential, logarithm, matrix, multiply, skew
+from validation.twins.base import Array
+
+ROTATIONS = {"rotation vector": 3, "euler parameters": 4}
+"""How an orientation is described -> coordinates it takes."""
+
+
+class Assembly:
+    """A mechanism under construction: item numbers of Exudyn by part.
+
+    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`; ``left_out``: id(joint) -> rows of
+    its first object that Exudyn is not to see; see `bodies.repeated_rows`.
+    """
+
+    def __init__(
+        self, module: Any, system: Any, state: Any, rotation: str, left_out: dict[int, set[int]] | None = None
+    ) -> None:
+        self.left_out = left_out or {}
+        self.system, self.state, self.rotation = system, state, rotation
+        self.module, self.items = module, module.itemInterface
+        self.container = module.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.body = {id(GROUND): self.mbs.AddObject(self.items.ObjectGround())}
+        self.nodes: dict[int, int] = {}
+        self.reference = np.array([body.orientation for body in system.bodies])
+        self.start = multiply(state.q.reshape(-1, 7)[:, 3:], conjugate(self.reference))
+        for k, body in enumerate(system.bodies):
+            self.body[id(body)] = self.add_body(k, body)
+        self.objects: dict[int, list[int]] = {}
+        self.zero_node = self.mbs.AddNode(self.items.NodePointGround())
+        self.zero = self.mbs.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=self.zero_node, coordinate=0))
+
+    def add_body(self, k: int, body: Any) -> int:
+        """A rigid body with its weight."""
+        q, v = self.state.q.reshape(-1, 7)[k], self.state.v.reshape(-1, 6)[k]
+        com, inertia = body.axes @ body.com, body.axes @ body.inertia @ body.axes.T
+        I_O = inertia + body.mass * skew(com) @ skew(com).T  # Exudyn wants it about O
+        shift, e = q[:3] - body.position, self.start[k]
+        if self.rotation == "rotation vector":
+            node = self.items.NodeRigidBodyRotVecLG(
+                referenceCoordinates=[*body.position, 0, 0, 0],
+                initialCoordinates=[*shift, *logarithm(e)],
+                initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
+            )
+        else:
+            node = self.items.NodeRigidBodyEP(
+                referenceCoordinates=[*body.position, 1, 0, 0, 0],
+                initialCoordinates=[*shift, *(e - (1, 0, 0, 0))],
+                initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
+            )
+        self.nodes[id(body)] = self.mbs.AddNode(node)
+        number = self.mbs.AddObject(
+            self.items.ObjectRigidBody(
+                mass=body.mass, centerOfMass=com, nodeNumber=self.nodes[id(body)],
+                inertia=[I_O[0, 0], I_O[1, 1], I_O[2, 2], I_O[1, 2], I_O[0, 2], I_O[0, 1]],
+            )
+        )  # fmt: skip
+        if self.system.gravity.any():
+            mass = self.mbs.AddMarker(self.items.MarkerBodyMass(bodyNumber=number))
+            self.mbs.AddLoad(self.items.LoadMassProportional(markerNumber=mass, loadVector=self.system.gravity))
+        return number
+
+    def kept(self, joint: Any, locked: tuple[int, ...]) -> list[int]:
+        """Flags of the directions that a joint locks, without those left out."""
+        gone = self.left_out.get(id(joint), set())
+        return [int(flag and k not in gone) for k, flag in enumerate(locked)]
+
+    def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
+        """A frame on a body: point and axes (columns), world at the reference pose."""
+        place = np.eye(4)
+        place[:3, 3] = point - body.position
+        if axes is not None:
+            place[:3, :3] = axes
+        return self.mbs.AddMarker(self.items.MarkerBodyRigid(bodyNumber=self.body[id(body)], localHT=place))
+
+    def velocity_sensor(self, body: Any, point: Array) -> int:
+        """A sensor of the world velocity of a body's point."""
+        item = self.items.SensorBody(
+            bodyNumber=self.body[id(body)], localPosition=point - body.position, writeToFile=False,
+            outputVariableType=self.module.OutputVariableType.Velocity,
+        )  # fmt: skip
+        return self.mbs.AddSensor(item)
+
+    def coordinate(self, x: Coordinate, counted: bool = True) -> int:
+        """The marker of a hinge coordinate; angles are unwrapped from step to step by a data node, if counted."""
+        bodies = [self.body[id(x.a)], self.body[id(x.b)]]
+        if x.kind == "slide":
+            return self.mbs.AddMarker(
+                self.items.MarkerBodiesRelativeTranslationCoordinate(
+                    bodyNumbers=bodies, axis0=x.axis,
+                    localPosition0=x.point_a - x.a.position, localPosition1=x.point_b - x.b.position,
+                )
+            )  # fmt: skip
+        turns = {}
+        if counted:
+            angle = self.angle_at_start(x)
+            node = self.items.NodeGenericData(numberOfDataCoordinates=1, initialCoordinates=[angle])
+            turns = {"nodeNumber": self.mbs.AddNode(node)}
+        return self.mbs.AddMarker(
+            self.items.MarkerBodiesRelativeRotationCoordinate(bodyNumbers=bodies, axis0=x.axis, **turns)
+        )
+
+    def angle_at_start(self, x: Coordinate) -> float:
+        """Angle of a hinge at the start [rad], with its turns."""
+        if self.state.coordinates is not None:
+            return float(self.state.coordinates[self.system.lowered.coordinate(x)])
+        turn = {id(GROUND): np.array([1.0, 0.0, 0.0, 0.0])}
+        turn |= {id(body): e for body, e in zip(self.system.bodies, self.start, strict=True)}
+        relative = multiply(conjugate(turn[id(x.a)]), turn[id(x.b)])
+        return float(np.remainder(2 * np.arctan2(relative[1:] @ x.axis, relative[0]) + np.pi, 2 * np.pi) - np.pi)
+
+    def connect(self, part: Any, item: Any) -> None:
+        """Add a connector of a joint or force; one with a single row goes with that row."""
+        single = isinstance(item, self.items.ObjectConnectorCoordinate | self.items.ObjectConnectorDistance)
+        if not (single and id(part) not in self.objects and 0 in self.left_out.get(id(part), ())):
+            self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
+
+    def poses(self, q: Array) -> tuple[Array, Array]:
+        """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""
+        x = q.reshape(len(q), len(self.system.bodies), -1)
+        position = x[..., :3] + [body.position for body in self.system.bodies]
+        if self.rotation == "rotation vector":
+            return position, exponential(x[..., 3:])
+        e = x[..., 3:] + (1.0, 0.0, 0.0, 0.0)
+        return position, e / np.linalg.norm(e, axis=-1, keepdims=True)
+
+    def spin(self, e: Array) -> Array:
+        """(..., 3, k) matrices: world angular velocity from Exudyn's rates of rotation, at rotations e (..., 4)."""
+        return matrix(e) if self.rotation == "rotation vector" else 2 * H(e).swapaxes(-1, -2)
+
+    def unspin(self, e: Array) -> Array:
+        """(..., k, 3) matrices: the way back; transposed, world moments from Exudyn's generalised ones."""
+        return matrix(e).swapaxes(-1, -2) if self.rotation == "rotation vector" else 0.5 * H(e)
+
+    def velocities(self, e: Array, u: Array) -> Array:
+        """(n, bodies, 6): (r_dot, w) from rotations (n, bodies, 4) and Exudyn's velocities (n, all)."""
+        u = u.reshape(*e.shape[:2], -1)
+        return np.concatenate([u[..., :3], (self.spin(e) @ u[..., 3:, None])[..., 0]], axis=-1)
+
+    def wrenches(self, e: Array, g: Array) -> Array:
+        """(bodies, 6): force and moment about O in world axes from Exudyn's generalised forces (all,)."""
+        g = g.reshape(len(e), -1)
+        return np.concatenate([g[:, :3], (self.unspin(e).swapaxes(1, 2) @ g[:, 3:, None])[..., 0]], axis=1)
+
+    def rates(self, e: Array) -> Array:
+        """(6 bodies, m) matrix: (r_dot, w) of all bodies from Exudyn's velocities, at rotations e (bodies, 4)."""
+        k = 3 + ROTATIONS[self.rotation]
+        out = np.zeros((6 * len(e), k * len(e)))
+        for i, spin in enumerate(self.spin(e)):
+            out[6 * i : 6 * i + 3, k * i : k * i + 3] = np.eye(3)
+            out[6 * i + 3 : 6 * i + 6, k * i + 3 : k * i + k] = spin
+        return out

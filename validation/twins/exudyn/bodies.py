@@ -1,0 +1,225 @@
+"""The twin of free bodies and joints between them: absolute coordinates and constraints."""
+
+from typing import Any
+
+import numpy as np
+from scipy.linalg import qr
+
+from mbsd3d import GROUND
+from mbsd3d.extend import Coupling, matrix, multiply, on_one_thread, one_thread
+from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible
+from validation.twins.exudyn.assembly import Assembly
+from validation.twins.exudyn.equations import Equations
+from validation.twins.exudyn.forces import add_force_element
+from validation.twins.exudyn.joints import add_joint
+from validation.twins.exudyn.library import quiet
+from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
+from validation.twins.inputs import check_run
+
+SPARSE_FROM = 10
+"""Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
+REMOVABLE = ("JointGeneric", "JointSpherical", "ConnectorDistance", "ConnectorCoordinate")
+"""Objects of Exudyn that can do without single rows."""
+
+
+class BodyTwin:
+    """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
+
+    Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
+    rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting if
+    all rows are kept. Where rows repeat each other, no reactions are reported: they are one choice among many.
+
+    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`; ``rows``: "all" or "independent";
+    ``**scheme``: of `Scheme`.
+    """
+
+    engine = "Exudyn"
+
+    def __init__(self, module: Any, system: Any, state: Any, rotation: str, rows: str = "all", **scheme: Any) -> None:
+        self.module, self.system, self.state, self.rotation = module, system, state, rotation
+        Scheme(**scheme)  # refuses what it does not know before anything is built
+        self.build({})
+        self.counts = {} if is_forest(system) else self.counted()
+        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has none
+        self.open = self.repeated > 0  # whether rows that repeat others are in the equations
+        left_out = repeated_rows(self.model, self.equations(), self.repeated) if self.open else {}
+        if left_out and rows == "independent":
+            self.build(left_out)
+            self.open = False
+        self.scheme = Scheme(**self.fitting() | scheme)
+        if system.joints and not self.scheme.implicit:
+            raise NotExpressible(
+                f"joint '{system.name(system.joints[0])}': {self.scheme} takes no constraints; choose an implicit "
+                "solver, or formulation='kinematic tree' for a tree of hinges and guides"
+            )
+        self.order = float(SOLVERS[self.scheme.solver][1])
+        without = f", {self.repeated} repeated rows left out" if self.repeated and not self.open else ""
+        self.settings = f"rigid bodies with {rotation}s{without}, {self.scheme}"
+
+    def build(self, left_out: dict[int, set[int]]) -> None:
+        """The system of Exudyn, without some rows."""
+        self.model = Assembly(self.module, self.system, self.state, self.rotation, left_out)
+        for joint in self.system.joints:
+            add_joint(self.model, joint)
+        for force in self.system.forces:
+            add_force_element(self.model, force)
+        self.mbs, item = self.model.mbs, self.module.itemInterface.SensorUserFunction
+        self.recorder = self.mbs.AddSensor(item(sensorUserFunction=snapshot, storeInternal=True, writeToFile=False))
+        self.mbs.Assemble()
+
+    def fitting(self) -> dict[str, Any]:
+        """Solver, linear solver and tolerance that fit the system.
+
+        Multipliers need Newton's iterations closer than motions do; with repeated rows left in, the residual of short
+        steps does not fall that far.
+        """
+        if not self.system.joints:
+            return {"solver": "rk67"}
+        if self.open:
+            return {"solver": "generalized-alpha", "linear": "full-pivot"}
+        linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
+        if self.repeated:
+            return {"solver": "generalized-alpha", "linear": linear}
+        return {"solver": "index2", "linear": linear, "tolerance": 1e-10}
+
+    def degrees_of_freedom(self) -> dict[str, int]:
+        """Exudyn's own count of all rows: 'degreeOfFreedom', 'redundantConstraints', 'nODE2', 'nAE', 'nPureAE'.
+
+        'nAE' counts 'nPureAE' rows "multiplier = 0" too, which do not belong to the mechanism.
+        """
+        return dict(self.counts or self.counted())
+
+    def counted(self) -> dict[str, int]:
+        """The count of the rows there are."""
+        with quiet(self.module), one_thread():
+            return {key: int(value) for key, value in self.mbs.ComputeSystemDegreeOfFreedom().items()}
+
+    def equations(self) -> Equations:
+        """The equations at the start."""
+        return Equations(self.model, opened(self.module, self.mbs, self.state.t), self.open)
+
+    def kinetic(self) -> Kinetic:
+        """Mass matrix at the start, and the map from Exudyn's velocities."""
+        equations = self.equations()
+        return Kinetic(equations.mass_matrix(), self.model.rates(self.model.poses(equations.q[None])[1][0]))
+
+    def accelerations(self) -> Array:
+        """(bodies, 6) at the start, from Exudyn's M, f, J; see `equations`."""
+        return self.equations().accelerations()
+
+    def run(self, t_end: float, steps: int, samples: int) -> Motion:
+        """See `Twin.run`; also ValueError for samples off the steps, and tables that end before."""
+        start = self.state.t
+        check_run(self.engine, self.system, start, t_end, steps, samples)
+        every = self.scheme.records(steps, samples, len(self.system.bodies))
+        first = self.equations().begin_with_accelerations() if self.scheme.implicit else 0.0
+        settings = self.scheme.settings(self.module, start, t_end, steps, samples * every)
+        seconds = march(self.module, self.mbs, self.scheme, settings)
+        table = np.array(self.mbs.GetSensorStoredData(self.recorder))
+        t = check_samples(table[:, 0], start, t_end, samples * every, table[:, 1:])[::every]
+        n = self.mbs.systemData.ODE2Size()
+        q, u, lam = np.split(table[::every, 1:], [n, 2 * n], axis=1)
+        lam[0] = first
+        position, turn = self.model.poses(q)
+        v, orientation = self.model.velocities(turn, u), multiply(turn, self.model.reference)
+        return Motion(t, position, orientation, v[..., :3], v[..., 3:], self.reactions(t, q, u, lam), seconds)
+
+    def reactions(self, t: Array, q: Array, u: Array, lam: Array) -> dict[str, Load]:
+        """Wrench -J' lam on body b of every joint, moved to the joint's point; none where rows repeat each other."""
+        joints = () if self.repeated else self.system.joints
+        if not joints:
+            return {}
+        equations, k = self.equations(), len(self.system.bodies)
+        items = [self.model.objects[id(joint)] for joint in joints]
+        rows = [np.concatenate([self.mbs.systemData.GetObjectLTGAE(item) for item in own]) for own in items]
+        position, turn = self.model.poses(q)
+        wrenches = np.zeros((len(t), len(joints), k, 6))  # on all bodies about their O, in world axes
+        for i in range(len(t)):
+            equations.load(q[i], u[i], t[i])
+            J = equations.jacobian()
+            for n, own in enumerate(rows):
+                wrenches[i, n] = self.model.wrenches(turn[i], -J[own].T @ lam[i, own])
+        carrier = Carrier(self.system, position, turn)
+        return {self.system.name(j): carrier.load(j, wrenches[:, n]) for n, j in enumerate(joints)}
+
+
+class Carrier:
+    """Bodies over time, as joints ask a solution for their points and axes."""
+
+    def __init__(self, system: Any, position: Array, turn: Array) -> None:
+        self.index = {id(body): i for i, body in enumerate(system.bodies)}
+        self.place, self.axes = position, matrix(turn)
+
+    def body_axis(self, body: Any, axis: Array) -> Array:
+        """(samples, 3) of an axis given in the world at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(axis, (len(self.place), 3))
+        return self.axes[:, self.index[id(body)]] @ axis
+
+    def body_point(self, body: Any, point: Array) -> Array:
+        """(samples, 3) of a point given in the world at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(point, (len(self.place), 3))
+        return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
+
+    def load(self, joint: Any, wrenches: Array) -> Load:
+        """A joint's wrench on its body b at its point; what acts on the ground balances the rest."""
+        point = joint.reaction_points(self)
+        if joint.b is GROUND:
+            force = -wrenches[..., :3].sum(axis=1)
+            moment = -(wrenches[..., 3:] + np.cross(self.place, wrenches[..., :3])).sum(axis=1)
+            return Load(force, moment - np.cross(point, force))
+        b = self.index[id(joint.b)]
+        force, moment = wrenches[:, b, :3], wrenches[:, b, 3:]
+        return Load(force, moment - np.cross(point - self.place[:, b], force))
+
+
+@on_one_thread
+def repeated_rows(model: Assembly, equations: Equations, redundant: int) -> dict[int, set[int]]:
+    """id(joint) -> rows of its first object that repeat others, as many as Exudyn counts; {} if they cannot go.
+
+    Its users leave such rows out by hand; here those go that column-pivoted QR of Exudyn's own J' at the start takes
+    last. The motion is the same; reactions are those of one mechanism among many, so none are reported.
+    """
+    J = equations.jacobian()
+    real = np.flatnonzero(J.any(axis=1))  # the others say "multiplier = 0"
+    _, _, order = qr(J[real].T, mode="economic", pivoting=True)
+    last = set(real[order[len(order) - redundant :]].tolist())
+    found: dict[int, set[int]] = {}
+    for joint in model.system.joints:
+        for place, item in enumerate(model.objects[id(joint)]):
+            own = [k for k, row in enumerate(model.mbs.systemData.GetObjectLTGAE(item)) if row in last]
+            if own and (place or model.mbs.GetObject(item)["objectType"] not in REMOVABLE):
+                return {}
+            if own:
+                found[id(joint)] = set(own)
+    return found
+
+
+def is_forest(system: Any) -> bool:
+    """Whether joints only hang bodies on each other: no loops, no couplings, no drivers."""
+    root = {id(body): id(body) for body in (*system.bodies, GROUND)}
+
+    def top(key: int) -> int:
+        while root[key] != key:
+            key = root[key]
+        return key
+
+    for joint in system.joints:
+        a, b = top(id(joint.a)), top(id(joint.b))
+        if isinstance(joint, Coupling) or a == b:
+            return False
+        root[a] = b
+    return True
+
+
+def snapshot(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> Array:
+    """All coordinates, velocities and multipliers: one call of Python per sample."""
+    data = mbs.systemData
+    return np.concatenate(
+        [
+            data.GetODE2Coordinates(configuration),
+            data.GetODE2Coordinates_t(configuration),
+            data.GetAECoordinates(configuration),
+        ]
+    )

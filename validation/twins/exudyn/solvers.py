@@ -1,0 +1,173 @@
+"""Time integration in Exudyn: solvers by name, the settings a knowledgeable user would choose, and the loop."""
+
+import re
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from validation.twins.base import Array, EngineFailed
+from validation.twins.exudyn.library import quiet
+
+SOLVERS = {
+    "generalized-alpha": ("GeneralizedAlpha", 2),
+    "index2": ("TrapezoidalIndex2", 2),
+    "rk44": ("RK44", 4),
+    "dopri5": ("DOPRI5", 5),
+    "rk67": ("RK67", 6),
+}
+"""Name -> (name in Exudyn, order of the error in the step)."""
+
+IMPLICIT = ("generalized-alpha", "index2")
+"""Solvers that take constraints."""
+
+PULSES, LONG = 128, 1024
+"""Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
+
+LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDense"}
+"""Linear solver -> name in Exudyn; "full-pivot" leaves out equations that repeat others."""
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How Exudyn integrates.
+
+    Parameters
+    ----------
+    solver : str
+        A key of `SOLVERS`.
+    spectral_radius : float
+        Of generalized-alpha, 0 to 1; 1 does not damp and can blow up.
+    linear : str
+        A key of `LINEAR`.
+    tolerance : float
+        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
+        relative and absolute.
+    modified_newton : bool
+        Keep the Jacobian over iterations and steps while it converges.
+    adaptive : bool
+        Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
+    """
+
+    solver: str = "generalized-alpha"
+    spectral_radius: float = 0.8
+    linear: str = "dense"
+    tolerance: float = 1e-8
+    modified_newton: bool = True
+    adaptive: bool = False
+
+    def __post_init__(self) -> None:
+        for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
+            if getattr(self, name) not in known:
+                raise ValueError(
+                    f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
+                )
+        if not 0.0 <= self.spectral_radius <= 1.0:
+            raise ValueError(f"spectral_radius {self.spectral_radius} is not a share; give 0 <= spectral_radius <= 1")
+        if self.adaptive and self.solver != "dopri5":
+            raise ValueError(f"solver {self.solver!r} has fixed steps; adaptive=True goes with 'dopri5'")
+        if not self.tolerance > 0.0:
+            raise ValueError(f"tolerance {self.tolerance} is not positive; give a number > 0")
+
+    @property
+    def implicit(self) -> bool:
+        """Whether it takes constraints."""
+        return self.solver in IMPLICIT
+
+    def __str__(self) -> str:
+        if not self.implicit:
+            return SOLVERS[self.solver][0] + (f", its own steps to {self.tolerance:g}" if self.adaptive else "")
+        radius = f", spectral radius {self.spectral_radius:g}" if self.solver == "generalized-alpha" else ""
+        newton = "modified" if self.modified_newton else "full"
+        return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
+
+    def records(self, steps: int, samples: int, bodies: int) -> int:
+        """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
+
+        ValueError for samples between steps that dopri5 chooses.
+        """
+        if self.adaptive:
+            if samples > 1:
+                raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
+            return 1
+        most = max(1, min(PULSES, steps * bodies // LONG) // samples)
+        return next(k for k in range(most, 0, -1) if steps // samples % k == 0)
+
+    def settings(self, module: Any, start: float, t_end: float, steps: int, records: int) -> Any:
+        """`SimulationSettings`: equal steps, records evenly among them; no files, nothing on the terminal."""
+        out = module.SimulationSettings()
+        out.solution.file.write = False
+        out.solution.sensors.writePeriod = (t_end - start) / records
+        integration, alpha = out.timeIntegration, out.timeIntegration.generalizedAlpha
+        integration.startTime, integration.endTime, integration.numberOfSteps = start, t_end, steps
+        integration.solverType = getattr(module.DynamicSolverType, SOLVERS[self.solver][0])
+        integration.automaticStepSize, integration.adaptiveStep = self.adaptive, False  # no step is cut in silence
+        bound = self.tolerance if self.adaptive else 1e30  # dopri5 judges its error at fixed steps too, and stops
+        integration.absoluteTolerance = integration.relativeTolerance = bound
+        alpha.spectralRadius = self.spectral_radius
+        alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
+        alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
+        newton = integration.newton
+        newton.useModifiedNewton = self.modified_newton
+        newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
+        out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
+        out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
+        return out
+
+    def open(self, module: Any) -> Any:
+        """A solver of Exudyn."""
+        return module.MainSolverImplicitSecondOrder() if self.implicit else module.MainSolverExplicit()
+
+
+def opened(module: Any, mbs: Any, start: float) -> Any:
+    """An initialised solver, for the matrices at the start."""
+    solver = module.MainSolverImplicitSecondOrder()
+    with quiet(module) as said:
+        if not solver.InitializeSolver(mbs, Scheme().settings(module, start, start + 1.0, 1, 1)):
+            raise EngineFailed(f"Exudyn does not start: {last_words(said.getvalue())}")
+    return solver
+
+
+def march(module: Any, mbs: Any, scheme: Scheme, settings: Any) -> float:
+    """Integrate; seconds of the time loop.
+
+    EngineFailed with the last lines of what Exudyn said.
+    """
+    solver = scheme.open(module)
+    with quiet(module) as said:
+        try:
+            fine = solver.InitializeSolver(mbs, settings)
+            began = time.perf_counter()
+            fine = fine and solver.SolveSteps(mbs, settings)
+            seconds = time.perf_counter() - began
+            solver.FinalizeSolver(mbs, settings)
+        except (RuntimeError, ValueError, module.ExudynError) as error:
+            if "KeyboardInterrupt" in str(error):  # Ctrl-C met one of the functions of Python that Exudyn calls
+                raise KeyboardInterrupt from None
+            raise EngineFailed(f"Exudyn stopped: {last_words(str(error) + said.getvalue())}") from None
+    if not fine:
+        when = f" at t = {mbs.systemData.GetTime():.6g} s"
+        raise EngineFailed(f"Exudyn stopped{when}: {last_words(solver.GetErrorString() + said.getvalue())}")
+    return seconds
+
+
+def last_words(text: str) -> str:
+    """What Exudyn said, on one line of at most 300 characters, without places in files."""
+    text = re.sub(r"\[Python file [^]]*\]", "", text)
+    words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
+    return words + (
+        "; rows that repeat each other need linear='full-pivot' or rows='independent'" if "singular" in words else ""
+    )
+
+
+def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:
+    """The times of all records, or EngineFailed if one is missing or anything is not finite."""
+    t = np.linspace(start, t_end, records + 1)
+    if len(found) != len(t) or np.abs(found - t).max() > 1e-6 * (t[1] - t[0]):
+        raise EngineFailed(f"Exudyn kept {len(found)} records of {len(t)}, the last at t = {found[-1]:.6g} s")
+    for x in values:
+        bad = ~np.isfinite(x.reshape(len(t), -1)).all(axis=1)
+        if bad.any():
+            raise EngineFailed(f"Exudyn: not finite from t = {t[np.argmax(bad)]:.6g} s on; give more steps")
+    return t

@@ -1,0 +1,141 @@
+"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic, Screw
+from mbsd3d.extend import Coordinate, kinds
+from validation.twins.base import NotExpressible, label
+from validation.twins.mujoco.build import Sketch, slide_name, turn_name
+from validation.twins.mujoco.freedoms import ALONG, Z
+from validation.twins.mujoco.layout import Piece
+from validation.twins.mujoco.motors import Motors
+
+
+@dataclass(eq=False)
+class Coupling:
+    """A row on joint coordinates: a tendon of length sum(coefficient coordinate), held at a polynomial of time."""
+
+    part: Any
+    tendon: str
+    equality: str
+    terms: dict[str, float]
+    coordinates: list[tuple[Coordinate, float]] = field(default_factory=list)
+    adrift: bool = False  # only its speed is given: where it is at the start is where it begins
+
+
+def couple(made: Sketch, motors: Motors) -> list[Coupling]:
+    """Rows on coordinates: gears, racks, screws, drivers; the third turn of constant-velocity joints."""
+    found = []
+    for joint in made.system.joints:
+        for row in joint.rows():
+            if row.kind in (kinds.RATIO, kinds.MESH):
+                pairs = list(zip(row.coordinates, row.values, strict=False))
+                pairs += along_the_teeth(joint) if isinstance(joint, GearMesh) else []
+                found.append(hold(made, motors, joint, pairs, row.signal))
+            elif row.kind == kinds.TURN_RATE:
+                pairs = [(Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), 1.0)]
+                found.append(hold(made, motors, joint, pairs, row.signal, adrift=True))
+    for piece in made.layout.pieces:
+        if isinstance(piece.joint, ConstantVelocity):
+            terms = {turn_name(piece, 0): 1.0, turn_name(piece, 2): 1.0}
+            found.append(hold_tendon(made, motors, piece.joint, made.system.name(piece.joint), terms, None))
+        elif isinstance(piece.joint, PositionDriver):
+            for k, signal in enumerate(piece.joint.signal):
+                if signal is not None:
+                    name, terms = f"{made.system.name(piece.joint)} {'xyz'[k]}", {slide_name(piece, k): 1.0}
+                    found.append(hold_tendon(made, motors, piece.joint, name, terms, signal))
+    return found
+
+
+def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
+    """What a helical mesh has of gears that slide: n . u of their slides, n the line of action."""
+    n, found = mesh.direction(), []
+    for sign, hinge in ((-1.0, mesh.hinge_a), (1.0, mesh.hinge_b)):
+        x = hinge.slide()
+        factor = 0.0 if x is None else sign * float(n @ x.axis) * (1.0 if mesh.gear(hinge) is hinge.b else -1.0)
+        found += [(x, factor)] if factor else []
+    return found
+
+
+def hold(
+    made: Sketch, motors: Motors, joint: Any, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
+) -> Coupling:
+    """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
+    name, terms = made.system.name(joint), {}
+    for x, factor in pairs:
+        for key, sign in sum_of(made, x, label(made.system, joint)).items():
+            terms[key] = terms.get(key, 0.0) + factor * sign
+    held = hold_tendon(made, motors, joint, name, terms, signal, adrift)
+    held.coordinates = pairs
+    return held
+
+
+def hold_tendon(
+    made: Sketch, motors: Motors, joint: Any, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
+) -> Coupling:
+    """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
+    shown = label(made.system, joint)
+    generators, polynomial = motors.generate(signal, adrift, shown) if signal is not None else ({}, ())
+    tendon = add_tendon(made, f"held {name}", terms | {key: -factor for key, factor in generators.items()})
+    clock = motors.clock() if len(polynomial) > 1 else ""
+    data = (*polynomial, 0, 0, 0, 0, 0)[:5]
+    equality = made.equality("TENDON", joint, f"held {name}", (tendon, clock), "TENDON", data)
+    return Coupling(joint, tendon, equality, terms, adrift=adrift)
+
+
+def add_tendon(made: Sketch, name: str, terms: dict[str, float]) -> str:
+    """A fixed tendon."""
+    tendon = made.spec.add_tendon(name=name)
+    for joint, factor in terms.items():
+        tendon.wrap_joint(joint, factor)
+    return name
+
+
+def sum_of(made: Sketch, x: Coordinate, shown: str) -> dict[str, float]:
+    """Joint coordinates of MuJoCo and their signs, whose sum is the coordinate.
+
+    The way from body a to body b goes through joints that turn about its axis only, or not at all; a slide is one joint
+    and what is fixed to it.
+    """
+    ways: list[tuple[Any, dict[str, float]]] = [(x.a, {})]
+    seen = {id(x.a)}
+    while ways:
+        body, terms = ways.pop(0)
+        if body is x.b:
+            return terms
+        for piece in made.layout.pieces:
+            if piece.joint is None or body not in (piece.joint.a, piece.joint.b):
+                continue
+            other, sign = (piece.joint.b, 1.0) if body is piece.joint.a else (piece.joint.a, -1.0)
+            step = None if id(other) in seen else step_of(made, piece, x)
+            if step is not None:
+                seen.add(id(other))
+                ways.append((other, terms | {key: sign * value for key, value in step.items()}))
+    raise NotExpressible(
+        f"{shown}: no way from '{x.a.name}' to '{x.b.name}' leads through joints that are counted along its axis, so "
+        f"MuJoCo has no coordinate for its {x.kind}"
+    )
+
+
+def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | None:
+    """What a joint adds to the coordinate, None if it does not count it."""
+    free, joint = made.joints[piece.number], piece.joint
+    if isinstance(joint, Fixed):
+        return {}
+    if x.kind == "slide":
+        own = joint.slide()
+        along = 0.0 if own is None else float(own.axis @ x.axis)
+        return {slide_name(piece, Z): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+    if isinstance(joint, Prismatic):
+        return {}
+    axis = free.turn_axis()
+    along = 0.0 if axis is None else float(axis @ x.axis)
+    return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
+
+
+def loads_of(joint: Any) -> bool:
+    """Whether a coupling of this joint is part of its own reaction."""
+    return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

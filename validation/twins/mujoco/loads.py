@@ -1,0 +1,125 @@
+"""Applied forces: spatial and fixed tendons for springs, actuators at sites for forces and torques."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import (
+    AeroDrag,
+    Bushing,
+    Constant,
+    CustomForce,
+    Force,
+    JointFriction,
+    SpringDamper,
+    StateFeedback,
+    Torque,
+    TorsionSpring,
+)
+from mbsd3d.extend import hinge_coordinate
+from validation.twins.base import NotExpressible, label, refused
+from validation.twins.mujoco.build import Sketch
+from validation.twins.mujoco.couplings import add_tendon, sum_of
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What acts in the model.
+
+    ``springs``: (spring, tendon); ``turning``: (tendon, its joint coordinates, stiffness, damping); ``applied``:
+    (actuator, force); ``signals``: (actuator, signal) whose control follows time.
+    """
+
+    springs: list = field(default_factory=list)
+    turning: list = field(default_factory=list)
+    applied: list = field(default_factory=list)
+    signals: list = field(default_factory=list)
+
+
+def load_all(made: Sketch) -> Loads:
+    """All forces of the system, or an error that names the one MuJoCo has no element for."""
+    loads = Loads()
+    for force in made.system.forces:
+        if type(force) not in FORCES:
+            raise refused(made.system, force, REFUSED, "MuJoCo has no such element")
+        FORCES[type(force)](made, loads, force, made.system.name(force))
+    return loads
+
+
+def spring(made: Sketch, loads: Loads, force: SpringDamper, name: str) -> None:
+    """A spatial tendon between two sites."""
+    tendon = made.spec.add_tendon(name=f"spring {name}", springlength=(force.length,) * 2)
+    tendon.stiffness[0], tendon.damping[0] = force.stiffness, force.damping
+    for body, at in ((force.a, force.at_a), (force.b, force.at_b)):
+        tendon.wrap_site(made.site(body, at))
+    loads.springs.append((force, tendon.name))
+
+
+def torsion(made: Sketch, loads: Loads, force: TorsionSpring, name: str) -> None:
+    """A spring along a hinge or slide."""
+    turning(made, loads, force, name, force.stiffness, force.damping, force.angle)
+
+
+def friction(made: Sketch, loads: Loads, force: JointFriction, name: str) -> None:
+    """A damper along a hinge or slide."""
+    if force.coulomb != 0.0:
+        text = "dry friction follows tanh(v / v0) here, in MuJoCo it is a soft constraint"
+        raise NotExpressible(f"{label(made.system, force)}: {text}")
+    turning(made, loads, force, name, 0.0, force.viscous, 0.0)
+
+
+def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float, damping: float, rest: float) -> None:
+    """A fixed tendon along a hinge or slide; a rest length below zero would mean "as built", so it is turned round."""
+    sense, shown = -1.0 if rest < 0.0 else 1.0, label(made.system, force)
+    terms = {key: sense * sign for key, sign in sum_of(made, hinge_coordinate(force.hinge, shown), shown).items()}
+    tendon = made.spec.tendon(add_tendon(made, f"spring {name}", terms))
+    tendon.springlength[:] = abs(rest)
+    tendon.stiffness[0], tendon.damping[0] = stiffness, damping
+    loads.turning.append((f"spring {name}", terms, stiffness, damping))
+
+
+def apply(made: Sketch, loads: Loads, force: Force | Torque, name: str) -> None:
+    """Actuators at a site, measured in the axes of the body or of the world, so that every stage has them right."""
+    turns = isinstance(force, Torque)
+    components = force.torque if turns else force.force
+    at = force.body.position if turns else force.at
+    site = made.site(force.body, at)
+    constant = [float(s(0.0)) if isinstance(s, Constant) else 0.0 for s in components]
+    wanted = [(None, np.array(constant))] if any(constant) else []
+    wanted += [(s, axis) for s, axis in zip(components, np.eye(3), strict=True) if not isinstance(s, Constant)]
+    for k, (signal, direction) in enumerate(wanted):
+        actuator = made.spec.add_actuator(name=f"load {name} {k}", target=site)
+        actuator.trntype = made.mujoco.mjtTrn.mjTRN_SITE
+        actuator.gear[:] = [*np.zeros(3), *direction] if turns else [*direction, *np.zeros(3)]
+        if force.frame == "world":
+            actuator.refsite = world_site(made)
+        loads.applied.append((actuator.name, force))
+        if signal is not None:
+            loads.signals.append((actuator.name, signal))
+
+
+def world_site(made: Sketch) -> str:
+    """The site at the origin of the world."""
+    return next((site.name for site in made.spec.sites if site.name == "world"), None) or (
+        made.spec.worldbody.add_site(name="world").name
+    )
+
+
+FORCES: dict[type, Callable[[Sketch, Loads, Any, str], None]] = {
+    SpringDamper: spring,
+    TorsionSpring: torsion,
+    JointFriction: friction,
+    Force: apply,
+    Torque: apply,
+}
+"""Force class -> what adds it to the model."""
+
+REFUSED: dict[type, str] = {
+    Bushing: "MuJoCo has no spring of six components between two bodies",
+    AeroDrag: "the drag of MuJoCo is one of boxes and ellipsoids in a medium, not of an area",
+    CustomForce: "it is a function of the user's; MuJoCo has it only if it is written again for it",
+    StateFeedback: "MuJoCo has no feedback through a filter on measures",
+}
+"""Force class -> why not."""

@@ -1,0 +1,160 @@
+"""Reactions of the joints at a state that MuJoCo has evaluated: on body b, at the joint's point, world axes.
+
+A tree joint carries the interaction force of its body (``cfrc_int``); what acts along its coordinates is of springs and
+couplings, and taken off. MuJoCo's sum does not know the actuators at sites: their loads are passed to it as external
+forces for the sum.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import GROUND, GearMesh, Torque
+from validation.twins.mujoco.build import Sketch, slide_name, turn_name
+from validation.twins.mujoco.couplings import Coupling, loads_of
+from validation.twins.mujoco.layout import Piece
+from validation.twins.mujoco.loads import Loads
+
+Wrench = tuple[np.ndarray, np.ndarray]
+
+
+class Reactions:
+    """Of one model; `all` reads them from the data."""
+
+    def __init__(
+        self, made: Sketch, loads: Loads, couplings: list[Coupling], tendons: list, mujoco: Any, model: Any
+    ) -> None:
+        self.made, self.loads, self.tendons = made, loads, tendons
+        self.mujoco, self.model = mujoco, model
+        welded = {id(piece.joint) for piece in made.layout.extra}
+        meshes = [c for c in couplings if isinstance(c.part, GearMesh)]
+        split = {id(h) for c in meshes for h in (c.part.hinge_a, c.part.hinge_b) if id(h) in welded}
+        self.meshes = [c for c in meshes if not {id(c.part.hinge_a), id(c.part.hinge_b)} & split]
+        self.tree = [p for p in made.layout.pieces if p.joint is not None and id(p.joint) not in split]
+        self.along = [c for c in couplings if not loads_of(c.part) and c not in self.meshes]
+        self.held = [c for c in self.along if c not in meshes]
+
+    def all(self, data: Any) -> dict[str, Wrench]:
+        """Joint name -> (force, moment). Of a mesh whose hinge is on a piece of a gear, the forces are not known."""
+        self.tell_applied(data)
+        self.mujoco.mj_rnePostConstraint(self.model, data)
+        data.xfrc_applied[:] = 0.0
+        along = self.along_coordinates(data)
+        name = self.made.system.name
+        found = {name(piece.joint): self.of_piece(data, piece, along) for piece in self.tree}
+        found |= {name(joint): self.of_closure(data, joint) for joint in self.made.layout.closing}
+        found |= {name(c.part): self.of_coupling(data, c) for c in self.held}
+        found |= {name(mesh): (force, np.zeros(3)) for mesh, force in self.tooth_forces(data)}
+        for rod, _, equality in self.tendons:
+            found[name(rod)] = self.pull(data, rod, self.tension(data, equality)), np.zeros(3)
+        return {name(j): found[name(j)] for j in self.made.system.joints if name(j) in found}
+
+    def rows(self, data: Any, equality: str) -> np.ndarray:
+        """Constraint forces of an equality."""
+        number = self.model.equality(equality).id
+        kind = int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        return data.efc_force[(data.efc_type == kind) & (data.efc_id == number)]
+
+    def tension(self, data: Any, equality: str) -> float:
+        """Constraint force of an equality of tendons; 0 where MuJoCo leaves its row out because nothing moves it."""
+        return float(self.rows(data, equality).sum())
+
+    def point(self, data: Any, body: Any, point: np.ndarray) -> np.ndarray:
+        """A point of a body, given at the reference pose, where it is now."""
+        if body is GROUND:
+            return point
+        k = self.model.body(self.made.layout.main[id(body)].name).id
+        return data.xpos[k] + data.xmat[k].reshape(3, 3) @ body.local_point(point)
+
+    def axis(self, data: Any, body: Any, axis: np.ndarray) -> np.ndarray:
+        """An axis of a body, given at the reference pose, where it is now."""
+        if body is GROUND:
+            return axis
+        k = self.model.body(self.made.layout.main[id(body)].name).id
+        return data.xmat[k].reshape(3, 3) @ body.local_axis(axis)
+
+    def pull(self, data: Any, part: Any, tension: float) -> np.ndarray:
+        """Force on b of what pushes b away from a with ``tension``."""
+        span = self.point(data, part.b, part.at_b) - self.point(data, part.a, part.at_a)
+        return tension * span / np.linalg.norm(span)
+
+    def tell_applied(self, data: Any) -> None:
+        """Applied loads as external ones at the centres of mass, for the sum only."""
+        for body, at, force, moment in (*self.applied(data), *self.on_teeth(data)):
+            if body is not GROUND:
+                k = self.model.body(self.made.layout.main[id(body)].name).id
+                data.xfrc_applied[k, :3] += force
+                data.xfrc_applied[k, 3:] += moment + np.cross(at - data.xipos[k], force)
+
+    def applied(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
+        """(body, point, force, moment) of applied loads."""
+        for actuator, part in self.loads.applied:
+            k = self.model.actuator(actuator).id
+            linear, turning = np.split(data.actuator_force[k] * self.model.actuator_gear[k], 2)
+            if part.frame == "body":
+                R = data.xmat[self.model.body(self.made.layout.main[id(part.body)].name).id].reshape(3, 3)
+                linear, turning = R @ linear, R @ turning
+            at = part.body.position if isinstance(part, Torque) else part.at
+            yield part.body, self.point(data, part.body, at), linear, turning
+
+    def on_teeth(self, data: Any) -> Iterator[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
+        """(gear, pitch point, force, no moment) where the couplings turn the gears: the same motion, other bearings."""
+        for mesh, force in self.tooth_forces(data):
+            at = self.point(data, mesh.support(), mesh.at)
+            for gear, sign in ((mesh.a, -1.0), (mesh.b, 1.0)):
+                yield gear, at, sign * force, np.zeros(3)
+
+    def tooth_forces(self, data: Any) -> Iterator[tuple[GearMesh, np.ndarray]]:
+        """(mesh, force on gear b): its row is the work of a unit force along the line of action."""
+        for coupling in self.meshes:
+            mesh = coupling.part
+            yield mesh, self.tension(data, coupling.equality) * self.axis(data, mesh.support(), mesh.direction())
+
+    def along_coordinates(self, data: Any) -> dict[str, float]:
+        """What springs and couplings do along each joint coordinate [N or N m]."""
+        total: dict[str, float] = {}
+        pulls = [(c.terms, self.tension(data, c.equality)) for c in self.along]
+        for tendon, terms, stiffness, damping in self.loads.turning:
+            k = self.model.tendon(tendon).id
+            rest = self.model.tendon_lengthspring[k, 0]
+            pulls.append((terms, -stiffness * (data.ten_length[k] - rest) - damping * data.ten_velocity[k]))
+        for terms, pull in pulls:
+            for key, factor in terms.items():
+                total[key] = total.get(key, 0.0) + factor * pull
+        return total
+
+    def of_piece(self, data: Any, piece: Piece, along: dict[str, float]) -> Wrench:
+        """Of the joint of a piece: what its parent does to it, or of body a: the opposite of it."""
+        joint, free = piece.joint, self.made.joints[piece.number]
+        k, sense = self.model.body(piece.name).id, 1.0 if piece.is_b else -1.0
+        at = self.point(data, joint.b, joint.point())
+        moment, force = sense * np.split(data.cfrc_int[k], 2)[0], sense * data.cfrc_int[k, 3:]
+        moment = moment + np.cross(data.subtree_com[self.model.body_rootid[k]] - at, force)
+        for name in [slide_name(piece, c) for c in free.slides]:
+            if along.get(name):
+                force = force - sense * along[name] * data.xaxis[self.model.joint(name).id]
+        for name in [turn_name(piece, c) for c in range(0 if free.turns is None else len(free.turns))]:
+            if along.get(name):
+                moment = moment - sense * along[name] * data.xaxis[self.model.joint(name).id]
+        return force, moment
+
+    def of_closure(self, data: Any, joint: Any) -> Wrench:
+        """Of points kept together: the site on b stands first, so that the forces act on b."""
+        at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
+        for equality in self.made.closures[id(joint)]:
+            rows = self.rows(data, equality)
+            if not rows.size:  # MuJoCo leaves out rows that nothing can violate: bodies that are rigid by other joints
+                continue
+            site = data.site_xpos[self.model.eq_obj1id[self.model.equality(equality).id]]
+            force, moment = force + rows, moment + np.cross(site - at, rows)
+        return force, moment
+
+    def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
+        """On body b of the joint it acts through, by every coordinate in the row that this body has a part in."""
+        tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
+        for x, factor in coupling.coordinates:
+            sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)
+            load = sense * factor * tension * self.axis(data, x.a, x.axis)
+            force, moment = (force + load, moment) if x.kind == "slide" else (force, moment + load)
+        return force, moment

@@ -1,0 +1,99 @@
+"""A Distance: two hinges at the parent's end of the rod and a ball at the child's, all joints of one MuJoCo body.
+
+Nothing lies between them, so that the rod has no mass. The rod points along E (sin q2, -sin q1 cos q2, cos q1 cos q2),
+E fixed in the parent, and at cos q2 = 0 it lies along the first hinge: there the joint is lost. With ``rods="tendons"``
+it is a spatial tendon held at its length, which has no such place; but MuJoCo leaves the term J_dot v out of tendons,
+and the error is J_dot v over the stiffness, 100 times greater.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import Distance
+from mbsd3d.extend import perpendiculars
+from validation.twins.base import EngineFailed
+from validation.twins.mujoco.layout import Piece
+
+LOST = 0.1  # cos q2 below which the second hinge multiplies errors by more than ten
+
+
+def ends(piece: Piece) -> tuple[Any, np.ndarray, np.ndarray]:
+    """Parent, its point and the child's, world at the reference pose."""
+    rod = piece.joint
+    return (rod.a, rod.at_a, rod.at_b) if piece.is_b else (rod.b, rod.at_b, rod.at_a)
+
+
+def axes(piece: Piece) -> np.ndarray:
+    """E, world at the reference pose: z along the rod, to the child."""
+    _, near, far = ends(piece)
+    z = (far - near) / np.linalg.norm(far - near)
+    return np.column_stack([*perpendiculars(z), z])
+
+
+def rest_pose(piece: Piece, origin: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(r, R) of the child with both angles zero; the parent has its O at ``origin``, and F turns it from the pose."""
+    parent, near, far = ends(piece)
+    R = F @ piece.body.axes
+    tip = origin + F @ (near - parent.position + piece.joint.length * axes(piece)[:, 2])
+    return tip - R @ piece.body.local_point(far), R
+
+
+def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
+    """The hinges and the ball."""
+    _, _, far = ends(piece)
+    E, kinds = axes(piece), mujoco.mjtJoint
+    far, near = piece.body.local_point(far), piece.body.local_point(far - piece.joint.length * E[:, 2])
+    for k in range(2):
+        axis = piece.body.local_axis(E[:, k])
+        child.add_joint(name=swing_name(piece, k), type=kinds.mjJNT_HINGE, pos=near, axis=axis)
+    child.add_joint(name=f"{piece.number} ball", type=kinds.mjJNT_BALL, pos=far)
+
+
+def swing_name(piece: Piece, k: int) -> str:
+    """Of the hinges at the parent's end."""
+    return f"{piece.number} swing {k}"
+
+
+def angles(piece: Piece, rod: np.ndarray) -> tuple[float, float]:
+    """q1, q2 of the rod, a vector to the child turned back to the reference pose of the parent."""
+    x, y, z = axes(piece).T @ rod / np.linalg.norm(rod)
+    return np.arctan2(-y, z), np.arcsin(np.clip(x, -1.0, 1.0))
+
+
+def swing(piece: Piece, q1: float, q2: float) -> np.ndarray:
+    """E Rx(q1) Ry(q2) E', the turn of the rod, in world axes of the reference pose of the parent."""
+    s1, c1, s2, c2 = np.sin(q1), np.cos(q1), np.sin(q2), np.cos(q2)
+    E = axes(piece)
+    return E @ np.array([[1, 0, 0], [0, c1, -s1], [0, s1, c1]]) @ np.array([[c2, 0, s2], [0, 1, 0], [-s2, 0, c2]]) @ E.T
+
+
+def check(model: Any, rods: list[tuple[str, Piece]], t: np.ndarray, qpos: np.ndarray) -> None:
+    """No rod may have come near its first hinge; an EngineFailed names it."""
+    for name, piece in rods:
+        q2 = qpos[:, model.joint(swing_name(piece, 1)).qposadr[0]]
+        late = np.flatnonzero(np.abs(np.cos(q2)) < LOST)
+        if late.size:
+            raise EngineFailed(
+                f"MuJoCo: at t = {t[late[0]]:.6g} s rod '{name}' (Distance) lies along the first of the two hinges "
+                "that stand for its end; use twin(..., rods='tendons')"
+            )
+
+
+def add_tendons(made: Any) -> list[tuple[Any, str, str]]:
+    """(joint, tendon, equality) of every Distance that is not modelled by joints."""
+    found, joints = [], {id(piece.joint) for piece in made.layout.pieces}
+    for joint in made.system.joints:
+        if isinstance(joint, Distance) and id(joint) not in joints:
+            tendon = made.spec.add_tendon(name=f"rod {made.system.name(joint)}")
+            for body, at in ((joint.a, joint.at_a), (joint.b, joint.at_b)):
+                tendon.wrap_site(made.site(body, at))
+            objects = tendon.name, ""
+            found.append((joint, tendon.name, made.equality("TENDON", joint, tendon.name, objects, "TENDON")))
+    return found
+
+
+def set_lengths(made: Any, model: Any, tendons: list[tuple[Any, str, str]]) -> None:
+    """An equality counts from the length in qpos0, the rod has its own."""
+    for joint, tendon, equality in tendons:
+        model.eq_data[model.equality(equality).id, 0] = joint.length - model.tendon_length0[model.tendon(tendon).id]

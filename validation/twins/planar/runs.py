@@ -1,0 +1,193 @@
+"""Runs of a planar mechanism: through time by Runge-Kutta, or position by position of a driven one."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mbsd3d import AssemblyError, IntegrationError
+from mbsd3d.extend import number
+from validation.twins.planar.march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
+from validation.twins.planar.rows import Model, Work
+from validation.twins.planar.solution import Solution
+from validation.twins.planar.system import Lowered, System, lower
+
+PIECE = 0.1  # s of computation between two looks at Ctrl-C
+INCONSISTENT = 1e-9  # of given velocities with the joints, over the largest of them or 1 [m/s, rad/s]
+
+
+def simulate(
+    system: System, t_end: float, *, dt: float, output: int | None = None, centripetal: bool = True
+) -> Solution:
+    """Motion by Runge-Kutta of order 4 with a fixed step, closed onto the constraints after every step.
+
+    Parameters
+    ----------
+    system : System
+    t_end, dt : float
+        [s]; the step is shortened so that it divides the time between two samples.
+    output : int or None
+        Number of samples, both ends included; None = every step.
+    centripetal : bool
+        False drops h: wrong, for comparison.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    ValueError
+        For redundant rows, initial velocities that contradict the joints, a table that ends before the run, a point
+        mass whose rate can change.
+    IntegrationError
+        If rows become singular or numbers are not finite, naming joint or body and time.
+    AssemblyError
+        If a joint cannot close, naming it, time and gap.
+    """
+    t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
+    if output is not None and (output != int(output) or output < 2):
+        raise ValueError(f"simulate: output {output}; give None or a count of at least 2")
+    steps = max(int(np.ceil(t_end / dt * (1 - 1e-12))), 1)
+    samples = steps if output is None else int(output) - 1
+    every = -(-steps // samples)
+    covered(system, 0.0, t_end)
+    lowered = system.lowered if centripetal else lower(system, centripetal=False)
+    work, q = lowered.work(), lowered.q.copy()
+    v = initial_velocity(system, lowered, work, q)
+    out = storage(lowered, samples + 1)
+    began = time.perf_counter()
+    arguments = lowered.model, work, q, v, t_end, every * samples, every, out
+    status, row, t = in_pieces(march, arguments, every * samples + 1)
+    seconds = time.perf_counter() - began
+    explain(system, lowered, work, status, row, t)
+    return Solution(system, t_end * (np.arange(samples + 1) / samples), out, seconds)
+
+
+def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) -> Solution:
+    """Motion and forces of a fully driven system, position by position from the reference pose at t = 0.
+
+    Parameters
+    ----------
+    system : System
+        With as many independent rows as coordinates.
+    times : (k,) array_like
+        [s].
+    centripetal : bool
+        False drops h: wrong, for comparison.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    ValueError
+        If freedoms are left, and as in `simulate`.
+    IntegrationError, AssemblyError
+        As in `simulate`.
+    """
+    times = np.atleast_1d(np.asarray(times, dtype=float))
+    if times.ndim != 1 or not times.size or not np.isfinite(times).all():
+        raise ValueError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
+    covered(system, min(0.0, times.min()), max(0.0, times.max()))
+    lowered = system.lowered if centripetal else lower(system, centripetal=False)
+    left = 3 * len(system.bodies) - lowered.model.kind.size
+    if left:
+        raise ValueError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
+    work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
+    began = time.perf_counter()
+    status, row, t = in_pieces(trace, (lowered.model, work, q, np.concatenate([[0.0], times]), out), times.size + 1)
+    seconds = time.perf_counter() - began
+    explain(system, lowered, work, status, row, t)
+    return Solution(system, times, tuple(array[1:] for array in out), seconds)
+
+
+def in_pieces(loop: Callable, arguments: tuple, count: int) -> tuple[int, int, float]:
+    """A compiled loop over 0 ... count - 1, in pieces of `PIECE` so that Ctrl-C ends it; numbers as of one piece."""
+    begin, size, status = 0, 100, (DONE, 0, 0.0)
+    while begin < count and status[0] == DONE:
+        end, began = min(begin + size, count), time.perf_counter()
+        status = loop(*arguments, begin, end)
+        seconds = max(time.perf_counter() - began, 1e-9)
+        size = max(1, int((end - begin) * min(10.0, PIECE / seconds)))
+        begin = end
+    return status
+
+
+def covered(system: System, low: float, high: float) -> None:
+    """A ValueError that names a part whose motion is not known from low to high [s]."""
+    for part in (*system.joints, *system.loads):
+        first, last = part.motion.interval if hasattr(part, "motion") else (-np.inf, np.inf)
+        if low < first or high > last:
+            raise ValueError(
+                f"{system.name(part)}: its table covers {first:g} s to {last:g} s and is asked for {low:g} s to "
+                f"{high:g} s; extend it or stay inside"
+            )
+
+
+def storage(lowered: Lowered, samples: int) -> tuple[np.ndarray, ...]:
+    """q, v, v_dot (samples, n, 3) and the wrenches of the rows (samples, m, 3)."""
+    n, m = len(lowered.q) - 1, lowered.model.kind.size
+    return (*(np.empty((samples, n, 3)) for _ in range(3)), np.empty((samples, m, 3)))
+
+
+def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray) -> np.ndarray:
+    """(n + 1, 3) velocities with the given numbers and J v = f_dot, of least kinetic energy; closes q."""
+    status, row = close(lowered.model, work, 0.0, q)
+    explain(system, lowered, work, status, row, 0.0)
+    v = np.zeros_like(q)
+    evaluate(lowered.model, work, 0.0, q, v)
+    J, given, values = lowered.jacobian(work), [], []
+    for i, body in enumerate(system.bodies):
+        numbers = (*((None, None) if body.velocity is None else body.velocity), body.omega)
+        given += [3 * i + k for k, x in enumerate(numbers) if x is not None]
+        values += [x for x in numbers if x is not None]
+    A = np.vstack([J, np.eye(J.shape[1])[given]])
+    b = np.concatenate([work.rate, values])
+    if not np.any(b):
+        return v
+    root = np.linalg.inv(scaling(lowered.model, work))
+    found = root @ np.linalg.lstsq(A @ root, b, rcond=1e-12)[0]
+    wrong = np.abs(A @ found - b)
+    if wrong.max() > INCONSISTENT * max(1.0, np.abs(b).max()):
+        m = lowered.model.kind.size
+        worst = int(np.argmax(wrong[:m])) if m and wrong[:m].max() > 1e-3 * wrong.max() else None
+        where = "" if worst is None else f" of {system.name(system.joints[lowered.joint_of[worst]])}"
+        raise ValueError(
+            f"System: the initial velocities contradict the rows{where} by {wrong.max():.3g}; "
+            "correct them, or leave None what the joints decide"
+        )
+    v[:-1] = found.reshape(-1, 3)
+    return v
+
+
+def scaling(model: Model, work: Work) -> np.ndarray:
+    """U (3 n, 3 n) with v'U'U v twice the kinetic energy."""
+    U = np.zeros((3 * len(model.body) - 3,) * 2)
+    for i, (mass, inertia) in enumerate(model.body[:-1, :2]):
+        x, y = work.frame[i, 2:]
+        block = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, np.sqrt(inertia / mass)]])
+        U[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = np.sqrt(mass) * block
+    return U
+
+
+def explain(system: System, lowered: Lowered, work: Any, status: int, row: int, t: float) -> None:
+    """The error of a status, naming the joint."""
+    if status == DONE:
+        return
+    if status == NOT_FINITE:
+        body = np.argmax(~np.isfinite(work.x[:-1] + work.q[:-1]).all(axis=1))
+        advice = "take a smaller dt, or keep the ends of springs apart"
+        raise IntegrationError(
+            "planar: numbers are not finite", time=t, part=f"body '{system.bodies[body].name}'", advice=advice
+        )
+    at = row if status != SINGULAR else int(np.flatnonzero(lowered.model.place == row)[0])
+    joint = system.name(system.joints[lowered.joint_of[at]])
+    if status == SINGULAR:
+        advice = "a dead point or a redundancy: move the pose, drive another joint, or remove one"
+        raise IntegrationError("planar: rows singular", time=t, part=joint, advice=advice)
+    gap, advice = float(np.abs(work.c).max()), "check lengths and drivers, or take smaller steps"
+    raise AssemblyError("planar: joint cannot close", time=t, part=joint, residual=gap, advice=advice)
