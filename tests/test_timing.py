@@ -15,7 +15,7 @@ import test_model_files as model_files
 from models import revolute_chain
 from sweep_models import ratio, shafts
 from validation.cases.inline_four import RATE, SAMPLES, inline_four, orders
-from validation.mechanisms import ladder
+from validation.cases.mechanisms import ladder
 
 from mbsd3d import Kinematic
 from mbsd3d.sweeps.sweep import sweep
