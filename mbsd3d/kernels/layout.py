@@ -201,3 +201,8 @@ def table(fields: list, count: int) -> np.ndarray:
     """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
     array = np.zeros(count, record(tuple(fields)))
     return array.view(np.recarray) if numba.config.DISABLE_JIT else array
+
+
+def single(fields: list) -> np.record:
+    """One zero record; its fields are attributes, in kernels and in Python."""
+    return np.zeros(1, record(tuple(fields))).view(np.recarray)[0]
