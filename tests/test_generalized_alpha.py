@@ -10,7 +10,7 @@ from mbsd3d.base.progress import Progress
 from mbsd3d.base.quaternions import conjugate, exponential, logarithm, multiply
 from mbsd3d.base.rotations import as_quaternion, matrix
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.integrators.alpha_step import move
+from mbsd3d.integrators.alpha_step import trial_state
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha, weights
 from mbsd3d.integrators.newton import fill_matrix, residual, tangent
 from mbsd3d.mechanism import measures
@@ -196,7 +196,7 @@ def test_matrix_is_the_derivative_of_the_residual():
 
     def evaluate(x):
         w.rate[rates], w.lam[multipliers] = x[:free], x[free:]
-        assert move(m, d, s, run, g, c, t, h)
+        assert trial_state(m, d, s, run, g, c, t, h)
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         return w.x[:size].copy()
 

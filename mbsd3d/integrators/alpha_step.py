@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, arrive, audit_rates, close, rounding
+from ..kernels.dynamics import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
@@ -21,7 +21,7 @@ SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
 @inner_kernel
-def glide(run, g, c, h, first):
+def velocities(run, g, c, h, first):
     """Velocities and z of the trial state from entry `first` on, and a at the end of the step."""
     for k in range(first, run.y.shape[0]):
         a = g.rate[k] + h * g.shift[k]
@@ -33,10 +33,10 @@ def glide(run, g, c, h, first):
 
 
 @kernel
-def move(m, d, s, run, g, c, t, h):
+def trial_state(m, d, s, run, g, c, t, h):
     """The trial state at t for the rates in g.newton, on c = 0; False where the joints cannot be closed."""
     n, y = m.body.shape[0], run.y
-    glide(run, g, c, h, 7 * n)
+    velocities(run, g, c, h, 7 * n)
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
         for j in range(q, q + 7):
@@ -46,7 +46,7 @@ def move(m, d, s, run, g, c, t, h):
         put(g.newton.move[i], turn)
         displace_body(run.trial, q, scale(h, (g.mean[u], g.mean[u + 1], g.mean[u + 2])), rotate(R, turn))
     run.now.evaluations += 1
-    return m.stabilisation != PROJECTION or close(m, d, s, t, run.trial, FAR) == PROJECTED
+    return m.stabilisation != PROJECTION or project_positions(m, d, s, t, run.trial, FAR) == PROJECTED
 
 
 @merged_kernel
@@ -100,7 +100,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
     before = 0.0
     for k in range(ITERATIONS):
-        if not move(m, d, s, run, g, c, t, h):
+        if not trial_state(m, d, s, run, g, c, t, h):
             return False
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         if stale:
@@ -115,23 +115,23 @@ def solve_step(m, d, s, run, g, c, t, h):
             return False
         contraction = moved / before if before > 0.0 else 0.1
         if moved <= tolerance or (contraction < 0.9 and moved * contraction / (1.0 - contraction) <= tolerance):
-            return arrived(m, d, s, run, g, c, t, h, h_v)
+            return converged(m, d, s, run, g, c, t, h, h_v)
         stale = k > 0 and contraction > SLOW
         before = moved
     return False
 
 
 @merged_kernel
-def arrived(m, d, s, run, g, c, t, h, h_v):
+def converged(m, d, s, run, g, c, t, h, h_v):
     """The trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
     w = g.newton
-    if not move(m, d, s, run, g, c, t, h):
+    if not trial_state(m, d, s, run, g, c, t, h):
         return False
     residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
     for k in range(m.row.shape[0]):
         d.row[k].lam = w.lam[k]
     audit_rates(m, d, w.rate)
-    glide(run, g, c, h, 13 * m.body.shape[0])
+    velocities(run, g, c, h, 13 * m.body.shape[0])
     return finite(run.trial)
 
 
@@ -163,16 +163,16 @@ def attempt(m, d, s, run, g, c):
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return NOT_CONVERGED, t_new, h
-        error = np.inf
         predict(run, g, c, h, False)
         solved = solve_step(m, d, s, run, g, c, t_new, h)
         if not solved:
             predict(run, g, c, h, True)
             solved = solve_step(m, d, s, run, g, c, t_new, h)
+        if fixed and not solved:
+            return NOT_CONVERGED, t_new, h
+        error = np.inf
         if solved:
             error = 0.0 if fixed else local_error(m, d, s, run, g, c, h)
-        elif fixed:
-            return NOT_CONVERGED, t_new, h
         factor = 0.25
         if np.isfinite(error):
             factor = min(3.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / 3.0)))
@@ -186,7 +186,7 @@ def attempt(m, d, s, run, g, c):
 
 
 @inner_kernel
-def ends(m, run, g, h):
+def end_rates(m, run, g, h):
     """Rates at both ends that make the dense output: velocities and z quadratic with the slopes of a."""
     for k in range(7 * m.body.shape[0], run.y.shape[0]):
         slope = (run.trial[k] - run.y[k]) / h
@@ -205,13 +205,13 @@ def dense(m, d, s, g, run, h):
 def advance_to(m, d, s, g, run, t, x, h):
     """The trial state at t by dense output, x after the start of the step, projected, with its rate."""
     interpolate(run, x / h, run.trial)
-    status, result = arrive(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
     run.now.evaluations += 1
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
 
 @merged_kernel
-def keep(m, run, g, c, t_new, h):
+def accept(m, run, g, c, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
     theta = g.weights.alpha_m - g.weights.alpha_f
@@ -239,23 +239,23 @@ def step(m, d, s, g, run):
     status, t_new, h = attempt(m, d, s, run, g, c)
     if status != RUNNING:
         return status
-    projected, solved = arrive(m, d, s, t_new, run.trial, run.trial_rate, FAR)
+    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FAR)
     if projected != PROJECTED:
         return NOT_CLOSING
     if solved != SOLVED:
         return NO_SOLUTION
-    ends(m, run, g, h)
+    end_rates(m, run, g, h)
     status = outputs(m, d, s, g, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status
     remember(m, d, t_new)
     update_scales(m, d, run)
-    keep(m, run, g, c, t_new, h)
+    accept(m, run, g, c, t_new, h)
     return RUNNING if rows_hold(m, d, s, run) else CHOOSE_ROWS
 
 
 @merged_kernel
-def begin(m, d, s, g, run):
+def restart(m, d, s, g, run):
     """Rates and multipliers of the start, or of a new choice of rows."""
     status = evaluate_start(m, d, s, run)
     if status == RUNNING:
@@ -273,7 +273,7 @@ def begin(m, d, s, g, run):
 def integrate(m, d, s, g, run, budget):
     """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
     if run.now.fresh == 1:
-        status = begin(m, d, s, g, run)
+        status = restart(m, d, s, g, run)
         if status != RUNNING:
             return status
     for _ in range(budget):

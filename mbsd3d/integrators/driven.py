@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
+from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
 from ..kernels.saddle import SOLVED
@@ -75,7 +75,7 @@ def advance_to(m, d, s, own, run, t, x, h):
     Work and own states, predicted by the rate at the last pose, are corrected by the mean of both rates.
     """
     predict(m, run, x)
-    status, result = arrive(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
     run.now.evaluations += 1
     if status != PROJECTED:
         return NOT_CLOSING

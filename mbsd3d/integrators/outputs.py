@@ -6,11 +6,10 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
-from ..kernels.coordinates import coordinate, remember
-from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
+from ..kernels.coordinates import coordinate, measure, remember
+from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
-from ..kernels.probes import measure
 from ..kernels.rows import row_speed
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -73,7 +72,7 @@ def full(run):
 def evaluate_start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     now = run.now
-    status, result = arrive(m, d, s, now.t, run.y, run.dy, FAR)
+    status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FAR)
     now.evaluations += 1
     if status != PROJECTED:
         return NOT_CLOSING
@@ -118,7 +117,7 @@ def samples_before(m, d, s, run, h, t_last):
             return FULL
         t = run.times[run.now.next_output]
         interpolate(run, (t - run.now.t) / h, run.work)
-        status, result = arrive(m, d, s, t, run.work, run.work_rate, FAR)
+        status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
         write(m, d, run, t, run.work)

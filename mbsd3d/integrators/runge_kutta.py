@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, NEAR, PROJECTED, arrive, evaluate
+from ..kernels.dynamics import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -66,7 +66,7 @@ def stages(m, d, s, own, run, h):
                 add_scaled(run.work, h * table.A[i, j], K[j])
         run.now.evaluations += 1
         if run.rows.on_manifold == 1:
-            status, result = arrive(m, d, s, t + table.c[i] * h, run.work, K[i], FAR)
+            status, result = project_and_evaluate(m, d, s, t + table.c[i] * h, run.work, K[i], FAR)
             if status != PROJECTED or result != SOLVED:
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, K[i]) != SOLVED:
@@ -134,7 +134,7 @@ def advance_to(m, d, s, own, run, t, x, h):
     """The trial state at t by one step of length x, projected, with its rate."""
     if not stages(m, d, s, own, run, x):
         return NO_SOLUTION
-    status, result = arrive(m, d, s, t, run.trial, run.trial_rate, FAR)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
     run.now.evaluations += 1
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
@@ -172,7 +172,7 @@ def attempt(m, d, s, own, run):
             if nearly_singular(run):
                 run.rows.on_manifold = 1
             continue
-        status, result = arrive(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
+        status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
             return RUNNING, t_new, h, error

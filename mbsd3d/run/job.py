@@ -15,19 +15,19 @@ from ..integrators import memory
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import evaluate_start
-from ..kernels.dynamics import FAR, arrive
+from ..kernels.coordinates import measure
+from ..kernels.dynamics import FAR, project_and_evaluate
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Data
 from ..kernels.loads import loads
-from ..kernels.probes import measure
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
-from .divergence import Growth
+from .divergence import DivergenceWatch
 from .stiffness import check_forces
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
@@ -56,7 +56,7 @@ class Job:
         self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
         self.stop_when = stop_when
         check_runnable(compiled.system)
-        self.growth = Growth(compiled, start.t)
+        self.divergence = DivergenceWatch(compiled, start.t)
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
         allowed = 0.0 if as_built is None else self.tolerance
@@ -121,8 +121,8 @@ class Job:
             spent = time.perf_counter() - began
             self.record.loop_seconds += spent
             progress.update(run.now.t)
-            if self.grows():
-                raise self.growth.error(self.data, float(run.now.t), self.solution())
+            if self.diverges():
+                raise self.divergence.error(self.data, float(run.now.t), self.solution())
             if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
@@ -195,7 +195,7 @@ class Job:
         """Scales of the velocity errors and the first step from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
         horizon = run.task.t_end - run.now.t
-        arrive(model, self.data, self.schur, run.now.t, run.y.copy(), run.dy, FAR)
+        project_and_evaluate(model, self.data, self.schur, run.now.t, run.y.copy(), run.dy, FAR)
         v = run.y[7 * n : 13 * n].reshape(n, 6)
         a = run.dy[7 * n : 13 * n].reshape(n, 6)
         spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
@@ -234,10 +234,10 @@ class Job:
                 "give another value or another start"
             )
 
-    def grows(self) -> bool:
+    def diverges(self) -> bool:
         """True for a motion that grows without end."""
         run = self.memory
-        return self.growth.without_end(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
+        return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""
