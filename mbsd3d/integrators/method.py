@@ -1,7 +1,7 @@
 """What the time loop and everyone else may ask of a method of integration."""
 
 from collections.abc import Callable
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Method(Protocol):
     loop: Callable
     """Compiled: ``loop(model, data, schur, own, run, budget)`` takes up to ``budget`` steps, returns a status."""
 
-    def start(self, model: Model, data: Callable[[type], Data]) -> Any:
+    def start(self, model: Model, data: Callable[[type], Data]) -> tuple | None:
         """The memory ``own`` of a run of a model; ``data(dtype)`` makes a work space.
 
         Raises

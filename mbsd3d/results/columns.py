@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mechanism.drivers import Driver, PositionDriver
-from ..mechanism.forces.element import ForceElement
+from ..mechanism.force_element import ForceElement
 from ..mechanism.measures import state
 from .run_result import RunResult
 

@@ -10,7 +10,7 @@ from ..equations.compiled import Compiled
 from ..kernels.layout import Data
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
-from ..mechanism.forces.element import ForceElement
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.state import State
 from .body_motion import Poses
