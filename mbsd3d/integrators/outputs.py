@@ -20,7 +20,7 @@ SCAN = 8  # parts of a step that are searched for an event
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
-@inner_kernel
+@kernel
 def write(m, d, run, t, y):
     """Store the sample whose evaluation is in d."""
     out = run.out[run.now.written]
@@ -68,7 +68,7 @@ def full(run):
     return run.now.written >= run.out.shape[0] - 2
 
 
-@kernel
+@merged_kernel
 def evaluate_start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     now = run.now

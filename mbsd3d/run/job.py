@@ -14,13 +14,14 @@ from ..equations.compiled import Compiled
 from ..integrators import memory
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
-from ..integrators.outputs import evaluate_start
-from ..kernels.coordinates import measure
-from ..kernels.dynamics import FAR, project_and_evaluate
+from ..integrators.outputs import write
+from ..kernels.coordinates import measure, remember
+from ..kernels.dynamics import FAR, PROJECTED, project_and_evaluate
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Data
 from ..kernels.loads import loads
+from ..kernels.saddle import SOLVED
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
@@ -107,9 +108,15 @@ class Job:
         """One sample at the start, without integrating."""
         self.check_start()
         self.choose("start")
-        status = evaluate_start(self.model, self.data, self.schur, self.memory)
-        if status != memory.RUNNING:
-            self.fail(status)
+        model, data, run, t = self.model, self.data, self.memory, self.start.t
+        projected, solved = project_and_evaluate(model, data, self.schur, t, run.y, run.dy, FAR)
+        run.now.evaluations += 1
+        if projected != PROJECTED:
+            self.fail(memory.NOT_CLOSING)
+        if solved != SOLVED or not np.isfinite(run.dy).all():
+            self.fail(memory.NO_SOLUTION)
+        remember(model, data, t)
+        write(model, data, run, t, run.y)
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
