@@ -10,9 +10,8 @@ from mbsd3d.base.progress import Progress
 from mbsd3d.base.quaternions import conjugate, exponential, logarithm, multiply
 from mbsd3d.base.rotations import as_quaternion, matrix
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.integrators.alpha_memory import weights
-from mbsd3d.integrators.alpha_step import move
-from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
+from mbsd3d.integrators.alpha_step import trial_state
+from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha, weights
 from mbsd3d.integrators.newton import fill_matrix, residual, tangent
 from mbsd3d.mechanism import measures
 from mbsd3d.run.job import Job
@@ -46,7 +45,7 @@ def finished(system, method, t_end=T, rtol=1e-8):
     """(solution, multipliers of the method itself at the end)."""
     job = prepared(system, method, t_end, rtol)
     solution = job.run(Progress("", 0.0, t_end, False))
-    return solution, job.own[0].lam
+    return solution, job.own.lam
 
 
 @pytest.fixture(scope="module")
@@ -189,15 +188,15 @@ def test_matrix_is_the_derivative_of_the_residual():
     job.choose("start")
     job.first_step()
     assert job.call(2) == 0  # two steps, and still running
-    m, d, s, run, g = job.model, job.data, job.schur, job.memory, job.own[0]
-    w, free, t = g.newton, 6 * m.body.size + m.z_work, float(run.clock[0]) + h
+    m, d, s, run, g = job.model, job.data, job.schur, job.memory, job.own
+    w, free, t = g.newton, 6 * m.body.size + m.z_work, float(run.now.t) + h
     change = (1 - c.alpha_f) / (1 - c.alpha_m)
     h_v, h_q, size = h * c.gamma * change, h * h * c.beta * change, free + s.place.size
     rates, multipliers = slice(7 * m.body.size, 7 * m.body.size + free), s.place["row"]
 
     def evaluate(x):
         w.rate[rates], w.lam[multipliers] = x[:free], x[free:]
-        assert move(m, d, s, run, g, c, t, h)
+        assert trial_state(m, d, s, run, g, c, t, h)
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         return w.x[:size].copy()
 

@@ -1,10 +1,10 @@
 """`simulate` and `accelerations`: from a system and a state to a `Solution`."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from ..base.errors import IntegrationError
 from ..equations.compiled import Switches
+from ..integrators.method import Method
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..run.simulation import accelerations_at, check_state, check_system, run_to
@@ -17,7 +17,7 @@ def simulate(
     t_end: float,
     *,
     state: State | None = None,
-    method: Any = None,
+    method: Method | None = None,
     rtol: float = 1e-8,
     output: int | Sequence[float] | None = None,
     stop_when: Condition | None = None,

@@ -13,10 +13,9 @@ from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
 from ..equations.jacobian import block_rows, displacement_units, scaled
-from ..kernels.coordinates import coordinate
+from ..kernels.coordinates import coordinate, measure
 from ..kernels.kinematics import displace, kinematics
 from ..kernels.layout import Data
-from ..kernels.probes import measure
 from ..kernels.rows import rows
 from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members

@@ -1,7 +1,5 @@
 """Kernels called from Python at one state: kinematics, rows and the scaled Jacobian."""
 
-from typing import Any
-
 import numpy as np
 
 from ..base.rotations import matrix
@@ -74,7 +72,7 @@ def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float) -> None:
     rows(compiled.model, data, t)
 
 
-def rows_at(compiled: Compiled, data: Any, t: float, y: np.ndarray) -> BlockRows:
+def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray) -> BlockRows:
     """Scaled rows at y."""
     load_rows(compiled, data, y, t)
     return scaled_rows(compiled.model, data)

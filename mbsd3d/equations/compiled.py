@@ -59,7 +59,7 @@ class Compiled:
     body_index: dict[int, int]  # id(body) -> index, the ground is n
     rows: dict[int, slice]  # id(joint) -> its rows
     coordinate_index: dict[tuple, int]  # key of a Coordinate -> index
-    drives: list[tuple[Any, int]]  # (driver, row) of every driven row
+    drives: list[tuple[Driver, int]]  # (driver, row) of every driven row
     row_joint: np.ndarray  # (m,) index into system.joints
     switches: Switches
 

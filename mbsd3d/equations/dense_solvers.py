@@ -6,13 +6,12 @@
 M is the block-diagonal matrix of the dense 6x6 blocks about the reference points, h the full velocity-quadratic term.
 """
 
-from typing import Any
-
 import numpy as np
 import scipy.linalg
 
 from ..base.rotations import matrix
 from ..kernels.loads import loads
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state
 from .compiled import Compiled, compile_system
@@ -20,12 +19,12 @@ from .jacobian import RANK_TOLERANCE, dense_jacobian, displacement_units, scaled
 from .mass_matrix import sparse_mass_matrix
 
 
-def mass_matrix(system: Any, state: State) -> np.ndarray:
+def mass_matrix(system: Mechanism, state: State) -> np.ndarray:
     """(6 n, 6 n) dense reference-point mass matrix."""
     return sparse_mass_matrix(system, state).toarray()
 
 
-def quadratic_term(system: Any, state: State) -> np.ndarray:
+def quadratic_term(system: Mechanism, state: State) -> np.ndarray:
     """(6 n,) h: per body (m w x (w x s), w x I_G w + m s x (w x (w x s))), on the left side of the equations."""
     h = []
     for i, body in enumerate(system.bodies):
@@ -36,7 +35,7 @@ def quadratic_term(system: Any, state: State) -> np.ndarray:
     return np.concatenate(h)
 
 
-def equations(system: Any, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Compiled]:
+def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Compiled]:
     """(M, Q - h, J, gamma, compiled) at a state."""
     compiled = compile_system(system)
     data, n = compiled.data(), len(system.bodies)
@@ -47,7 +46,7 @@ def equations(system: Any, state: State) -> tuple[np.ndarray, np.ndarray, np.nda
     return mass_matrix(system, state), force, J, gamma, compiled
 
 
-def solve_plain(system: Any, state: State) -> tuple[np.ndarray, np.ndarray]:
+def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
     """(v_dot (6 n,), lam (m,)) from the dense matrix; needs independent rows.
 
     Raises
@@ -62,7 +61,7 @@ def solve_plain(system: Any, state: State) -> tuple[np.ndarray, np.ndarray]:
     return x[:n], x[n:]
 
 
-def solve_svd(system: Any, state: State, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
+def solve_svd(system: Mechanism, state: State, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, np.ndarray]:
     """(v_dot, lam) with the rank of J revealed by its singular values; lam of least norm in the model's own units.
 
     J = U S V' (scaled): v_dot = V1 S^-1 U1' gamma + V2 y with V2' M v_dot = V2' (Q - h), and

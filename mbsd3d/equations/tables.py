@@ -72,8 +72,8 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
         if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
             singular = True
             continue
-        out["whiten"][i] = (C / np.sqrt(moments)).T.ravel()
-        out["whiten_mass"][i] = 1.0 / np.sqrt(body.mass)
+        out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()
+        out["inv_sqrt_mass"][i] = 1.0 / np.sqrt(body.mass)
     return out, singular
 
 

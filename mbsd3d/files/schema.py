@@ -18,6 +18,10 @@ import numpy as np
 
 from .. import mechanism
 from ..equations.compiled import Switches
+from ..integrators.dop853 import DOP853
+from ..integrators.driven import Kinematic
+from ..integrators.generalized_alpha import GeneralizedAlpha
+from ..integrators.rk4 import RK4
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
@@ -26,7 +30,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from ..mechanism.state import State
-from ..results.record import METHODS, Record
+from ..results.record import Record
 
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
@@ -38,6 +42,7 @@ WORDS = MappingProxyType(
     | dict.fromkeys(("lengths", "radii"), VECTOR)
     | {"shape": Shape | str | list}
 )
+METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
 BASES = (Joint, ForceElement, Signal, Shape)
 ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)

@@ -1,1 +1,1 @@
-"""Time integration: a method is its table plus its order; the time loop is compiled."""
+"""Time integration: one file a method (`method` says what one is), and what the compiled time loops share."""

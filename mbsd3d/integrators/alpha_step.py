@@ -1,24 +1,27 @@
-"""One step of generalised alpha: the state at its end, Newton's method for it, and its local error."""
+"""The time loop of generalised alpha: one step by Newton's method, its local error, what it hands to the next step."""
 
 import numpy as np
 
-from ..kernels.dynamics import FAR, PROJECTED, audit_rates, close, rounding
+from ..kernels.coordinates import remember
+from ..kernels.dynamics import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
+from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
-from .alpha_memory import FIRST, LAST, MADE, OF_MATRIX
-from .base import EVALUATIONS, RTOL, SPEED, TURN
+from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
-from .scales import LOCAL, state_error
+from .outputs import evaluate_start, full, hermite, interpolate, outputs
+from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
+SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
 
 @inner_kernel
-def glide(run, g, c, h, first):
+def velocities(run, g, c, h, first):
     """Velocities and z of the trial state from entry `first` on, and a at the end of the step."""
     for k in range(first, run.y.shape[0]):
         a = g.rate[k] + h * g.shift[k]
@@ -30,10 +33,10 @@ def glide(run, g, c, h, first):
 
 
 @kernel
-def move(m, d, s, run, g, c, t, h):
+def trial_state(m, d, s, run, g, c, t, h):
     """The trial state at t for the rates in g.newton, on c = 0; False where the joints cannot be closed."""
     n, y = m.body.shape[0], run.y
-    glide(run, g, c, h, 7 * n)
+    velocities(run, g, c, h, 7 * n)
     for i in range(n):
         q, u = 7 * i, 7 * n + 6 * i
         for j in range(q, q + 7):
@@ -42,15 +45,15 @@ def move(m, d, s, run, g, c, t, h):
         turn = scale(h, (g.mean[u + 3], g.mean[u + 4], g.mean[u + 5]))
         put(g.newton.move[i], turn)
         displace_body(run.trial, q, scale(h, (g.mean[u], g.mean[u + 1], g.mean[u + 2])), rotate(R, turn))
-    run.count[EVALUATIONS] += 1
-    return m.stabilisation != PROJECTION or close(m, d, s, t, run.trial, FAR) == PROJECTED
+    run.now.evaluations += 1
+    return m.stabilisation != PROJECTION or project_positions(m, d, s, t, run.trial, FAR) == PROJECTED
 
 
 @merged_kernel
 def correct(m, s, run, w, h_v):
     """Subtract the correction w.x from the unknowns; its largest velocity in the scales of the error."""
     n, nz, largest = m.body.shape[0], m.z_work, 0.0
-    speed, turn = run.clock[SPEED], run.clock[TURN]
+    speed, turn = run.now.speed, run.now.turn
     for j in range(6 * n + nz):
         w.rate[7 * n + j] -= w.x[j]
         unit = speed if j % 6 < 3 else turn
@@ -78,7 +81,7 @@ def predict(run, g, c, h, steady):
             a = g.rate[k] + h * g.shift[k]
             a_new = a * (1.0 - 0.5 / c.beta)
             g.newton.rate[k] = ((1.0 - c.alpha_m) * a_new + c.alpha_m * a - c.alpha_f * g.rate[k]) / (1.0 - c.alpha_f)
-        g.flag[MADE] = 0
+        g.past.matrix = 0
 
 
 @inner_kernel
@@ -91,44 +94,44 @@ def solve_step(m, d, s, run, g, c, t, h):
     size = 6 * n + m.z_work + s.place.shape[0]
     change = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
-    reach = 1.0 + m.length / (h * run.clock[SPEED])  # rounding of q is one of v, divided by h
-    held = run.clock[RTOL] if g.table.steps == 0 else min(run.clock[RTOL], 1e-8)  # fixed steps: dt alone sets the error
+    reach = 1.0 + m.length / (h * run.now.speed)  # rounding of q is one of v, divided by h
+    held = run.task.rtol if run.task.steps == 0 else min(run.task.rtol, 1e-8)  # fixed steps: dt alone sets the error
     tolerance = max(NEWTON * held, 10.0 * reach * rounding(m, run.y))
-    stale = g.flag[MADE] == 0 or abs(g.h[OF_MATRIX] - h_v) > 1e-6 * h_v
+    stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
     before = 0.0
     for k in range(ITERATIONS):
-        if not move(m, d, s, run, g, c, t, h):
+        if not trial_state(m, d, s, run, g, c, t, h):
             return False
         residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
         if stale:
-            g.flag[MADE] = 0
+            g.past.matrix = 0
             fill_matrix(m, d, s, w, t, run.trial, h_q, h_v)
             if not lu_factor(w.A, w.pivot, size):
                 return False
-            g.flag[MADE], g.h[OF_MATRIX], stale = 1, h_v, False
+            g.past.matrix, g.past.matrix_step, stale = 1, h_v, False
         lu_solve(w.A, w.pivot, w.x, size)
         moved = correct(m, s, run, w, h_v)
         if not np.isfinite(moved):
             return False
         contraction = moved / before if before > 0.0 else 0.1
         if moved <= tolerance or (contraction < 0.9 and moved * contraction / (1.0 - contraction) <= tolerance):
-            return arrived(m, d, s, run, g, c, t, h, h_v)
+            return converged(m, d, s, run, g, c, t, h, h_v)
         stale = k > 0 and contraction > SLOW
         before = moved
     return False
 
 
 @merged_kernel
-def arrived(m, d, s, run, g, c, t, h, h_v):
+def converged(m, d, s, run, g, c, t, h, h_v):
     """The trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
     w = g.newton
-    if not move(m, d, s, run, g, c, t, h):
+    if not trial_state(m, d, s, run, g, c, t, h):
         return False
     residual(m, d, s, t, run.trial, w.rate, w.lam, h_v, w.x)
     for k in range(m.row.shape[0]):
         d.row[k].lam = w.lam[k]
     audit_rates(m, d, w.rate)
-    glide(run, g, c, h, 13 * m.body.shape[0])
+    velocities(run, g, c, h, 13 * m.body.shape[0])
     return finite(run.trial)
 
 
@@ -146,7 +149,139 @@ def local_error(m, d, s, run, g, c, h):
             e[q + 3 + j] = 0.5 * e[u + 3 + j]  # quaternion of a small rotation
         e[q + 6] = 0.0
     for k in range(7 * n, e.shape[0]):
-        second = g.jerk_new[k] if g.flag[FIRST] == 1 else 2.0 * h * (g.jerk_new[k] - g.jerk[k]) / (h + g.h[LAST])
+        second = g.jerk_new[k] if g.past.first == 1 else 2.0 * h * (g.jerk_new[k] - g.jerk[k]) / (h + g.past.step)
         e[k] = c.error_v * h**2 * second
     filtered(m, d, s, g.newton, e)
-    return np.sqrt(state_error(m, run)) / (LOCAL * run.clock[RTOL])
+    return np.sqrt(state_error(m, run)) / (LOCAL * run.task.rtol)
+
+
+@merged_kernel
+def attempt(m, d, s, run, g, c):
+    """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
+    rejected, fixed = False, run.task.steps > 0
+    while True:
+        t_new, h = end_of_step(run)
+        if h < run.task.min_step:
+            return NOT_CONVERGED, t_new, h
+        predict(run, g, c, h, False)
+        solved = solve_step(m, d, s, run, g, c, t_new, h)
+        if not solved:
+            predict(run, g, c, h, True)
+            solved = solve_step(m, d, s, run, g, c, t_new, h)
+        if fixed and not solved:
+            return NOT_CONVERGED, t_new, h
+        error = np.inf
+        if solved:
+            error = 0.0 if fixed else local_error(m, d, s, run, g, c, h)
+        factor = 0.25
+        if np.isfinite(error):
+            factor = min(3.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / 3.0)))
+        if error <= 1.0:
+            factor = min(factor, 1.0) if rejected else factor
+            run.now.step = h if 0.95 < factor < SAME_STEP else h * factor
+            return RUNNING, t_new, h
+        run.now.step = h * min(factor, 0.8)
+        run.now.rejected += 1
+        rejected = True
+
+
+@inner_kernel
+def end_rates(m, run, g, h):
+    """Rates at both ends that make the dense output: velocities and z quadratic with the slopes of a."""
+    for k in range(7 * m.body.shape[0], run.y.shape[0]):
+        slope = (run.trial[k] - run.y[k]) / h
+        run.dy[k] = slope - 0.5 * h * g.jerk_new[k]
+        run.trial_rate[k] = slope + 0.5 * h * g.jerk_new[k]
+
+
+@merged_kernel
+def dense(m, d, s, g, run, h):
+    """The cubic through both ends of the step."""
+    hermite(run, h)
+    return True
+
+
+@merged_kernel
+def advance_to(m, d, s, g, run, t, x, h):
+    """The trial state at t by dense output, x after the start of the step, projected, with its rate."""
+    interpolate(run, x / h, run.trial)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    run.now.evaluations += 1
+    return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
+
+
+@merged_kernel
+def accept(m, run, g, c, t_new, h):
+    """The end of the step becomes the start of the next one."""
+    n, w = m.body.shape[0], g.newton
+    theta = g.weights.alpha_m - g.weights.alpha_f
+    for k in range(7 * n, run.y.shape[0]):
+        if g.past.first == 1:
+            g.shift[k] = theta * (w.rate[k] - g.rate[k]) / h
+        else:
+            g.shift[k] = (g.a[k] - w.rate[k]) / h
+    copy(g.jerk, g.jerk_new)
+    copy(g.rate, w.rate)
+    copy(g.lam, w.lam)
+    copy(run.y, run.trial)
+    copy(run.dy, run.trial_rate)
+    if g.past.first == 1:
+        g.past.first, g.past.matrix = 0, 0  # other weights from now on
+    g.past.step = h
+    run.now.t = t_new
+    run.now.steps += 1
+
+
+@merged_kernel
+def step(m, d, s, g, run):
+    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    c = g.first if g.past.first == 1 else g.weights
+    status, t_new, h = attempt(m, d, s, run, g, c)
+    if status != RUNNING:
+        return status
+    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FAR)
+    if projected != PROJECTED:
+        return NOT_CLOSING
+    if solved != SOLVED:
+        return NO_SOLUTION
+    end_rates(m, run, g, h)
+    status = outputs(m, d, s, g, run, t_new, h, dense, advance_to)
+    if status != RUNNING:
+        return status
+    remember(m, d, t_new)
+    update_scales(m, d, run)
+    accept(m, run, g, c, t_new, h)
+    return RUNNING if rows_hold(m, d, s, run) else CHOOSE_ROWS
+
+
+@merged_kernel
+def restart(m, d, s, g, run):
+    """Rates and multipliers of the start, or of a new choice of rows."""
+    status = evaluate_start(m, d, s, run)
+    if status == RUNNING:
+        update_scales(m, d, run)
+        copy(g.rate, run.dy)
+        for k in range(g.shift.shape[0]):
+            g.shift[k] = 0.0
+        for k in range(m.row.shape[0]):
+            g.lam[k] = d.row[k].lam
+        g.past.first, g.past.matrix = 1, 0
+    return status
+
+
+@kernel
+def integrate(m, d, s, g, run, budget):
+    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    if run.now.fresh == 1:
+        status = restart(m, d, s, g, run)
+        if status != RUNNING:
+            return status
+    for _ in range(budget):
+        if run.now.t >= run.task.t_end:
+            return DONE
+        if full(run):
+            return FULL
+        status = step(m, d, s, g, run)
+        if status != RUNNING:
+            return status
+    return RUNNING if run.now.t < run.task.t_end else DONE

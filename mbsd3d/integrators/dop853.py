@@ -1,19 +1,35 @@
 """The eighth-order method of Dormand and Prince with seventh-order dense output; coefficients as scipy holds them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import number
-from .runge_kutta import Table, advance
+from ..kernels.layout import Data, Model
+from .method import Method
+from .runge_kutta import Stages, Table, advance, new_stages
 
 PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
 
+N = SCIPY.n_stages
+A_DENSE = np.zeros((3, N + 1 + 3))
+A_DENSE[:, : SCIPY.A_EXTRA.shape[1]] = SCIPY.A_EXTRA
+TABLE = Table(
+    A=np.ascontiguousarray(SCIPY.A[:N, :N]),
+    b=np.ascontiguousarray(SCIPY.B),
+    c=np.ascontiguousarray(SCIPY.C[:N]),
+    error=np.array([SCIPY.E5[:N], SCIPY.E3[:N]]),
+    A_dense=A_DENSE,
+    c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
+    D=np.ascontiguousarray(SCIPY.D),
+    order=8,
+)
+
 
 @dataclass(frozen=True)
-class DOP853:
+class DOP853(Method):
     """Adaptive explicit Runge-Kutta method of order 8, or with fixed steps when ``dt`` [s] is given.
 
     The default for everything that is not stiff. Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I.
@@ -41,8 +57,9 @@ class DOP853:
     max_step: float = np.inf
     stiff: str = "stop"
 
-    order = 8
+    order = TABLE.order
     loop = staticmethod(advance)
+    dense_terms = 3 + TABLE.D.shape[0]
 
     def __post_init__(self) -> None:
         if self.dt is not None:
@@ -52,25 +69,10 @@ class DOP853:
         if self.stiff not in ("stop", "run"):
             raise ValueError(f"DOP853: stiff {self.stiff!r} is unknown; give 'stop' or 'run'")
 
-    def table(self, steps: int) -> Table:
-        """Butcher table; ``steps`` equal steps, or adaptive for 0."""
-        n = SCIPY.n_stages
-        D = np.ascontiguousarray(SCIPY.D)
-        A_dense = np.zeros((3, n + 1 + 3))
-        A_dense[:, : SCIPY.A_EXTRA.shape[1]] = SCIPY.A_EXTRA
-        return Table(
-            A=np.ascontiguousarray(SCIPY.A[:n, :n]),
-            b=np.ascontiguousarray(SCIPY.B),
-            c=np.ascontiguousarray(SCIPY.C[:n]),
-            error=np.array([SCIPY.E5[:n], SCIPY.E3[:n]]),
-            A_dense=A_dense,
-            c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
-            D=D,
-            order=8,
-            steps=steps,
-            patience=PATIENCE if self.stiff == "stop" else np.inf,
-        )
+    @property
+    def patience(self) -> float:
+        """Of a run with adaptive steps; steps that are fixed are not judged."""
+        return PATIENCE if self.stiff == "stop" else np.inf
 
-    def own(self, compiled: Any, table: Table) -> tuple:
-        """What the time loop takes beside model, work space, rows and run."""
-        return (table,)
+    def start(self, model: Model, data: Callable[[type], Data]) -> Stages:
+        return new_stages(TABLE, 13 * model.body.size + model.state.size)

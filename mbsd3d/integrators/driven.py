@@ -2,44 +2,25 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, arrive, evaluate
+from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.layout import Data, Model
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
-from .base import (
-    CHOOSE_ROWS,
-    CONDITION,
-    DONE,
-    EVALUATIONS,
-    FRESH,
-    FULL,
-    MAX_STEP,
-    NEXT,
-    NO_SOLUTION,
-    NOT_CLOSING,
-    RUNNING,
-    STEPS,
-    TURN,
-    WRITTEN,
-    T,
-    hermite,
-    rows_hold,
-    start,
-    write,
-)
-from .events import LANDINGS, first_crossing, halt, may_come_true, missing_time
-from .scales import references
+from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING
+from .method import Method
+from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, write
+from .step_control import rows_hold, update_scales
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 
 
 @dataclass(frozen=True)
-class Kinematic:
+class Kinematic(Method):
     """No ODE: for systems whose drivers determine the whole motion (rank of the rows = 6 per body).
 
     Work, impulse and own states of forces are integrated over the poses by the trapezoidal rule, of order 2: more
@@ -61,6 +42,7 @@ class Kinematic:
     max_step: float = np.inf
 
     order = 0
+    dt = None
 
     def __post_init__(self) -> None:
         if not self.max_step > 0.0:
@@ -71,9 +53,8 @@ class Kinematic:
         """The compiled loop over the output times."""
         return follow
 
-    def own(self, compiled: Any, table: None) -> tuple:
-        """What the loop takes beside model, work space, rows and run."""
-        return ()
+    def start(self, model: Model, data: Callable[[type], Data]) -> None:
+        """It has no memory of its own."""
 
 
 @inner_kernel
@@ -87,40 +68,22 @@ def predict(m, run, h):
             run.trial[7 * i + j] += 0.5 * h * h * run.dy[7 * n + 6 * i + j]
 
 
-@merged_kernel
-def correct(m, run, h):
-    """Work and own states of the trial, predicted by the rate at the last pose, by the mean of both rates."""
-    for i in range(13 * m.body.shape[0], run.trial.shape[0]):
-        run.trial[i] += 0.5 * h * (run.work_rate[i] - run.dy[i])
-
-
-@merged_kernel
-def event(m, d, run, h, t_new):
-    """Time from the last pose to where the condition comes true before the next one, -1 if it does not."""
-    if not may_come_true(m, d, run, h, t_new, run.work_rate):
-        return -1.0
-    hermite(run, h, run.work_rate)
-    return h * first_crossing(m, d, run, h, t_new)
-
-
 @inner_kernel
-def land(m, d, s, run, h, x):
-    """End the run where the condition comes true, x after the last pose: Newton on the time, a pose each."""
-    t = run.clock[T]
-    for left in range(LANDINGS, 0, -1):
-        predict(m, run, x)
-        status, result = arrive(m, d, s, t + x, run.trial, run.work_rate, FAR)
-        run.count[EVALUATIONS] += 1
-        if status != PROJECTED:
-            return NOT_CLOSING
-        if result != SOLVED or not finite(run.work_rate):
-            return NO_SOLUTION
-        correct(m, run, x)
-        dt = missing_time(m, d, run, h, t + x, run.work_rate)
-        if left == 1 or abs(dt) <= 1e-16 * h:
-            break
-        x = min(max(x + dt, 0.0), h)
-    return halt(m, d, s, run, t + x)
+def advance_to(m, d, s, own, run, t, x, h):
+    """The trial pose at t, x after the last one, on c = 0, with its velocities and accelerations.
+
+    Work and own states, predicted by the rate at the last pose, are corrected by the mean of both rates.
+    """
+    predict(m, run, x)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    run.now.evaluations += 1
+    if status != PROJECTED:
+        return NOT_CLOSING
+    if result != SOLVED or not finite(run.trial_rate):
+        return NO_SOLUTION
+    for i in range(13 * m.body.shape[0], run.trial.shape[0]):
+        run.trial[i] += 0.5 * x * (run.trial_rate[i] - run.dy[i])
+    return RUNNING
 
 
 @merged_kernel
@@ -130,48 +93,69 @@ def expected_turn(m, run, h):
     for i in range(n):
         for j in range(3):
             alpha = max(alpha, abs(run.dy[7 * n + 6 * i + 3 + j]))
-    return h * run.clock[TURN] + 0.5 * h * h * alpha
+    return h * run.now.turn + 0.5 * h * h * alpha
+
+
+@merged_kernel
+def poses_to(m, run, t):
+    """Number of poses to visit until t."""
+    h = t - run.now.t
+    return max(1, int(np.ceil(max(expected_turn(m, run, h) / TURN_PER_POSE, h / run.task.max_step))))
+
+
+@merged_kernel
+def watch(m, d, s, run, t_new, h):
+    """STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
+    if may_come_true(m, d, run, h, t_new):
+        hermite(run, h)
+        x = first_crossing(m, d, run, h, t_new)
+        if x >= 0.0:
+            status, t_stop = land(m, d, s, None, run, h, x * h, advance_to)
+            return halt(m, d, s, run, t_stop) if status == RUNNING else status
+    evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the pose again
+    return RUNNING
+
+
+@merged_kernel
+def step(m, d, s, run, t_new):
+    """The pose at t_new; RUNNING or a reason to come back to Python."""
+    h = t_new - run.now.t
+    status = advance_to(m, d, s, None, run, t_new, h, h)
+    if status == RUNNING and run.task.condition >= 0:
+        status = watch(m, d, s, run, t_new, h)
+    if status != RUNNING:
+        return status
+    remember(m, d, t_new)
+    update_scales(m, d, run)
+    copy(run.y, run.trial)
+    copy(run.dy, run.trial_rate)
+    run.now.t = t_new
+    run.now.steps += 1
+    return RUNNING
 
 
 @kernel
-def follow(m, d, s, run, budget):
-    """Visit the output times; DONE, RUNNING after `budget` poses, or a reason to come back to Python."""
-    if run.count[FRESH] == 1:
-        status = start(m, d, s, run)
+def follow(m, d, s, own, run, budget):
+    """Visit the output times; DONE, RUNNING after `budget` of them, or a reason to come back to Python."""
+    if run.now.fresh == 1:
+        status = evaluate_start(m, d, s, run)
         if status != RUNNING:
             return status
-        references(m, d, run)
+        update_scales(m, d, run)
     for _ in range(budget):
-        if run.count[NEXT] >= run.times.shape[0]:
+        if run.now.next_output >= run.times.shape[0]:
             return DONE
-        if run.count[WRITTEN] >= run.out.shape[0] - 2:
+        if full(run):
             return FULL
-        t_new = run.times[run.count[NEXT]]
-        h = t_new - run.clock[T]
-        pieces = max(1, int(np.ceil(max(expected_turn(m, run, h) / TURN_PER_POSE, h / run.clock[MAX_STEP]))))
-        for piece in range(pieces):
-            t = t_new if piece == pieces - 1 else run.clock[T] + h / pieces
-            predict(m, run, t - run.clock[T])
-            status, result = arrive(m, d, s, t, run.trial, run.work_rate, FAR)
-            run.count[EVALUATIONS] += 1
-            if status != PROJECTED:
-                return NOT_CLOSING
-            if result != SOLVED or not finite(run.work_rate):
-                return NO_SOLUTION
-            correct(m, run, t - run.clock[T])
-            if run.count[CONDITION] >= 0:
-                x = event(m, d, run, t - run.clock[T], t)
-                if x >= 0.0:
-                    return land(m, d, s, run, t - run.clock[T], x)
-                evaluate(m, d, s, t, run.trial, run.work_rate)  # the work space belongs to the pose again
-            remember(m, d, t)
-            references(m, d, run)
-            copy(run.y, run.trial)
-            copy(run.dy, run.work_rate)
-            run.clock[T] = t
-            run.count[STEPS] += 1
-        write(m, d, run, t_new, run.y)
-        run.count[NEXT] += 1
+        t_output = run.times[run.now.next_output]
+        poses = poses_to(m, run, t_output)
+        h = (t_output - run.now.t) / poses
+        for pose in range(poses):
+            status = step(m, d, s, run, t_output if pose == poses - 1 else run.now.t + h)
+            if status != RUNNING:
+                return status
+        write(m, d, run, t_output, run.y)
+        run.now.next_output += 1
         if not rows_hold(m, d, s, run):
             return CHOOSE_ROWS
     return RUNNING

@@ -14,20 +14,69 @@ t + theta h, theta = alpha_m - alpha_f, it is stored as v_dot + h shift and adap
 has no history, is taken with rho = 1, where theta = 0.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from ..base.checks import number
-from .alpha_loop import integrate
-from .alpha_memory import Alpha, weights
-from .newton import Newton
-from .runge_kutta import Table
+from ..kernels.kinds import BAUMGARTE
+from ..kernels.layout import Data, Model, single
+from .alpha_step import integrate
+from .method import Method
+from .newton import Newton, new_newton
+
+
+class Weights(NamedTuple):
+    """Coefficients of the method for one rho, and of its local errors: C_q h^3 d3q/dt3, C_v h^3 d3v/dt3."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    error_q: float
+    error_v: float
+
+
+def weights(rho: float) -> Weights:
+    """Chung and Hulbert's optimal choice; errors from inserting the exact solution."""
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    theta = alpha_m - alpha_f
+    gamma = 0.5 - theta
+    beta = 0.25 * (gamma + 0.5) ** 2
+    # a = v_dot(t + theta h) + kappa h^2 d3v
+    kappa = 0.5 * (1.0 - alpha_f) - 0.5 * (1.0 - alpha_m) * (1.0 + theta) ** 2 - 0.5 * alpha_m * theta**2
+    error_v = 0.5 * (1.0 - gamma) * theta**2 + 0.5 * gamma * (1.0 + theta) ** 2 + kappa - 1.0 / 6.0
+    return Weights(alpha_m, alpha_f, beta, gamma, 0.5 * theta + beta - 1.0 / 6.0, error_v)
+
+
+PAST = [
+    ("first", int),  # 1 before the first step
+    ("step", float),  # s, length of the last step
+    ("matrix", int),  # 1 when there is a matrix of Newton's method
+    ("matrix_step", float),  # s, h_v of the step it belongs to
+]
+
+
+class Alpha(NamedTuple):
+    """Memory of the method; arrays in the layout of y use its velocity and z parts only."""
+
+    first: Weights  # of the first step: rho = 1
+    weights: Weights
+    newton: Newton
+    rate: np.ndarray  # (ny,) v_dot and z_dot at the start of the step
+    lam: np.ndarray  # (m,) multipliers there
+    shift: np.ndarray  # (ny,) (a - v_dot) / h
+    a: np.ndarray  # (ny,) a at the end of the step
+    jerk: np.ndarray  # (ny,) its slope over the last step
+    jerk_new: np.ndarray  # (ny,) and over this one
+    mean: np.ndarray  # (ny,) mean velocity of the step
+    past: np.record  # PAST
 
 
 @dataclass(frozen=True)
-class GeneralizedAlpha:
+class GeneralizedAlpha(Method):
     """Implicit method of order 2 for stiff systems: stiff springs, bushings, contact dampers, controllers.
 
     Its step follows the motion asked for, not the fastest frequency in the model. What the step does not resolve is
@@ -74,34 +123,15 @@ class GeneralizedAlpha:
         if not self.max_step > 0.0:
             raise ValueError(f"GeneralizedAlpha: max_step {self.max_step} is not positive; give a time > 0")
 
-    def table(self, steps: int) -> Table:
-        """A table without stages: it holds the number of steps, 0 = adaptive, and the shape of the dense output."""
-        none = np.zeros((1, 1))
-        return Table(
-            A=none, b=np.zeros(1), c=np.zeros(1), error=np.zeros((2, 1)), A_dense=np.zeros((0, 2)),
-            c_dense=np.zeros(0), D=np.zeros((0, 2)), order=2, steps=steps,
-            patience=np.inf,
-        )  # fmt: skip
-
-    def own(self, compiled: Any, table: Table) -> tuple:
-        """What the time loop takes beside model, work space, rows and run."""
-        if not compiled.switches.gamma or compiled.switches.stabilisation == "baumgarte":
+    def start(self, model: Model, data: Callable[[type], Data]) -> Alpha:
+        if not model.gamma or model.stabilisation == BAUMGARTE:
             raise ValueError(
                 "GeneralizedAlpha: its equations hold no gamma = b_dot - J_dot v, so gamma=False and "
                 "stabilisation='baumgarte' would change nothing; use DOP853() or RK4(dt) to show their effect"
             )
-        model = compiled.model
-        n, m, ny = model.body.size, model.row.size, 13 * model.body.size + model.state.size
-        size = 6 * n + model.z_work + m
-        newton = Newton(
-            rate=np.zeros(ny), lam=np.zeros(m), move=np.zeros((n, 3)), x=np.zeros(size), A=np.zeros((size, size)),
-            pivot=np.zeros(size, np.int64), data=compiled.data(complex), y_c=np.zeros(ny, complex),
-            rate_c=np.zeros(ny, complex), x_c=np.zeros(size, complex),
-        )  # fmt: skip
-        names = ("rate", "shift", "a", "jerk", "jerk_new", "mean")
-        return (
-            Alpha(
-                table=table, first=weights(1.0), weights=weights(float(self.rho)), newton=newton, lam=np.zeros(m),
-                h=np.zeros(2), flag=np.zeros(2, np.int64), **{name: np.zeros(ny) for name in names},
-            ),
+        newton = new_newton(model, data(complex))
+        rate, shift, a, jerk, jerk_new, mean = np.zeros((6, newton.rate.size))
+        return Alpha(
+            first=weights(1.0), weights=weights(float(self.rho)), newton=newton, lam=np.zeros(model.row.size),
+            rate=rate, shift=shift, a=a, jerk=jerk, jerk_new=jerk_new, mean=mean, past=single(PAST),
         )  # fmt: skip

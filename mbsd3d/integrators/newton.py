@@ -17,7 +17,7 @@ from ..kernels.dynamics import correction
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate
-from ..kernels.layout import Data
+from ..kernels.layout import Data, Model
 from ..kernels.loads import loads
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, sub, vec
@@ -38,6 +38,17 @@ class Newton(NamedTuple):
     y_c: np.ndarray  # (ny,) complex state,
     rate_c: np.ndarray  # rates
     x_c: np.ndarray  # and residual
+
+
+def new_newton(model: Model, data: Data) -> Newton:
+    """Memory for steps of a model; ``data`` is a complex work space."""
+    n, m, ny = model.body.size, model.row.size, 13 * model.body.size + model.state.size
+    size = 6 * n + model.z_work + m
+    return Newton(
+        rate=np.zeros(ny), lam=np.zeros(m), move=np.zeros((n, 3)), x=np.zeros(size), A=np.zeros((size, size)),
+        pivot=np.zeros(size, np.int64), data=data, y_c=np.zeros(ny, complex), rate_c=np.zeros(ny, complex),
+        x_c=np.zeros(size, complex),
+    )  # fmt: skip
 
 
 @inner_kernel

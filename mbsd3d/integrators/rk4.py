@@ -1,16 +1,29 @@
 """The classical fourth-order method with fixed steps; dense output by cubic Hermite, which keeps the order."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..base.checks import number
-from .runge_kutta import Table, advance
+from ..kernels.layout import Data, Model
+from .method import Method
+from .runge_kutta import Stages, Table, advance, new_stages
+
+TABLE = Table(
+    A=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
+    b=np.array([1, 2, 2, 1]) / 6.0,
+    c=np.array([0, 0.5, 0.5, 1.0]),
+    error=np.zeros((2, 4)),
+    A_dense=np.zeros((0, 5)),
+    c_dense=np.zeros(0),
+    D=np.zeros((0, 5)),
+    order=4,
+)
 
 
 @dataclass(frozen=True)
-class RK4:
+class RK4(Method):
     """Classical Runge-Kutta method of order 4 with fixed steps of ``dt`` [s], adjusted to land on ``t_end``.
 
     Examples
@@ -24,28 +37,11 @@ class RK4:
 
     dt: float
 
-    order = 4
+    order = TABLE.order
     loop = staticmethod(advance)
-    max_step = np.inf
 
     def __post_init__(self) -> None:
         number(self.dt, "RK4: dt", positive=True)
 
-    def table(self, steps: int) -> Table:
-        """Butcher table for ``steps`` equal steps."""
-        return Table(
-            A=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),
-            b=np.array([1, 2, 2, 1]) / 6.0,
-            c=np.array([0, 0.5, 0.5, 1.0]),
-            error=np.zeros((2, 4)),
-            A_dense=np.zeros((0, 5)),
-            c_dense=np.zeros(0),
-            D=np.zeros((0, 5)),
-            order=4,
-            steps=steps,
-            patience=np.inf,
-        )
-
-    def own(self, compiled: Any, table: Table) -> tuple:
-        """What the time loop takes beside model, work space, rows and run."""
-        return (table,)
+    def start(self, model: Model, data: Callable[[type], Data]) -> Stages:
+        return new_stages(TABLE, 13 * model.body.size + model.state.size)

@@ -1,4 +1,4 @@
-"""Hinge coordinates: the angle or the slide of a joint, with its gradient, used by ratios, drivers, springs, friction.
+"""Hinge coordinates (angle or slide of a joint, with its gradient) and measures (scalar functions of the state).
 
 Angle between x_a, y_a (fixed in a) and x_b (fixed in b): theta = atan2(x_b.y_a, x_b.x_a), exact off the joint's
 manifold too. Slide: s = n_a . (p_b - p_a). Angles are unwrapped against the last accepted state, never by a counter.
@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from .jit import inner_kernel, kernel, merged_kernel
-from .kinds import ANGLE
+from .kinds import ANGLE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, TURN, VELOCITY
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
 
 
@@ -115,3 +115,33 @@ def remember(m, d, t):
         d.coordinate[i].value = np.real(value)
         d.coordinate[i].rate = np.real(rate)
     d.unwrap_time[0] = t
+
+
+@kernel
+def measure(m, d, i, t):
+    """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean,
+    distance, own state of a force element."""
+    p = m.measure[i]
+    if p.kind == COORDINATE:
+        return coordinate(m, d, p.coordinate, t)[0]
+    if p.kind == COORDINATE_RATE:
+        return coordinate_rate(m, d, p.coordinate, t)
+    if p.kind == OWN_STATE:
+        return d.z[p.state]
+    a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
+    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
+    gap = sub(point(b, sb), point(a, sa))
+    if p.kind == POSITION:
+        return dot(axis, gap)
+    if p.kind == GAP:
+        return np.sqrt(dot(gap, gap))
+    if p.kind == VELOCITY:
+        return dot(axis, sub(point_velocity(b, sb), point_velocity(a, sa)))
+    if p.kind == TURN:
+        return dot(axis, sub(vec(b.w), vec(a.w)))
+    side = arm(b, p.axis)  # lean: elevation of the body's lateral axis
+    level = np.sqrt(side[0] * side[0] + side[1] * side[1])
+    if p.kind == LEAN:
+        return arctan2(side[2], level)
+    side_dot = cross(vec(b.w), side)
+    return (side_dot[2] * level - side[2] * (side[0] * side_dot[0] + side[1] * side_dot[1]) / level) / dot(side, side)

@@ -3,7 +3,8 @@
     [ M(q)  J' ] [ v_dot ]   [ Q(q, v, z, t) - h(q, v) ]
     [ J     0  ] [  lam  ] = [ gamma(q, v, t)          ]        e_dot = H(e) w / 2,   rows J v = b
 
-`evaluate` is the right side of the ODE; `project` puts q on c = 0 and v on J v = b in the metric of M.
+`evaluate` is the right side of the ODE; `project_positions` puts q on c = 0, `project_velocities` v on J v = b, both in
+the metric of M.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from .saddle import SOLVED, factor, solve
 from .vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
-FAR, NEAR = np.int64(0), np.int64(1)  # the factor at hand, to `close`; plain ints would be compiled a second time
+FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time
 
 
 @merged_kernel
@@ -119,7 +120,7 @@ def correction(m, d, s):
 
 
 @inner_kernel
-def towards_closure(m, d, s, t, y):
+def newton_step(m, d, s, t, y):
     """One Newton step on c = 0 with the factor at hand, and the rows of the pose it leads to."""
     for k in range(m.row.shape[0]):
         d.row[k].bottom = -d.row[k].c
@@ -132,7 +133,7 @@ def towards_closure(m, d, s, t, y):
 
 
 @kernel
-def close(m, d, s, t, y, near):
+def project_positions(m, d, s, t, y, near):
     """Mass-weighted Newton of y onto c = 0, to rounding; the factor left behind belongs to the projected y.
 
     ``near`` = NEAR: the factor at hand belongs to a pose close by, such as the last stage of a step. A first step
@@ -144,7 +145,7 @@ def close(m, d, s, t, y, near):
     floor = rounding(m, y)
     residual, fresh = largest_residual(m, d, s), False
     if near == NEAR and residual > floor:
-        if not towards_closure(m, d, s, t, y):
+        if not newton_step(m, d, s, t, y):
             return NO_FACTOR
         residual = largest_residual(m, d, s)
     for _ in range(12):
@@ -153,7 +154,7 @@ def close(m, d, s, t, y, near):
         fresh = True
         if residual <= floor:
             break
-        if not towards_closure(m, d, s, t, y):
+        if not newton_step(m, d, s, t, y):
             return NO_FACTOR
         before, residual = residual, largest_residual(m, d, s)
         fresh = before <= 1e3 * floor  # moved by rounding only
@@ -165,7 +166,7 @@ def close(m, d, s, t, y, near):
 
 
 @merged_kernel
-def settle(m, d, s, y):
+def project_velocities(m, d, s, y):
     """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
     for k in range(m.row.shape[0]):
         d.row[k].bottom = -row_speed(m, d, k)
@@ -175,24 +176,17 @@ def settle(m, d, s, y):
     return PROJECTED
 
 
-@merged_kernel
-def project(m, d, s, t, y, near):
-    """q onto c = 0, then v onto J v = b, in place; PROJECTED, NOT_CLOSED or NO_FACTOR."""
-    status = close(m, d, s, t, y, near)
-    if status == PROJECTED:
-        status = settle(m, d, s, y)
-    return status
-
-
 @kernel
-def arrive(m, d, s, t, y, dy, near):
+def project_and_evaluate(m, d, s, t, y, dy, near):
     """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status).
 
-    ``near`` as in `close`.
+    ``near`` as in `project_positions`.
     """
     if m.stabilisation != PROJECTION:
         return PROJECTED, evaluate(m, d, s, t, y, dy)
-    status = project(m, d, s, t, y, near)
+    status = project_positions(m, d, s, t, y, near)
+    if status == PROJECTED:
+        status = project_velocities(m, d, s, y)
     if status != PROJECTED:
         return status, SOLVED
     kinematics(m, d, y)

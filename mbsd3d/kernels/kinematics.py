@@ -49,9 +49,9 @@ def kinematics(m, d, y):
         w_body = (y[u + 3], y[u + 4], y[u + 5])
         put(body.w_body, w_body)
         put(body.w, rotate(R, w_body))
-        white = mat(m.body[i].whiten)
-        for j in range(3):  # A = whiten R', column j is whiten times row j of R
-            column = rotate(white, (R[3 * j], R[3 * j + 1], R[3 * j + 2]))
+        W = mat(m.body[i].inv_sqrt_inertia)
+        for j in range(3):  # A = W R', column j is W times row j of R
+            column = rotate(W, (R[3 * j], R[3 * j + 1], R[3 * j + 2]))
             body.A[j] = column[0]
             body.A[3 + j] = column[1]
             body.A[6 + j] = column[2]

@@ -16,10 +16,10 @@ MOST_BODIES = 4  # of a custom force
 
 BODY = [
     ("mass", float),  # kg
-    ("whiten_mass", float),  # kg^(-1/2), m^(-1/2)
+    ("inv_sqrt_mass", float),  # kg^(-1/2)
     ("com", float, 3),  # m, r_G from the reference point O, body axes
     ("inertia", float, 9),  # kg m^2, about the centre of mass, body axes
-    ("whiten", float, 9),  # I_p^(-1/2) C', C the principal axes: whiten' whiten = I_G^-1, body axes
+    ("inv_sqrt_inertia", float, 9),  # I_p^(-1/2) C', C the principal axes: its W'W = I_G^-1, body axes
 ]
 PRIMITIVE = [
     ("kind", int),  # one of the constants of kinds.py
@@ -118,7 +118,7 @@ def data_records(dtype: type) -> dict[str, list]:
                 dtype,
                 3,
             ),  # rad/s, body axes: straight from the state, so that Euler's term sees no R'R rounding
-            ("A", dtype, 9),  # whiten R': takes a moment about G to mass-scaled body axes
+            ("A", dtype, 9),  # inv_sqrt_inertia R': takes a moment about G to mass-scaled body axes
             ("Q", dtype, 6),  # applied force and moment about O, gravity included      } computed by loads
             ("h", dtype, 6),  # velocity-quadratic term
             ("spin", dtype, 3),  # N m, its gyroscopic part w x I_G w in body axes, free of R R' rounding
@@ -201,3 +201,8 @@ def table(fields: list, count: int) -> np.ndarray:
     """A table of zero records; with the compiler switched off, one whose records have attributes in Python too."""
     array = np.zeros(count, record(tuple(fields)))
     return array.view(np.recarray) if numba.config.DISABLE_JIT else array
+
+
+def single(fields: list) -> np.record:
+    """One zero record; its fields are attributes, in kernels and in Python."""
+    return np.zeros(1, record(tuple(fields))).view(np.recarray)[0]

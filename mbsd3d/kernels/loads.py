@@ -8,11 +8,10 @@ A new force is one function here and one line in `loads`.
 
 import numpy as np
 
-from .coordinates import coordinate
+from .coordinates import coordinate, measure
 from .custom import custom
 from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import BUSHING, COORDINATE_SPRING, CUSTOM, DRAG, FEEDBACK, FORCE, FRICTION, SPRING, TORQUE
-from .probes import measure
 from .signals import signal
 from .vectors import (  # fmt: skip
     add,

@@ -18,18 +18,18 @@ SOLVED, BAD_PIVOT, NOT_FINITE = 0, 1, 2
 
 
 @merged_kernel
-def to_scaled(whiten_mass, A, s, force, moment):
+def to_scaled(inv_sqrt_mass, A, s, force, moment):
     """U^-T (force, moment about O) of a body."""
-    return scale(whiten_mass, force), rotate(A, add(moment, cross(force, s)))
+    return scale(inv_sqrt_mass, force), rotate(A, add(moment, cross(force, s)))
 
 
 @inner_kernel
 def put_solution(fixed, body, linear, angular):
     """acceleration, alpha := U^-1 (linear, angular), the angular part in world and in body axes."""
-    alpha = rotate_back(mat(fixed.whiten), angular)
+    alpha = rotate_back(mat(fixed.inv_sqrt_inertia), angular)
     w = rotate(mat(body.R), alpha)
     put(body.alpha, alpha)
-    put6(body.acceleration, add(scale(fixed.whiten_mass, linear), cross(vec(body.s), w)), w)
+    put6(body.acceleration, add(scale(fixed.inv_sqrt_mass, linear), cross(vec(body.s), w)), w)
 
 
 @merged_kernel
@@ -47,11 +47,11 @@ def assemble_schur(m, d, s):
     """Y = J U^-1 of the chosen rows and the lower triangle of S = Y Y' into the skyline, body by body."""
     clear(s.skyline)
     for i in range(m.body.shape[0]):
-        whiten_mass, A, arm = m.body[i].whiten_mass, mat(d.body[i].A), vec(d.body[i].s)  # in registers
+        inv_sqrt_mass, A, arm = m.body[i].inv_sqrt_mass, mat(d.body[i].A), vec(d.body[i].s)  # in registers
         for e in range(s.body_first[i], s.body_first[i + 1]):
             block = s.block[e]
             force, moment = row_on_body(d.row[block.row], block)
-            x, y = to_scaled(whiten_mass, A, arm, force, moment)
+            x, y = to_scaled(inv_sqrt_mass, A, arm, force, moment)
             put6(block.Y, x, y)
             line = block.line
             for f in range(s.body_first[i], e + 1):
@@ -135,8 +135,8 @@ def solve(m, d, s):
     for i in range(m.body.shape[0]):
         top = d.body[i].top
         force, moment = pair(top)
-        linear, angular = to_scaled(m.body[i].whiten_mass, mat(d.body[i].A), vec(d.body[i].s), force, moment)
-        put6(top, linear, add(angular, rotate(mat(m.body[i].whiten), vec(d.body[i].turn))))
+        linear, angular = to_scaled(m.body[i].inv_sqrt_mass, mat(d.body[i].A), vec(d.body[i].s), force, moment)
+        put6(top, linear, add(angular, rotate(mat(m.body[i].inv_sqrt_inertia), vec(d.body[i].turn))))
         for e in range(s.body_first[i], s.body_first[i + 1]):
             Y = s.block[e].Y
             s.rhs[s.block[e].place] += (

@@ -17,11 +17,10 @@ from ..base.rotations import matrix
 from ..constraints.row_choice import choose_rows, schur_of
 from ..equations.at_state import load_rows, load_state
 from ..equations.compiled import Compiled
-from ..kernels.coordinates import remember
+from ..kernels.coordinates import measure, remember
 from ..kernels.dynamics import accelerate
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Schur
-from ..kernels.probes import measure
 from ..kernels.rows import rows
 from ..kernels.saddle import SOLVED, factor
 from ..mechanism.state import State

@@ -6,9 +6,9 @@ with L10 in millions of revolutions, p = 3 for balls and 10/3 for rollers; the r
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import number
 from .bearings import BearingLoad
@@ -75,11 +75,11 @@ class Rating:
             what = f"{type(self).__name__}: {name}"
             object.__setattr__(self, name, number(getattr(self, name), what, minimum=0.0, positive=positive))
 
-    def factors(self, axial: np.ndarray) -> tuple[Any, Any, Any]:
+    def factors(self, axial: np.ndarray) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
         """(X, Y, e) under axial forces >= 0 [N]."""
         raise NotImplementedError
 
-    def equivalent(self, radial: Any, axial: Any) -> np.ndarray:
+    def equivalent(self, radial: ArrayLike, axial: ArrayLike) -> np.ndarray:
         """Equivalent dynamic load P [N] of radial and axial forces [N]."""
         radial, axial = np.abs(radial), np.abs(axial)
         X, Y, e = self.factors(axial)
@@ -105,7 +105,7 @@ class Rating:
             raise ValueError(f"{what}: an axial force of {np.abs(load.axial).max():g} N, but Y = 0; give X, Y and e")
         return self.life_of(load.t, self.equivalent(load.radial, load.axial), load.speed, what)
 
-    def life_of(self, t: Any, load: Any, speed: Any, what: str = "life_of") -> RatingLife:
+    def life_of(self, t: ArrayLike, load: ArrayLike, speed: ArrayLike, what: str = "life_of") -> RatingLife:
         """L10 of equivalent loads P [N] and speeds [rad/s] over times [s] (trapezoidal rule)."""
         t, load, speed = (np.asarray(x, float) for x in (t, load, np.abs(speed)))
         angle = np.trapezoid(speed, t)

@@ -4,13 +4,14 @@ What they mean for the life of a rolling bearing: `mbsd3d.results.bearing_life`.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.directions import perpendiculars, unit
-from ..mechanism.joints import Fixed, PointJoint, Prismatic
+from ..mechanism.joints import Fixed, Joint, PointJoint, Prismatic
+from .run_result import RunResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,9 @@ class BearingLoad:
         return np.hypot(self.moment[:, 0], self.moment[:, 1])
 
 
-def bearing_load(solution: Any, joint: Any, axis: Any = None, *, frame: str = "a") -> BearingLoad:
+def bearing_load(
+    solution: RunResult, joint: Joint | str, axis: ArrayLike | None = None, *, frame: str = "a"
+) -> BearingLoad:
     """The reaction of a joint as radial force, axial force and tilting moment.
 
     Parameters
@@ -108,13 +111,15 @@ def bearing_load(solution: Any, joint: Any, axis: Any = None, *, frame: str = "a
     )
 
 
-def relative_spin(solution: Any, part: Any) -> np.ndarray:
+def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
     """(samples, 3) w_b - w_a, world [rad/s]."""
     rates = [solution.omega(body) if body in solution.system.bodies else np.zeros(3) for body in (part.a, part.b)]
     return rates[1] - rates[0]
 
 
-def bearing_pair(solution: Any, joint: Any, *, fixed: Any, floating: Any) -> tuple[BearingLoad, BearingLoad]:
+def bearing_pair(
+    solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
+) -> tuple[BearingLoad, BearingLoad]:
     """Loads of two bearings on one shaft that together are the hinge: the fixed one takes the axial force.
 
     From force F and moment M at the fixed bearing A, with the floating one at B = A + L u:

@@ -1,12 +1,12 @@
 """Poses over time, read by part: what a run and a mode have in common."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled
-from ..mechanism.bodies import GROUND
+from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.mechanism import Mechanism
 
 
 class Poses:
@@ -17,41 +17,41 @@ class Poses:
     t: np.ndarray
 
     @property
-    def system(self) -> Any:
+    def system(self) -> Mechanism:
         """The system that moves."""
         return self.compiled.system
 
-    def _body(self, body: Any) -> int:
+    def _body(self, body: Body | str) -> int:
         index = self.compiled.body_index.get(id(body), self.compiled.model.body.size)
         return index if index < self.compiled.model.body.size else self.compiled.body_index[id(self.system.part(body))]
 
-    def position(self, body: Any) -> np.ndarray:
+    def position(self, body: Body | str) -> np.ndarray:
         """Reference point of a body [m]."""
         return self.arrays["q"][:, self._body(body), :3]
 
-    def orientation(self, body: Any) -> np.ndarray:
+    def orientation(self, body: Body | str) -> np.ndarray:
         """(samples, 4) unit quaternion of a body, scalar first, body -> world."""
         return self.arrays["q"][:, self._body(body), 3:]
 
-    def rotation(self, body: Any) -> np.ndarray:
+    def rotation(self, body: Body | str) -> np.ndarray:
         """(samples, 3, 3) rotation matrix of a body, body -> world."""
         return matrix(self.orientation(body))
 
-    def com(self, body: Any) -> np.ndarray:
+    def com(self, body: Body | str) -> np.ndarray:
         """Centre of mass [m]."""
         return self.point(body, self.system.part(body).com)
 
-    def point(self, body: Any, local: Any) -> np.ndarray:
+    def point(self, body: Body | str, local: ArrayLike) -> np.ndarray:
         """World position of a point given in body axes from the reference point [m]."""
         return self.position(body) + self.rotation(body) @ np.asarray(local, float)
 
-    def body_axis(self, body: Any, axis: np.ndarray) -> np.ndarray:
+    def body_axis(self, body: Body | Ground, axis: np.ndarray) -> np.ndarray:
         """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(axis, (self.t.size, 3))
         return self.rotation(body) @ body.local_axis(axis)
 
-    def body_point(self, body: Any, point: np.ndarray) -> np.ndarray:
+    def body_point(self, body: Body | Ground, point: np.ndarray) -> np.ndarray:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3))

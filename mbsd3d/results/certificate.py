@@ -5,12 +5,17 @@ constraint residuals, energy against work, momentum against impulse, Newton-Eule
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..equations.compiled import Switches
+from ..integrators.method import Method
 from ..kernels.batch import newton_euler, row_defects
 from ..mechanism.forces.custom import SavedForce
+
+if TYPE_CHECKING:
+    from .run_result import RunResult
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ class Certificate:
     svd_calls: int
     rank_events: tuple
     seconds: float
-    switches: Any
+    switches: Switches
     checks: tuple[Check, ...]
     stopped_by: str | None = None
     error: float | None = None
@@ -91,7 +96,7 @@ class Certificate:
         return "\n".join(lines)
 
 
-def certify(solution: Any) -> Certificate:
+def certify(solution: "RunResult") -> Certificate:
     """Make all checks of a solution."""
     record = solution.record
     limit = max(1e3 * record.rtol, 1e-9)  # the local error adds up over the run
@@ -112,20 +117,20 @@ def certify(solution: Any) -> Certificate:
     )
 
 
-def notes(solution: Any) -> tuple[str, ...]:
+def notes(solution: "RunResult") -> tuple[str, ...]:
     """Facts that are neither good nor bad."""
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
 
 
-def lost(solution: Any) -> list[str]:
+def lost(solution: "RunResult") -> list[str]:
     """Names of the forces whose functions are not there any more."""
     system = solution.system
     return [f"force '{system.name(force)}'" for force in system.forces if isinstance(force, SavedForce)]
 
 
-def residual_checks(solution: Any) -> list[Check]:
+def residual_checks(solution: "RunResult") -> list[Check]:
     """Constraint residuals at the samples."""
     model, drift = solution.compiled.model, solution.drift()
     reach = 1.0 + float(np.abs(solution.arrays["q"][..., :3]).max(initial=0.0)) / model.length
@@ -152,7 +157,7 @@ class Scales:
     energy: float
 
 
-def scales_of(solution: Any) -> Scales:
+def scales_of(solution: "RunResult") -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     spin = float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
@@ -174,7 +179,7 @@ def scales_of(solution: Any) -> Scales:
     )
 
 
-def balance_checks(solution: Any, limit: float) -> list[Check]:
+def balance_checks(solution: "RunResult", limit: float) -> list[Check]:
     """Energy against work, momentum against impulse."""
     model, energy, momentum = solution.compiled.model, solution.energy(), solution.momentum()
     if solution.record.kinematic:
@@ -190,9 +195,9 @@ def balance_checks(solution: Any, limit: float) -> list[Check]:
     ]
 
 
-def energy_meaning(method: Any) -> str:
+def energy_meaning(method: Method) -> str:
     """What a lack of energy may come from."""
-    if getattr(method, "rho", 1.0) < 1.0:
+    if method.rho < 1.0:
         return f"energy vanishes, by numerical damping of rho = {method.rho:g} if by nothing else: shorten the step"
     return "energy appears or vanishes"
 
@@ -207,7 +212,7 @@ def largest(values: np.ndarray) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 
-def equation_checks(solution: Any) -> list[Check]:
+def equation_checks(solution: "RunResult") -> list[Check]:
     """Newton-Euler residual per body, and rows against the accelerations, with the true terms."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
@@ -229,7 +234,7 @@ def equation_checks(solution: Any) -> list[Check]:
     return checks
 
 
-def estimate(solution: Any) -> Certificate:
+def estimate(solution: "RunResult") -> Certificate:
     """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
 
     Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions (model
@@ -237,26 +242,26 @@ def estimate(solution: Any) -> Certificate:
     steps, and the exponent of rtol for adaptive ones.
     """
     record = solution.record
-    if not getattr(record.method, "dt", None) and record.rtol < 3.2e-12:
+    if record.method.dt is None and record.rtol < 3.2e-12:
         raise ValueError(
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
         )
     finer, finest = refined(solution, 1), refined(solution, 2)
     first, second = distance(solution, finest), distance(finer, finest)
-    factor = 2.0 if getattr(record.method, "dt", None) else 32.0
+    factor = 32.0 if record.method.dt is None else 2.0
     order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
     return replace(solution.certificate, error=first, order=order)
 
 
-def refined(solution: Any, level: int) -> Any:
+def refined(solution: "RunResult", level: int) -> "RunResult":
     """The run again, ``level`` times refined."""
     method = solution.record.method
-    if getattr(method, "dt", None):
-        return solution.again(method=replace(method, dt=method.dt / 2**level))
-    return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
+    if method.dt is None:
+        return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
+    return solution.again(method=replace(method, dt=method.dt / 2**level))
 
 
-def distance(one: Any, other: Any) -> float:
+def distance(one: "RunResult", other: "RunResult") -> float:
     """Largest difference of poses at common samples: positions in model lengths, rotation angles in radians."""
     a, b = one.arrays["q"], other.arrays["q"]
     shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length

@@ -1,10 +1,11 @@
 """Every quantity of every part of a run as columns of numbers, and what a column means."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..mechanism.drivers import PositionDriver
+from ..mechanism.drivers import Driver, PositionDriver
+from ..mechanism.force_element import ForceElement
 from ..mechanism.measures import state
 from .run_result import RunResult
 
@@ -64,7 +65,7 @@ def columns(solution: RunResult) -> list[Column]:
     """All quantities of all parts; kind is "body", "joint", "driver", "own_state" or "" for the whole system."""
     system, found = solution.system, []
 
-    def add(kind: str, part: str, quantity: str, values: Any) -> None:
+    def add(kind: str, part: str, quantity: str, values: np.ndarray) -> None:
         found.append(Column(kind, part, quantity, QUANTITIES[quantity].unit, np.asarray(values)))
 
     for body in system.bodies:
@@ -91,7 +92,7 @@ def columns(solution: RunResult) -> list[Column]:
     return found
 
 
-def columns_of_effort(solution: RunResult, driver: Any) -> list[Column]:
+def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
     """One column per row of a driver; a driver of several rows is named with the axis or the number of the row."""
     effort = solution.effort(driver).reshape(solution.t.size, -1)
     units = [unit for row in driver.rows() for unit in ["N" if row.in_metres else "N m"] * row.n_rows]
@@ -103,7 +104,7 @@ def columns_of_effort(solution: RunResult, driver: Any) -> list[Column]:
     return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
 
 
-def columns_of_states(solution: RunResult, force: Any) -> list[Column]:
+def columns_of_states(solution: RunResult, force: ForceElement) -> list[Column]:
     """One column per own state of a force, named by its number."""
     name, values = solution.system.name(force), solution.state_of(force).T
     return [Column("own_state", f"{name}.{k}", "state", state(force, k).unit, z) for k, z in enumerate(values)]

@@ -5,7 +5,7 @@ only if G N = 0; the share of least norm of the others is lam - N N' lam, which 
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from ..equations.compiled import Compiled
 from ..equations.jacobian import BlockRows, displacement_units, islands
 from ..kernels.batch import wrenches
 from ..mechanism.bodies import GROUND
+from ..mechanism.joints import Joint
+
+if TYPE_CHECKING:
+    from .run_result import RunResult
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ def minimum_norm(
     return shared
 
 
-def reaction_of(solution: Any, joints: tuple) -> Reaction:
+def reaction_of(solution: "RunResult", joints: tuple[Joint | str, ...]) -> Reaction:
     """See `Solution.reaction`."""
     system, compiled = solution.system, solution.compiled
     parts = [system.part(joint, "joints") for joint in joints]
@@ -117,7 +121,7 @@ def reaction_of(solution: Any, joints: tuple) -> Reaction:
     return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
 
 
-def every_reaction(solution: Any, samples: np.ndarray) -> list[Reaction]:
+def every_reaction(solution: "RunResult", samples: np.ndarray) -> list[Reaction]:
     """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
     compiled, joints = solution.compiled, solution.system.joints
     unique = [unique_wrench(compiled, solution._middle, [joint]) for joint in joints]
@@ -132,7 +136,7 @@ def every_reaction(solution: Any, samples: np.ndarray) -> list[Reaction]:
     return found
 
 
-def multipliers(solution: Any, unique: list[bool]) -> np.ndarray:
+def multipliers(solution: "RunResult", unique: list[bool]) -> np.ndarray:
     """(samples, rows) multipliers, of least norm for the joints (in their order) whose wrench is not unique."""
     lam = solution.arrays["lam"].copy()
     for joint, certain in zip(solution.system.joints, unique, strict=True):

@@ -1,24 +1,18 @@
 """What a run notes about itself; a solution keeps it, files store it, the certificate judges by it."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from ..equations.compiled import Switches
-from ..integrators.dop853 import DOP853
-from ..integrators.driven import Kinematic
-from ..integrators.generalized_alpha import GeneralizedAlpha
-from ..integrators.rk4 import RK4
-
-METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
+from ..integrators.method import Method
 
 
 @dataclass
 class Record:
     """What a run did, for the certificate."""
 
-    method: Any  # one of METHODS
+    method: Method
     rtol: float
     switches: Switches
     tolerance: float = 0.0  # within which redundant rows may be violated, in model lengths; 0 = as_built not given

@@ -2,15 +2,16 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled
-from ..mechanism.bodies import GROUND
+from ..kernels.layout import Data
+from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
-from ..mechanism.joints import coordinate_of
+from ..mechanism.force_element import ForceElement
+from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.state import State
 from .body_motion import Poses
 from .certificate import Certificate, certify
@@ -56,7 +57,7 @@ class RunResult(Poses):
 
     @classmethod
     def from_run(
-        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Any
+        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Data
     ) -> "RunResult":
         """Split the raw samples ``y`` into q, world velocities and own states."""
         n = len(compiled.system.bodies)
@@ -75,39 +76,39 @@ class RunResult(Poses):
         """(samples,) times [s]."""
         return self.arrays["t"]
 
-    def velocity(self, body: Any) -> np.ndarray:
+    def velocity(self, body: Body | str) -> np.ndarray:
         """Velocity of the reference point [m/s]."""
         return self.arrays["v"][:, self._body(body), :3]
 
-    def omega(self, body: Any) -> np.ndarray:
+    def omega(self, body: Body | str) -> np.ndarray:
         """Angular velocity [rad/s], world axes."""
         return self.arrays["v"][:, self._body(body), 3:]
 
-    def omega_body(self, body: Any) -> np.ndarray:
+    def omega_body(self, body: Body | str) -> np.ndarray:
         """Angular velocity [rad/s], body axes."""
         return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
 
-    def acceleration(self, body: Any) -> np.ndarray:
+    def acceleration(self, body: Body | str) -> np.ndarray:
         """Acceleration of the reference point [m/s^2]."""
         return self.arrays["acceleration"][:, self._body(body), :3]
 
-    def alpha(self, body: Any) -> np.ndarray:
+    def alpha(self, body: Body | str) -> np.ndarray:
         """Angular acceleration [rad/s^2], world axes."""
         return self.arrays["acceleration"][:, self._body(body), 3:]
 
-    def _coordinate(self, joint: Any, kind: str) -> np.ndarray:
+    def _coordinate(self, joint: Joint | str, kind: str) -> np.ndarray:
         part = self.system.part(joint, "joints")
         return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
 
-    def angle(self, joint: Any) -> np.ndarray:
+    def angle(self, joint: Joint | str) -> np.ndarray:
         """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
         return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
 
-    def slide(self, joint: Any) -> np.ndarray:
+    def slide(self, joint: Joint | str) -> np.ndarray:
         """(samples,) displacement of a sliding joint [m]."""
         return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
 
-    def rate(self, joint: Any) -> np.ndarray:
+    def rate(self, joint: Joint | str) -> np.ndarray:
         """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
         part = self.system.part(joint, "joints")
         a, b = (None if body is GROUND else body for body in (part.a, part.b))
@@ -123,13 +124,13 @@ class RunResult(Poses):
         v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def _point_motion(self, body: Any, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
         return self._carried(body, body.local_point(point))
 
-    def _carried(self, body: Any, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a point given in body axes from the reference point."""
         arm = self.rotation(body) @ local
         return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
@@ -144,7 +145,7 @@ class RunResult(Poses):
         """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
         return minimum_norm(self.compiled, self._middle, self.t, self.arrays["state"], self.arrays["lam"])
 
-    def reaction(self, *joints: Any) -> Reaction:
+    def reaction(self, *joints: Joint | str) -> Reaction:
         """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
 
         With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
@@ -152,7 +153,7 @@ class RunResult(Poses):
         """
         return reaction_of(self, joints)
 
-    def effort(self, driver: Any) -> np.ndarray:
+    def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
         part = self.system.part(driver, "joints")
         if not isinstance(part, Driver):
@@ -179,7 +180,7 @@ class RunResult(Poses):
         """Kinetic, potential (gravity and springs), total energy and the work done by drivers and other forces [J]."""
         return self._energy
 
-    def work(self, part: Any) -> np.ndarray:
+    def work(self, part: Driver | ForceElement | str) -> np.ndarray:
         """(samples,) work [J] done since the start by a driver, or by the part of a force that stores no energy."""
         model, system = self.compiled.model, self.system
         if any(part is force or part == system.name(force) for force in system.forces):
@@ -217,7 +218,7 @@ class RunResult(Poses):
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
         return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])
 
-    def state_of(self, force: Any) -> np.ndarray:
+    def state_of(self, force: ForceElement | str) -> np.ndarray:
         """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
         part = self.system.part(force, "forces")
         entry = self.compiled.model.force[self.system.forces.index(part)]

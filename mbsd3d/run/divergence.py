@@ -1,21 +1,21 @@
 """Motions that forces with feedback or functions of one's own feed without end: found before they take for ever."""
 
-from typing import Any
-
 import numpy as np
 
 from ..base.errors import IntegrationError
 from ..equations.compiled import Compiled
+from ..kernels.layout import Data
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
+from ..results.run_result import RunResult
 
 FASTEST = 1e4  # m/s; no machine comes to that speed
 GROWN = 100.0  # times the speed of the start: planets are that fast from the beginning
-ENOUGH = 2000  # steps before growth is judged
+ENOUGH = 2000  # steps before it is judged
 LATELY = 0.1  # of the time so far
 
 
-class Growth:
+class DivergenceWatch:
     """Watches the greatest speed of a run.
 
     In a motion that grows like exp(k t) by turning, the number of steps grows with the angle, so half of them are
@@ -30,7 +30,7 @@ class Growth:
         self.compiled, self.t_start = compiled, t_start
         self.seen: list[tuple[int, float, float]] = []  # steps, time, greatest speed
 
-    def without_end(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
+    def diverges(self, y: np.ndarray, steps: int, t: float, speed: float) -> bool:
         """True for a motion that grows without end, given the state, the steps so far and the greatest speed so far."""
         n = self.compiled.model.body.size
         if not self.active:
@@ -45,7 +45,7 @@ class Growth:
         lately = t - t_half <= LATELY * (t - self.t_start)
         return steps > ENOUGH and lately and speed > 1.8 * speed_half
 
-    def error(self, data: Any, t: float, solution: Any) -> IntegrationError:
+    def error(self, data: Data, t: float, solution: RunResult) -> IntegrationError:
         """The error that names the active force of greatest power."""
         forces, power = self.compiled.system.forces, np.abs(data.force["power"][self.active])
         worst = self.active[int(np.argmax(np.where(np.isfinite(power), power, np.inf)))]

@@ -1,7 +1,6 @@
 """One run: the compiled time loop in chunks, the choice of rows between them, and what came out."""
 
 import time
-from typing import Any
 
 import numpy as np
 
@@ -12,34 +11,37 @@ from ..base.progress import Progress
 from ..constraints.row_choice import choose_rows
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
-from ..integrators import base
-from ..integrators.base import Run
-from ..integrators.driven import Kinematic
-from ..kernels.dynamics import FAR, arrive
+from ..integrators import memory
+from ..integrators.memory import Run, new_run
+from ..integrators.method import Method
+from ..integrators.outputs import write
+from ..kernels.coordinates import measure, remember
+from ..kernels.dynamics import FAR, PROJECTED, project_and_evaluate
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
+from ..kernels.layout import Data
 from ..kernels.loads import loads
-from ..kernels.probes import measure
+from ..kernels.saddle import SOLVED
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
-from .divergence import Growth
+from .divergence import DivergenceWatch
 from .stiffness import check_forces
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
 
 FAILURES = {
-    base.STEP_TOO_SMALL: (
+    memory.STEP_TOO_SMALL: (
         "no step is small enough",
         "a force jumps or the motion has a singularity here: smooth the force, or end the run earlier",
     ),
-    base.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
-    base.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
-    base.NOT_CONVERGED: (
+    memory.NOT_CLOSING: ("the joints cannot be closed any more", "a singular or locked position; see system.check()"),
+    memory.NO_SOLUTION: ("the equations have no finite solution", "check the forces and masses"),
+    memory.NOT_CONVERGED: (
         "Newton's method finds no end of the step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
@@ -49,21 +51,18 @@ class Job:
     """One run: the compiled time loop is called in chunks; between them rows are chosen and samples collected."""
 
     def __init__(
-        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Any, rtol: float,
+        self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Method, rtol: float,
         stop_when: Condition | None, as_built: float | None,
     ) -> None:  # fmt: skip
         self.compiled, self.model, self.start, self.method = compiled, compiled.model, start, method
         self.stop_when = stop_when
         check_runnable(compiled.system)
-        self.growth = Growth(compiled, start.t)
+        self.divergence = DivergenceWatch(compiled, start.t)
         self.tolerance = 1e-10 if as_built is None else number(as_built, "as_built", positive=True) / self.model.length
         self.data = compiled.data()
-        kinematic = isinstance(method, Kinematic)
-        own = 0.0 if as_built is None else self.tolerance
-        self.record = Record(method, rtol, compiled.switches, own, kinematic)
-        steps = int(np.ceil((t_end - start.t) / method.dt - 1e-9)) if getattr(method, "dt", None) else 0
-        self.table = method.table(max(steps, 1) if getattr(method, "dt", None) else 0) if method.order else None
-        self.own = method.own(compiled, self.table)
+        allowed = 0.0 if as_built is None else self.tolerance
+        self.record = Record(method, rtol, compiled.switches, allowed, method.order == 0)
+        self.own = method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
         self.schur = None
@@ -72,28 +71,20 @@ class Job:
 
     def new_run(self, y: np.ndarray, t: float, t_end: float, times: np.ndarray | None, rtol: float) -> Run:
         """Memory of the time loop."""
-        m, ny, n = self.model, y.size, self.model.body.size
-        widths = (1, ny, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
+        m, method, n = self.model, self.method, self.model.body.size
+        widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
-        stages = 1 if self.table is None else self.table.c.size + 1 + self.table.c_dense.size
-        terms = 3 if self.table is None else 3 + self.table.D.shape[0]
-        clock, count = np.zeros(17), np.zeros(12, np.int64)
-        clock[base.T] = clock[base.T_START] = t
-        clock[base.T_END], clock[base.RTOL], clock[base.TOLERANCE] = t_end, rtol, max(self.tolerance, 1e-9)
-        clock[base.SMALLEST] = 1.0
-        clock[base.MAX_STEP] = getattr(self.method, "max_step", np.inf)
-        clock[base.MIN_STEP] = 1e-13 * max(abs(t_end), t_end - t)
-        count[base.FRESH], count[base.EVERY], count[base.CONDITION] = 1, times is None, -1
+        run = new_run(y, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms)
+        task, now = run.task, run.now
+        task.t_start, task.t_end, task.rtol, task.tolerance = t, t_end, rtol, max(self.tolerance, 1e-9)
+        task.steps = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)
+        task.min_step, task.max_step = 1e-13 * max(abs(t_end), t_end - t), method.max_step
+        task.every_step, task.condition = times is None, -1
         if self.stop_when is not None:
-            clock[base.STOP], clock[base.SIGN] = self.stop_when.value, self.stop_when.direction
-            count[base.CONDITION] = 0
-        return Run(
-            y=y, dy=np.zeros(ny), trial=np.zeros(ny), work=np.zeros(ny), work_rate=np.zeros(ny),
-            carry=np.zeros(ny), trial_carry=np.zeros(ny),
-            K=np.zeros((stages, ny)), F=np.zeros((terms, ny)), clock=clock, count=count,
-            times=np.zeros(0) if times is None else times, out=np.zeros((capacity, sum(widths))),
-        )  # fmt: skip
+            task.condition, task.stop, task.direction = 0, self.stop_when.value, self.stop_when.direction
+        now.t, now.fresh, run.rows.pivot, run.stiffness.patience = t, 1, 1.0, method.patience
+        return run
 
     def run(self, progress: Progress) -> RunResult:
         """Call the time loop until the end, a stop, an error or Ctrl-C."""
@@ -109,8 +100,23 @@ class Job:
                 mark_warm(loop)
                 mark_warm()
         except KeyboardInterrupt:
-            self.record.stopped_by = f"interrupted at t = {self.memory.clock[base.T]:.6g} s"
+            self.record.stopped_by = f"interrupted at t = {self.memory.now.t:.6g} s"
         self.record.seconds = time.perf_counter() - began
+        return self.solution()
+
+    def evaluate(self) -> RunResult:
+        """One sample at the start, without integrating."""
+        self.check_start()
+        self.choose("start")
+        model, data, run, t = self.model, self.data, self.memory, self.start.t
+        projected, solved = project_and_evaluate(model, data, self.schur, t, run.y, run.dy, FAR)
+        run.now.evaluations += 1
+        if projected != PROJECTED:
+            self.fail(memory.NOT_CLOSING)
+        if solved != SOLVED or not np.isfinite(run.dy).all():
+            self.fail(memory.NO_SOLUTION)
+        remember(model, data, t)
+        write(model, data, run, t, run.y)
         return self.solution()
 
     def loop(self, progress: Progress) -> None:
@@ -121,26 +127,26 @@ class Job:
             status = self.call(budget)
             spent = time.perf_counter() - began
             self.record.loop_seconds += spent
-            progress.update(run.clock[base.T])
-            if self.grows():
-                raise self.growth.error(self.data, float(run.clock[base.T]), self.solution())
-            if status == base.RUNNING:
+            progress.update(run.now.t)
+            if self.diverges():
+                raise self.divergence.error(self.data, float(run.now.t), self.solution())
+            if status == memory.RUNNING:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
-            elif status == base.FULL:
+            elif status == memory.FULL:
                 self.drain()
-            elif status == base.PASSED:
+            elif status == memory.PASSED:
                 self.event("nearly dependent rows passed", False)
-            elif status == base.CHOOSE_ROWS:
-                self.choose("smallest pivot" if run.clock[base.RESIDUAL] == 0.0 else "skipped rows violated")
-            elif status == base.NOT_CLOSING and self.record.rows_left_out:
+            elif status == memory.CHOOSE_ROWS:
+                self.choose("smallest pivot" if run.rows.residual == 0.0 else "skipped rows violated")
+            elif status == memory.NOT_CLOSING and self.record.rows_left_out:
                 self.choose("kept rows nearly dependent", afresh=True)
-            elif status == base.STIFF:
-                check_forces(self.compiled, run.y, run.clock[base.T], run.clock[base.STEP], self.solution)
-                self.own = (self.table._replace(patience=np.inf),)
-            elif status == base.STOPPED:
-                self.record.stopped_by = f"{self.stop_when} at t = {run.clock[base.T]:.9g} s"
+            elif status == memory.STIFF:
+                check_forces(self.compiled, run.y, run.now.t, run.now.step, self.solution)
+                run.stiffness.patience = np.inf
+            elif status == memory.STOPPED:
+                self.record.stopped_by = f"{self.stop_when} at t = {run.now.t:.9g} s"
                 return
-            elif status == base.DONE:
+            elif status == memory.DONE:
                 return
             else:
                 self.fail(status)
@@ -148,7 +154,7 @@ class Job:
     def call(self, budget: int) -> int:
         """The compiled loop of the method."""
         with turn_passed_on():
-            return self.method.loop(self.model, self.data, self.schur, *self.own, self.memory, budget)
+            return self.method.loop(self.model, self.data, self.schur, self.own, self.memory, budget)
 
     def choose(self, why: str, afresh: bool = False) -> None:
         """Choose the independent rows at the present state; a change after the start is a rank event.
@@ -158,26 +164,26 @@ class Job:
         """
         run, model = self.memory, self.model
         before = None if self.schur is None else np.sort(self.schur.place["row"])
-        if before is not None and run.count[base.STEPS] == self.last_event:
-            self.fail(base.NOT_CLOSING)  # a fresh choice did not last a single step
-        load_rows(self.compiled, self.data, run.y, run.clock[base.T])
+        if before is not None and run.now.steps == self.last_event:
+            self.fail(memory.NOT_CLOSING)  # a fresh choice did not last a single step
+        load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
-            self.fail(base.NO_SOLUTION)
+            self.fail(memory.NO_SOLUTION)
         self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), None if afresh else before)
         self.record.svd_calls += 1
         self.record.rows_left_out = int(self.schur.skipped.size)
-        self.last_event = int(run.count[base.STEPS]) if before is not None else -1
+        self.last_event = int(run.now.steps) if before is not None else -1
         # a row set that is as good as can be had is kept until its pivots fall a hundredfold
-        run.clock[base.PIVOT] = min(1e-8, 1e-2 * smallest**2)
-        run.count[base.FRESH] = 1
+        run.rows.least_pivot = min(1e-8, 1e-2 * smallest**2)
+        run.now.fresh = 1
         if before is not None:
             self.event(why, not np.array_equal(np.sort(self.schur.place["row"]), before))
-        elif model.stabilisation and isinstance(self.method, Kinematic):
+        elif model.stabilisation and self.record.kinematic:
             self.check_driven()
 
     def event(self, why: str, changed: bool) -> None:
         """Note a rank event: time, rows kept, reason, whether the row set changed."""
-        time_now = float(self.memory.clock[base.T])
+        time_now = float(self.memory.now.t)
         self.record.rank_events.append((time_now, self.schur.place.size, why, changed))
 
     def check_driven(self) -> None:
@@ -195,8 +201,8 @@ class Job:
     def first_step(self) -> None:
         """Scales of the velocity errors and the first step from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
-        horizon = run.clock[base.T_END] - run.clock[base.T]
-        arrive(model, self.data, self.schur, run.clock[base.T], run.y.copy(), run.dy, FAR)
+        horizon = run.task.t_end - run.now.t
+        project_and_evaluate(model, self.data, self.schur, run.now.t, run.y.copy(), run.dy, FAR)
         v = run.y[7 * n : 13 * n].reshape(n, 6)
         a = run.dy[7 * n : 13 * n].reshape(n, 6)
         spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))
@@ -204,10 +210,10 @@ class Job:
         rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
         rate = rate if np.isfinite(rate) else 1.0
         rate = max(rate, 1.0 / horizon)
-        run.clock[base.SPEED], run.clock[base.TURN] = rate * model.length, rate
+        run.now.speed, run.now.turn = rate * model.length, rate
         if self.record.kinematic:
-            run.clock[base.TURN] = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
-        run.clock[base.STEP] = min(horizon, 0.5 * run.clock[base.RTOL] ** (1.0 / (self.method.order or 8)) / rate)
+            run.now.turn = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
+        run.now.step = min(horizon, 0.5 * run.task.rtol ** (1.0 / (self.method.order or 8)) / rate)
 
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
@@ -228,40 +234,38 @@ class Job:
         """A condition that holds already at the start would never come true."""
         if self.stop_when is None:
             return
-        value = measure(self.model, self.data, 0, float(self.memory.clock[base.T]))
+        value = measure(self.model, self.data, 0, float(self.memory.now.t))
         if self.stop_when.direction * (value - self.stop_when.value) >= 0.0:
             raise ValueError(
                 f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
                 "give another value or another start"
             )
 
-    def grows(self) -> bool:
+    def diverges(self) -> bool:
         """True for a motion that grows without end."""
         run = self.memory
-        return self.growth.without_end(
-            run.y, int(run.count[base.STEPS]), float(run.clock[base.T]), float(run.clock[base.SPEED])
-        )
+        return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
 
     def drain(self) -> None:
         """Move the samples of the full buffer away."""
-        self.samples.take(self.memory.out[: int(self.memory.count[base.WRITTEN])])
-        self.memory.count[base.WRITTEN] = 0
+        self.samples.take(self.memory.out[: int(self.memory.now.written)])
+        self.memory.now.written = 0
 
     def solution(self) -> RunResult:
         """The samples so far."""
         self.drain()
         run, record = self.memory, self.record
-        record.steps, record.rejected = int(run.count[base.STEPS]), int(run.count[base.REJECTED])
-        record.evaluations = int(run.count[base.EVALUATIONS])
+        record.steps, record.rejected = int(run.now.steps), int(run.now.rejected)
+        record.evaluations = int(run.now.evaluations)
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
-        return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(run.clock[base.T]), self.data)
+        return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(run.now.t), self.data)
 
     def fail(self, status: int) -> None:
         """IntegrationError with time, the part to blame, advice and what was computed."""
-        t = float(self.memory.clock[base.T])
+        t = float(self.memory.now.t)
         solution = self.solution()
-        part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.clock[base.STEP]))
+        part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
         what, advice = FAILURES[status]
         if part:
             what = "a part returns values that are not finite"
@@ -269,7 +273,7 @@ class Job:
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
 
 
-def blame(compiled: Compiled, data: Any, y: np.ndarray, t: float, h: float) -> str | None:
+def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:
     """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
     for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
         load_rows(compiled, data, y, time_of)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -13,13 +12,15 @@ from ..constraints.nearby_poses import nudged
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin
-from ..integrators.stiff import FAST
+from ..integrators.runge_kutta import FAST
+from ..kernels.layout import Data, Model
 from ..kernels.loads import loads
+from ..results.run_result import RunResult
 
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
 
 
-def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable) -> None:
+def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable[[], RunResult]) -> None:
     """IntegrationError naming the force whose own rate [1/s] explains why steps h [s] cannot be longer, if one does.
 
     ``solution()`` gives what was computed so far.
@@ -37,7 +38,7 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
     )
 
 
-def force_rate(compiled: Compiled, data: Any, y: np.ndarray, t: float, k: int) -> float:
+def force_rate(compiled: Compiled, data: Data, y: np.ndarray, t: float, k: int) -> float:
     """Largest |eigenvalue| of M x_ddot = K x + D x_dot: element k alone, linearised, its bodies free."""
     model = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
     bodies = [b for b in element_bodies(model) if 0 <= b < model.body.size]
@@ -63,14 +64,14 @@ def force_rate(compiled: Compiled, data: Any, y: np.ndarray, t: float, k: int) -
     return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else 0.0
 
 
-def element_bodies(model: Any) -> list[int]:
+def element_bodies(model: Model) -> list[int]:
     """Bodies of the only force element of a model, the ground included."""
     coordinate = int(model.force["coordinate"][0])
     bodies = model.force["body"][0] if coordinate < 0 else model.coordinate["body"][coordinate]
     return sorted({int(b) for b in bodies})
 
 
-def mass_block(model: Any, y: np.ndarray, b: int) -> np.ndarray:
+def mass_block(model: Model, y: np.ndarray, b: int) -> np.ndarray:
     """(6, 6) mass matrix of one body about its reference point."""
     body = model.body[b]
     return inertia_about_origin(y[7 * b + 3 : 7 * b + 7], body["com"], body["mass"], body["inertia"].reshape(3, 3))

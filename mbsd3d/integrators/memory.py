@@ -1,0 +1,79 @@
+"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.layout import single
+
+RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
+NOT_CONVERGED, STIFF = 9, 10
+
+TASK = [  # constant during the run
+    ("t_start", float),  # s
+    ("t_end", float),  # s
+    ("steps", int),  # number of equal steps, 0 = adaptive
+    ("min_step", float),  # s
+    ("max_step", float),  # s
+    ("rtol", float),
+    ("tolerance", float),  # within which rows left out may be violated, in model lengths and radians
+    ("every_step", int),  # 1: every accepted step is a sample
+    ("condition", int),  # measure that ends the run, -1 = none,
+    ("stop", float),  # the value it must reach,
+    ("direction", float),  # 1: from below, -1: from above
+]
+NOW = [
+    ("t", float),  # s, time of the state y
+    ("step", float),  # s, length of the next step to be tried
+    ("speed", float),  # m/s, greatest so far, relative to the mean of all bodies: scale of velocity errors
+    ("turn", float),  # rad/s, greatest angular velocity so far
+    ("steps", int),  # accepted
+    ("rejected", int),
+    ("evaluations", int),
+    ("fresh", int),  # 1: the chosen rows are new and nothing has been evaluated with them
+    ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
+    ("written", int),  # samples in the buffer
+    ("next_output", int),  # index of the next output time
+]
+ROWS = [
+    ("least_pivot", float),  # smallest pivot / diagonal of S below which rows are chosen anew
+    ("pivot", float),  # that ratio at the end of the last step
+    ("usual_pivot", float),  # and the largest that the run has seen
+    ("residual", float),  # largest scaled |c| of the rows left out
+    ("on_manifold", int),  # 1: stages are projected, since the rows are nearly dependent
+    ("normal_step", float),  # s, the last step where they were not
+]
+STIFFNESS = [
+    ("suspicious", int),  # tests that found stability to limit the step
+    ("calm", int),  # tests in a row that did not
+    ("patience", float),  # steps times bodies that such a run may still need; inf = any number
+]
+
+
+class Run(NamedTuple):
+    """Memory of one run, written in place by the time loop; records have the fields of the tables above."""
+
+    y: np.ndarray  # (ny,) state (q, u, z) at now.t
+    dy: np.ndarray  # (ny,) its rate
+    trial: np.ndarray  # (ny,) state at the end of the step being tried
+    trial_rate: np.ndarray  # (ny,) its rate
+    work: np.ndarray  # (ny,) stage or sample state
+    work_rate: np.ndarray  # (ny,)
+    F: np.ndarray  # (terms, ny) dense output of the last step
+    task: np.record  # TASK
+    now: np.record  # NOW
+    rows: np.record  # ROWS
+    stiffness: np.record  # STIFFNESS
+    times: np.ndarray  # (requested,) output times
+    out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
+    # power of the forces, largest |c| and |J v - b| over all rows
+
+
+def new_run(y: np.ndarray, times: np.ndarray, capacity: int, width: int, terms: int) -> Run:
+    """Memory for a start at y; the fields of its records are zero."""
+    dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
+    return Run(
+        y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate, F=np.zeros((terms, y.size)),
+        task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
+        times=times, out=np.zeros((capacity, width)),
+    )  # fmt: skip

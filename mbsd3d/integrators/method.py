@@ -1,0 +1,40 @@
+"""What the time loop and everyone else may ask of a method of integration."""
+
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ..kernels.layout import Data, Model
+
+
+@runtime_checkable
+class Method(Protocol):
+    """A method of integration: frozen settings, and a compiled loop with a memory of its own.
+
+    A new method is one file: a frozen dataclass derived from this class, and its loop.
+    """
+
+    order: int
+    """Of the error over a run; 0: nothing is integrated, the poses follow from the drivers."""
+    dt: float | None
+    """Fixed step [s]; None = adaptive."""
+    max_step: float = np.inf
+    """Longest step [s]."""
+    rho: float = 1.0
+    """Factor per step on motions that the step does not resolve; 1 = no numerical damping meant."""
+    patience: float = np.inf
+    """Steps times bodies that a run may still need where stability limits its step."""
+    dense_terms: int = 3
+    """Of the dense output: cubic Hermite, and those of its own."""
+    loop: Callable
+    """Compiled: ``loop(model, data, schur, own, run, budget)`` takes up to ``budget`` steps, returns a status."""
+
+    def start(self, model: Model, data: Callable[[type], Data]) -> tuple | None:
+        """The memory ``own`` of a run of a model; ``data(dtype)`` makes a work space.
+
+        Raises
+        ------
+        ValueError
+            If the method cannot do what the model asks for.
+        """

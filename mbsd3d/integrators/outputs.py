@@ -1,0 +1,264 @@
+"""Samples of a run and its end where a condition comes true, both by dense output within an accepted step.
+
+A method hands in two functions of its own: ``dense(m, d, s, own, run, h)`` fills the coefficients F of its dense
+output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to t, x after the start of the step h.
+"""
+
+import numpy as np
+
+from ..kernels.coordinates import coordinate, measure, remember
+from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.kinematics import kinematics
+from ..kernels.rows import row_speed
+from ..kernels.saddle import SOLVED
+from ..kernels.vectors import add_scaled, clear, copy, finite
+from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
+
+LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
+SCAN = 8  # parts of a step that are searched for an event
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+@kernel
+def write(m, d, run, t, y):
+    """Store the sample whose evaluation is in d."""
+    out = run.out[run.now.written]
+    out[0] = t
+    k = 1
+    for j in range(y.shape[0]):
+        out[k + j] = y[j]
+    k += y.shape[0]
+    for i in range(m.body.shape[0]):
+        for j in range(6):
+            out[k + j] = d.body[i].acceleration[j]
+        k += 6
+    position, speed = 0.0, 0.0
+    for i in range(m.row.shape[0]):
+        out[k + i] = d.row[i].lam
+        position, speed = max(position, abs(d.row[i].c)), max(speed, abs(row_speed(m, d, i)))
+    k += m.row.shape[0]
+    for i in range(m.coordinate.shape[0]):
+        out[k + i] = coordinate(m, d, i, t)[0]
+    k += m.coordinate.shape[0]
+    for i in range(m.force.shape[0]):
+        out[k + i] = d.force[i].potential
+        out[k + m.force.shape[0] + i] = d.force[i].power
+    k += 2 * m.force.shape[0]
+    out[k], out[k + 1] = position, speed
+    run.now.written += 1
+
+
+@inner_kernel
+def output_before(run, t):
+    """True if the next output time lies before t."""
+    return run.now.next_output < run.times.shape[0] and run.times[run.now.next_output] < t
+
+
+@inner_kernel
+def output_until(run, t):
+    """True if the next output time is t or lies before it, or every step is a sample."""
+    due = run.now.next_output < run.times.shape[0] and run.times[run.now.next_output] <= t
+    return due or run.task.every_step == 1
+
+
+@inner_kernel
+def full(run):
+    """True if the buffer has no room for two more samples and one of an event."""
+    return run.now.written >= run.out.shape[0] - 2
+
+
+@merged_kernel
+def evaluate_start(m, d, s, run):
+    """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
+    now = run.now
+    status, result = project_and_evaluate(m, d, s, now.t, run.y, run.dy, FAR)
+    now.evaluations += 1
+    if status != PROJECTED:
+        return NOT_CLOSING
+    if result != SOLVED or not finite(run.dy):
+        return NO_SOLUTION
+    remember(m, d, now.t)
+    now.fresh = 0
+    if now.steps == 0 and now.written == 0 and now.next_output == 0 and output_until(run, now.t):
+        write(m, d, run, now.t, run.y)
+        now.next_output = 1
+    return RUNNING
+
+
+@inner_kernel
+def hermite(run, h):
+    """Coefficients F of the cubic through both ends of the step."""
+    for k in range(run.y.shape[0]):
+        step = run.trial[k] - run.y[k]
+        run.F[0, k] = step
+        run.F[1, k] = h * run.dy[k] - step
+        run.F[2, k] = 2.0 * step - h * (run.trial_rate[k] + run.dy[k])
+
+
+@inner_kernel
+def interpolate(run, x, y):
+    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
+    clear(y)
+    terms = run.F.shape[0]
+    for i in range(terms):
+        f = run.F[terms - 1 - i]
+        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
+        for j in range(y.shape[0]):
+            y[j] = (y[j] + f[j]) * weight
+    add_scaled(y, 1.0, run.y)
+
+
+@merged_kernel
+def samples_before(m, d, s, run, h, t_last):
+    """Store the samples of the step before t_last, each projected and evaluated; RUNNING, FULL or NO_SOLUTION."""
+    while output_before(run, t_last):
+        if run.now.written == run.out.shape[0] - 2:
+            return FULL
+        t = run.times[run.now.next_output]
+        interpolate(run, (t - run.now.t) / h, run.work)
+        status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
+        if status != PROJECTED or result != SOLVED:
+            return NO_SOLUTION
+        write(m, d, run, t, run.work)
+        run.now.next_output += 1
+    return RUNNING
+
+
+@inner_kernel
+def condition(m, d, run, t, y):
+    """Signed distance of the stop condition: it holds when this is >= 0."""
+    kinematics(m, d, y)
+    return run.task.direction * (measure(m, d, run.task.condition, t) - run.task.stop)
+
+
+@inner_kernel
+def slope(m, d, run, t, y, dy, h):
+    """Rate of the condition at (t, y), by a forward difference along the motion; work is overwritten."""
+    dt = 1e-6 * h
+    copy(run.work, y)
+    add_scaled(run.work, dt, dy)
+    later = condition(m, d, run, t + dt, run.work)
+    return (later - condition(m, d, run, t, y)) / dt
+
+
+@merged_kernel
+def may_come_true(m, d, run, h, t_new):
+    """True if the condition holds at the end of the step, or rises at its start and falls at its end."""
+    if condition(m, d, run, t_new, run.trial) >= 0.0:
+        return True
+    rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
+    return rises and slope(m, d, run, t_new, run.trial, run.trial_rate, h) < 0.0
+
+
+@inner_kernel
+def condition_inside(m, d, run, h, x):
+    """The condition by dense output at the fraction x of the step."""
+    interpolate(run, x, run.work)
+    return condition(m, d, run, run.now.t + x * h, run.work)
+
+
+@inner_kernel
+def locate(m, d, run, h, low, high):
+    """Fraction of the step at which the condition comes true between low and high, by bisection."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if condition_inside(m, d, run, h, middle) >= 0.0:
+            high = middle
+        else:
+            low = middle
+        if high - low < 1e-15:
+            break
+    return high
+
+
+@merged_kernel
+def first_crossing(m, d, run, h, t_new):
+    """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
+
+    Looked for at SCAN points and at the peak between them: two peaks less than h/SCAN apart may pass for one.
+    """
+    place, greatest = 0.0, -np.inf
+    for k in range(1, SCAN + 1):
+        x = k / SCAN
+        g = condition_inside(m, d, run, h, x) if k < SCAN else condition(m, d, run, t_new, run.trial)
+        if g >= 0.0:
+            return locate(m, d, run, h, (k - 1) / SCAN, x)
+        if g > greatest:
+            place, greatest = x, g
+    low, high = max(0.0, place - 1.0 / SCAN), min(1.0, place + 1.0 / SCAN)
+    for _ in range(60):  # golden section
+        x, x_high = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        g, g_high = condition_inside(m, d, run, h, x), condition_inside(m, d, run, h, x_high)
+        if max(g, g_high) >= 0.0:
+            return locate(m, d, run, h, low, x if g >= 0.0 else x_high)
+        if g > g_high:
+            high = x_high
+        else:
+            low = x
+    return -1.0
+
+
+@merged_kernel
+def missing_time(m, d, run, h, t):
+    """Time from t until the condition comes true, by Newton from trial and its rate; 0 where that leads astray."""
+    dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, run.trial_rate, h)
+    return dt if abs(dt) <= 0.1 * h else 0.0
+
+
+@merged_kernel
+def land(m, d, s, own, run, h, x, advance_to):
+    """(RUNNING, time) with the state where the condition comes true in trial, near x after the start of the step.
+
+    Newton on the time, each with a step of the method itself where its dense output would be less exact.
+    """
+    t = run.now.t
+    for left in range(LANDINGS, 0, -1):
+        status = advance_to(m, d, s, own, run, t + x, x, h)
+        if status != RUNNING:
+            return status, t
+        dt = missing_time(m, d, run, h, t + x)
+        if left == 1 or abs(dt) <= 1e-16 * h:
+            break
+        x = min(max(x + dt, 0.0), h)
+    return RUNNING, t + x
+
+
+@merged_kernel
+def halt(m, d, s, run, t):
+    """End the run at t, where trial has been accepted as the state at which the condition comes true."""
+    evaluate(m, d, s, t, run.trial, run.dy)
+    write(m, d, run, t, run.trial)
+    remember(m, d, t)
+    copy(run.y, run.trial)
+    run.now.t = t
+    run.now.steps += 1
+    return STOPPED
+
+
+@merged_kernel
+def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
+    """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
+    t_last, stopped, watched = t_new, False, run.task.condition >= 0
+    inside = output_before(run, t_new)
+    suspect = watched and may_come_true(m, d, run, h, t_new)
+    if inside or suspect:
+        if not dense(m, d, s, own, run, h):
+            return NO_SOLUTION
+        x = first_crossing(m, d, run, h, t_new) if suspect else -1.0
+        stopped = x >= 0.0
+        if stopped:
+            status, t_last = land(m, d, s, own, run, h, x * h, advance_to)
+            if status != RUNNING:
+                return status
+        status = samples_before(m, d, s, run, h, t_last)
+        if status != RUNNING:
+            return status
+    if stopped:
+        return halt(m, d, s, run, t_last)
+    if inside or watched:
+        evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
+    if output_until(run, t_new):
+        write(m, d, run, t_new, run.trial)
+        run.now.next_output += 1
+    return RUNNING

@@ -1,0 +1,97 @@
+"""What all time loops share between two steps: length of a step, scales of its error, and whether the rows hold."""
+
+import numpy as np
+
+from ..kernels.dynamics import skipped_residual
+from ..kernels.jit import inner_kernel
+from ..kernels.kinds import PROJECTION
+from ..kernels.saddle import smallest_pivot
+
+ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
+LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
+
+# A rejected step switches to stages on the manifold where the smallest pivot / diagonal of S is below this share of the
+# largest that the run has seen, and always below the second number: some mechanisms never have more than 1e-3.
+NEARLY_SINGULAR, SINGULAR = 0.1, 1e-5
+
+
+@inner_kernel
+def end_of_step(run):
+    """(t_new, h): the next step, landing exactly on t_end."""
+    task, t = run.task, run.now.t
+    if task.steps > 0:
+        k = run.now.steps + 1
+        t_new = task.t_end if k == task.steps else task.t_start + k * (task.t_end - task.t_start) / task.steps
+        return t_new, t_new - t
+    h = min(run.now.step, task.max_step)
+    t_new = task.t_end if t + 1.01 * h >= task.t_end else t + h
+    return t_new, t_new - t
+
+
+@inner_kernel
+def update_scales(m, d, run):
+    """Greatest speed relative to the mean and greatest angular velocity so far: the scales of velocity errors."""
+    n = m.body.shape[0]
+    x, y, z = 0.0, 0.0, 0.0
+    for i in range(n):
+        v = d.body[i].velocity
+        x, y, z = x + v[0] / n, y + v[1] / n, z + v[2] / n
+    for i in range(n):
+        v, w = d.body[i].velocity, d.body[i].w
+        speed = np.sqrt((v[0] - x) ** 2 + (v[1] - y) ** 2 + (v[2] - z) ** 2)
+        turn = np.sqrt(w[0] ** 2 + w[1] ** 2 + w[2] ** 2)
+        run.now.speed = max(run.now.speed, speed, m.length * turn)
+        run.now.turn = max(run.now.turn, turn)
+
+
+@inner_kernel
+def state_error(m, run):
+    """Greatest square in run.work over bodies and states: |dr|/L, angle, |dv|, |dw|, z, in their scales."""
+    n = m.body.shape[0]
+    speed, turn = run.now.speed, run.now.turn
+    worst = 0.0
+    for i in range(n):
+        q, u = 7 * i, 7 * n + 6 * i
+        x = run.work
+        shift = (x[q] ** 2 + x[q + 1] ** 2 + x[q + 2] ** 2) / m.length**2
+        angle = 4.0 * (x[q + 3] ** 2 + x[q + 4] ** 2 + x[q + 5] ** 2 + x[q + 6] ** 2)
+        linear = (x[u] ** 2 + x[u + 1] ** 2 + x[u + 2] ** 2) / speed**2
+        angular = (x[u + 3] ** 2 + x[u + 4] ** 2 + x[u + 5] ** 2) / turn**2
+        worst = max(worst, shift, angle, linear, angular)
+        if not np.isfinite(shift + angle + linear + angular):
+            return np.inf
+    for j in range(m.state.shape[0]):
+        scale = m.state[j].unit * speed ** m.state[j].power
+        least = 1.0 if j < m.z_work else ROUNDING / (LOCAL * run.task.rtol)  # own states come in any size
+        scale = max(scale, least * abs(run.y[13 * n + j]))
+        error = (run.work[13 * n + j] / scale) ** 2
+        if not np.isfinite(error):
+            return np.inf
+        worst = max(worst, error)
+    return worst
+
+
+@inner_kernel
+def nearly_singular(run):
+    """True where the chosen rows were close to depending on each other at the end of the last step."""
+    return run.rows.pivot < max(SINGULAR, NEARLY_SINGULAR * run.rows.usual_pivot)
+
+
+@inner_kernel
+def rows_hold(m, d, s, run):
+    """True while the chosen rows are well independent and the skipped ones are satisfied."""
+    rows, tolerance = run.rows, run.task.tolerance
+    rows.residual = 0.0
+    if m.singular == 0:
+        rows.pivot = smallest_pivot(s)
+        rows.usual_pivot = max(rows.usual_pivot, rows.pivot)
+        if not nearly_singular(run):
+            rows.on_manifold = 0
+        if rows.pivot < rows.least_pivot:
+            return False
+        rows.least_pivot = max(rows.least_pivot, min(1e-8, 1e-4 * rows.pivot))  # ready for the next one
+    if s.skipped.shape[0] > 0 and m.stabilisation == PROJECTION:
+        position, speed = skipped_residual(m, d, s)
+        rows.residual = position
+        return position <= tolerance and speed <= tolerance * max(run.now.speed, run.now.turn)
+    return True
