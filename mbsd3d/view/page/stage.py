@@ -1,31 +1,90 @@
-"""The scene of viser made from a drawing: bodies as frames with their meshes, arrows, traces, a ground grid.
+"""The scene of viser made from a drawing: bodies as frames with their meshes, arrows, links, traces, a ground grid.
 
 Node "/bodies/<i>" is the frame of body ``i``, so that one message pair moves all of it. Lengths in the scene are metres
 times ``Stage.scale``, a power of ten that makes every mechanism some units large: light and clipping are made for that.
+Arrows, rods and springs of one kind are copies of one mesh in one node, laid along vectors.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...base.style import CELLS, SHADED, channels, paler, rgb
+from ...base.rotations import matrix
+from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
-from ..scene.camera import frame_camera
-from ..scene.drawing import Drawing, bounds
+from ..scene.camera import frame_camera, round_up
+from ..scene.drawing import LAYERS, USUAL, Drawing, Link, bounds
 from ..scene.frames import Frames
-from ..scene.grid import round_up
-from ..scene.layers import LAYERS, USUAL
-from ..scene.meshes import with_shade
+from ..scene.meshes import ROD, SLENDER, Z, arrow, laid, unit_coil, unit_or_z, unit_rod, with_shade
 from ..scene.motion import Arrows, Trace
-from ..scene.sticks import arrow
-from .copies import Links, add_copies, lay
+from .recorder import printable
+
+if TYPE_CHECKING:
+    from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
 
 FOV = 0.7  # vertical [rad]
-SUN = (-0.5, -1.5, 3.0)  # direction it stands in
+SUN = (-0.5, -1.5, 3.0)  # towards it
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
+NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
+
+
+class Links:
+    """Springs as coils or joints as rods; all of a kind are one node of the scene.
+
+    Each turns from its mean direction over the run by the smallest rotation, so that coils do not spin.
+    """
+
+    def __init__(
+        self, scene: "SceneApi", name: str, links: Sequence[Link], frames: Frames, size: float, scale: float
+    ) -> None:
+        self.ends, self.scale = [link.ends for link in links], scale
+        spans = np.stack([np.subtract(*reversed(span)) for span in (paths(link, frames) for link in links)], axis=1)
+        lengths = np.sqrt((spans**2).sum(axis=-1)).mean(axis=0)
+        spring = links[0].spring
+        self.radii = np.maximum(SLENDER * lengths if spring else 0.0, ROD * size) + 0.0 * lengths
+        self.rest = unit_or_z(spans.sum(axis=0))
+        mesh = unit_coil() if spring else unit_rod()
+        self.node = add_copies(scene, name, mesh, channels(GREY), len(links))
+        self.move(frames.r[0], frames.e[0])
+
+    def move(self, r: np.ndarray, e: np.ndarray) -> None:
+        """Lay them between their ends at a pose."""
+        ends = np.array([[r[k] + matrix(e[k]) @ p for k, p in pair] for pair in self.ends])
+        lay(self.node, ends[:, 0], ends[:, 1] - ends[:, 0], self.scale, self.radii, self.rest)
+
+
+def paths(link: Link, frames: Frames) -> list[np.ndarray]:
+    """Both ends (frames, 3) of a link, world [m]."""
+    return [frames.r[:, k] + matrix(frames.e[:, k]) @ p for k, p in link.ends]
+
+
+def add_copies(scene: "SceneApi", name: str, mesh: Mesh, colours: np.ndarray, count: int) -> "SceneNodeHandle":
+    """A node of ``count`` copies of a mesh, still without a place; colours (3,) or (count, 3), 0 ... 255."""
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
+    scales = np.full((count, 3), NOTHING)
+    tints = np.rint(255.0 * linear(colours / 255.0)).astype(np.uint8)  # viser takes those of copies as they are
+    return scene.add_batched_meshes_simple(
+        name, mesh.vertices, mesh.faces, *still, batched_scales=scales, batched_colors=tints, lod="off", side="double"
+    )
+
+
+def lay(
+    node: "SceneNodeHandle",
+    points: np.ndarray,
+    vectors: np.ndarray,
+    scale: float,
+    radii: np.ndarray | None = None,
+    rest: np.ndarray = Z,
+) -> None:
+    """Lay the copies along vectors (k, 3) [m] from points: as wide as they are long, or of given radii [m]."""
+    length = np.sqrt((vectors**2).sum(axis=1))
+    wide = length if radii is None else radii
+    node.batched_positions = (points * scale).astype(np.float32)
+    node.batched_wxyzs = laid(vectors, rest).astype(np.float32)
+    node.batched_scales = (np.column_stack([wide, wide, length]) * scale + NOTHING).astype(np.float32)
 
 
 @dataclass
@@ -34,12 +93,12 @@ class Stage:
 
     scale: float  # scene units per metre
     cell: float  # of the ground grid [m]
-    bodies: list[Any] = field(default_factory=list)
-    layers: dict[str, list[Any]] = field(default_factory=lambda: {name: [] for name in LAYERS})
+    bodies: list["SceneNodeHandle"] = field(default_factory=list)
+    layers: dict[str, list["SceneNodeHandle"]] = field(default_factory=lambda: {name: [] for name in LAYERS})
     links: list[Links] = field(default_factory=list)
-    arrows: list[Any] = field(default_factory=list)
+    arrows: list["SceneNodeHandle"] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)  # metres per unit of each kind of arrows
-    traces: list[Any] = field(default_factory=list)  # the passed part of each
+    traces: list["SceneNodeHandle"] = field(default_factory=list)  # the passed part of each
     shown: Sequence[str] = USUAL  # layers that are shown first
     distance: float = 0.0  # of the first view [m]
 
@@ -61,8 +120,8 @@ class Stage:
 
 
 def build_stage(
-    scene: Any,
-    camera: Any,
+    scene: "SceneApi",
+    camera: "InitialCameraConfig",
     drawing: Drawing,
     frames: Frames,
     arrows: Sequence[Arrows] = (),
@@ -71,19 +130,9 @@ def build_stage(
     *,
     near: bool = False,
 ) -> Stage:
-    """Draw everything at the first frame.
+    """Draw everything at the first frame, in the scene of a server of viser or of a `Recording`.
 
-    Parameters
-    ----------
-    scene, camera : viser's ``server.scene`` and ``server.initial_camera``, or those of a `Recording`
-    drawing, frames, arrows, traces : what is drawn and how it moves
-    shown : layers that are shown first
-    near : whether the camera frames the mechanism at the first frame only, not all of its motion
-
-    Returns
-    -------
-    Stage
-        Scale and handles.
+    ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only.
     """
     low, high = bounds(drawing, frames.r, frames.e)
     box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
@@ -114,7 +163,7 @@ def build_stage(
     return stage
 
 
-def aim(camera: Any, stage: Stage, low: np.ndarray, high: np.ndarray) -> None:
+def aim(camera: "InitialCameraConfig", stage: Stage, low: np.ndarray, high: np.ndarray) -> None:
     """Let the first view hold the whole box."""
     seen = frame_camera(low, high, FOV)
     stage.distance = seen.distance
@@ -123,7 +172,7 @@ def aim(camera: Any, stage: Stage, low: np.ndarray, high: np.ndarray) -> None:
     camera.far = float(seen.distance * stage.scale) * 1e3
 
 
-def light(scene: Any) -> None:
+def light(scene: "SceneApi") -> None:
     """Even light with one sun: viser's own, of a photographed place, makes orange yellow."""
     scene.configure_environment_map(None)
     scene.configure_default_lights(False)
@@ -131,7 +180,7 @@ def light(scene: Any) -> None:
     scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
 
 
-def add_pieces(scene: Any, stage: Stage, drawing: Drawing) -> None:
+def add_pieces(scene: "SceneApi", stage: Stage, drawing: Drawing) -> None:
     """One mesh for all pieces of a body that share layer, colour and shade."""
     groups: dict[tuple, list[Mesh]] = {}
     for piece in drawing.pieces:
@@ -146,7 +195,7 @@ def add_pieces(scene: Any, stage: Stage, drawing: Drawing) -> None:
         stage.layers[layer].append(node)
 
 
-def add_wires(scene: Any, stage: Stage, drawing: Drawing) -> None:
+def add_wires(scene: "SceneApi", stage: Stage, drawing: Drawing) -> None:
     """One set of segments for all wires of a body that share layer and colour."""
     groups: dict[tuple, list[np.ndarray]] = {}
     for wire in drawing.wires:
@@ -162,17 +211,15 @@ def add_wires(scene: Any, stage: Stage, drawing: Drawing) -> None:
         stage.layers[layer].append(node)
 
 
-def add_tags(scene: Any, stage: Stage, drawing: Drawing) -> None:
+def add_tags(scene: "SceneApi", stage: Stage, drawing: Drawing) -> None:
     """Names, fixed in their bodies."""
     for k, tag in enumerate(drawing.tags):
-        text = tag.text.encode("utf-8", "replace").decode("utf-8")
-        node = scene.add_label(
-            f"/bodies/{tag.body}/name{k}", text, position=tag.point * stage.scale, anchor="bottom-center"
-        )
+        place, name = tag.point * stage.scale, f"/bodies/{tag.body}/name{k}"
+        node = scene.add_label(name, printable(tag.text), position=place, anchor="bottom-center")
         stage.layers[tag.layer].append(node)
 
 
-def add_arrows(scene: Any, stage: Stage, i: int, kind: Arrows, size: float) -> None:
+def add_arrows(scene: "SceneApi", stage: Stage, i: int, kind: Arrows, size: float) -> None:
     """Arrows of one kind."""
     stage.factors.append(LONGEST * size / kind.longest if kind.longest > 0.0 else 0.0)
     tints = np.array([channels(tint) for tint in kind.tints])
@@ -182,7 +229,7 @@ def add_arrows(scene: Any, stage: Stage, i: int, kind: Arrows, size: float) -> N
     stage.point(i, kind.points[0], kind.vectors[0])
 
 
-def add_trace(scene: Any, stage: Stage, i: int, trace: Trace) -> None:
+def add_trace(scene: "SceneApi", stage: Stage, i: int, trace: Trace) -> None:
     """The whole path, pale, and the part that was passed, strong."""
     segments = np.stack([trace.points[:-1], trace.points[1:]], axis=1) * stage.scale
     if not len(segments):
@@ -195,7 +242,7 @@ def add_trace(scene: Any, stage: Stage, i: int, trace: Trace) -> None:
     stage.traces.append(node)
 
 
-def add_grid(scene: Any, stage: Stage, drawing: Drawing, low: np.ndarray, high: np.ndarray) -> None:
+def add_grid(scene: "SceneApi", stage: Stage, drawing: Drawing, low: np.ndarray, high: np.ndarray) -> None:
     """A ground grid whose lines are at round coordinates."""
     thin, thick = CELLS["light"]
     cell, span = stage.cell, float((high - low)[:2].max())
