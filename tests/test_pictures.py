@@ -263,9 +263,9 @@ def test_dark_paper_and_layers(solution):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"size": 3}, "size: 3 is no pair"),
+        ({"size": 3}, "size: 3 is not a pair"),
         ({"size": (3, -1)}, "size: -1.0 is not positive"),
-        ({"view": (1, 2, 3)}, "view: .* is no pair"),
+        ({"view": (1, 2, 3)}, "view: .* is not a pair"),
         ({"view": (0, 90)}, "elevation = 90; give -89"),
         ({"hidden": ("body",)}, "hidden: layer 'body' is unknown; give some of bodies"),
         ({"shown": ["force"]}, "shown: layer 'force' is unknown; give some of bodies"),

@@ -20,7 +20,7 @@ from mbsd3d.view.page import html as page
 from mbsd3d.view.page import show
 from mbsd3d.view.page.content import ARROW, LENGTH, MISSING, TURN, VALUE, pack
 from mbsd3d.view.page.recorder import Recording, import_viser
-from mbsd3d.view.page.stage import LONGEST, build_stage
+from mbsd3d.view.page.stage import LONGEST, Stage
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import length_text, round_down, round_up
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
@@ -242,7 +242,7 @@ def test_the_grid_of_a_long_flight_is_seen():
     stone = Body("stone", 1.0, (0.01, 0.02, 0.03), velocity=(70, 10, 70), omega=(1, 5, 2))
     drawing, frames = draw_system(system := System([stone])), frames_of(simulate(system, 14.0))
     recording = Recording("test")
-    build_stage(recording.scene, camera := recording.camera, drawing, frames)
+    Stage(recording.scene, camera := recording.camera, drawing, frames)
     away = np.linalg.norm(np.subtract(camera.position, camera.look_at))
     assert away > 1000.0 and recording.scene._handle_from_node_name["/grid"].fade_distance > 2.0 * away
 
@@ -290,7 +290,7 @@ def test_packed_arrays_come_back(frames):
 def test_scenes_are_some_units_large(size):
     run = simulate(chain(size=size), 0.02)
     drawing, frames, recording = draw_system(run.system), frames_of(run, 3), Recording("show")
-    stage = build_stage(recording.scene, recording.camera, drawing, frames, arrows_of(run, frames))
+    stage = Stage(recording.scene, recording.camera, drawing, frames, arrows_of(run, frames))
     assert 0.5 <= drawing.size * stage.scale < 5.0 and np.isclose(np.log10(stage.scale) % 1.0, 0.0)
     assert np.allclose([node.position for node in stage.bodies], frames.r[0] * stage.scale)
     assert np.allclose(matrix(np.array([node.wxyz for node in stage.bodies])), matrix(frames.e[0]))

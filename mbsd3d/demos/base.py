@@ -76,9 +76,7 @@ class Demo:
     why: str  # one sentence: why the effect exists only in space
     source: str  # of the theory
     run: Callable[..., Outcome]
-    ablation: Mapping[str, object] = field(
-        default_factory=dict
-    )  # changes that put a row off by 100 tolerances
+    ablation: Mapping[str, object] = field(default_factory=dict)  # changes that put a row off by 100 tolerances
 
 
 class Demos(dict[str, Demo]):

@@ -91,12 +91,12 @@ def picture_of(solution: RunResult, dark: bool | None) -> list[dict[str, str]]:
     """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
     if len(solution.system.bodies) > DRAWN:
         return []
-    images, usual = [], {"shown": (), "hidden": (), "view": None, "size": PICTURE}
+    images = []
     for sheet in (False, True) if dark is None else (bool(dark),):
         if solution.t.size > 1:
-            figure = picture_of_solution(solution, float(solution.t[-1]), traces=None, dark=sheet, **usual)
+            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
         else:
-            figure = picture_of_system(solution.system, solution.state(0), dark=sheet, **usual)
+            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
         buffer = io.BytesIO()
         with house():
             figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})

@@ -103,8 +103,11 @@ def body_table(solution: RunResult) -> Table:
         moments = triple(np.linalg.eigvalsh(body.inertia))
         rows.append((body.name, digits(body.mass), triple(body.com, length), moments, speed, spin))
     head = ("body", "mass [kg]", "centre of mass [m]", "principal moments [kg m²]", "speed [m/s]", "turning [rad/s]")
-    text = "Centre of mass from the reference point, body axes; moments about it. Largest speed of that "
-    return Table("Bodies", head, rows, note=" ".join(filter(None, [text + "point and rate of turning.", note])))
+    text = (
+        "Centre of mass from the reference point, body axes; moments about it. Largest speed of that point and rate of "
+        f"turning. {note}"
+    )
+    return Table("Bodies", head, rows, note=text.strip())
 
 
 def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:

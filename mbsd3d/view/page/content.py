@@ -17,7 +17,7 @@ from ..scene.drawing import MARKS, USUAL, Drawing
 from ..scene.frames import Frames
 from ..scene.motion import Arrows, Curve, Trace
 from .recorder import Recording
-from .stage import Links, Stage, build_stage
+from .stage import Links, Stage
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
@@ -63,7 +63,7 @@ def weight_of(content: Content) -> int:
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
-    stage = build_stage(recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0)
+    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0)
     return recording.data(), player_data(content, stage)
 
 

@@ -14,7 +14,7 @@ from .content import Content
 from .html import has_browser
 from .panel import Panel
 from .recorder import import_viser, printable
-from .stage import build_stage
+from .stage import Stage
 
 if TYPE_CHECKING:
     from viser import ViserServer
@@ -51,7 +51,7 @@ class LiveView:
         self._server = quiet_server()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
-            self._stage = build_stage(scene, camera, *content[:4], content.shown)
+            self._stage = Stage(scene, camera, *content[:4], content.shown)
             self._paths = [(node, node.points) for node in self._stage.traces]
             gui.set_panel_label(printable(content.title))
             gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)

@@ -85,11 +85,11 @@ def picture_of_system(
     system: Mechanism,
     state: State | None,
     *,
-    shown: Layers,
-    hidden: Layers,
-    view: Sequence[float] | None,
+    shown: Layers = (),
+    hidden: Layers = (),
+    view: Sequence[float] | None = None,
     size: Sequence[float],
-    dark: bool,
+    dark: bool = False,
 ) -> Figure:
     """See `System.picture`."""
     layers, inches = picture_layers(system, shown, hidden, moving=False), paper_size(size)
@@ -105,12 +105,12 @@ def picture_of_solution(
     motion: Poses,
     t: float | Sequence[float] | None,
     *,
-    traces: Points | None,
-    shown: Layers,
-    hidden: Layers,
-    view: Sequence[float] | None,
+    traces: Points | None = None,
+    shown: Layers = (),
+    hidden: Layers = (),
+    view: Sequence[float] | None = None,
     size: Sequence[float],
-    dark: bool,
+    dark: bool = False,
 ) -> Figure:
     """See `Solution.picture`."""
     layers, inches = picture_layers(motion.system, shown, hidden, moving=True), paper_size(size)

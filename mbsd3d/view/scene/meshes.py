@@ -75,12 +75,10 @@ def flat_normals(triangles: np.ndarray) -> np.ndarray:
 def edges_of(faces: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(k, 2, 3) edges and (k, 2, 3) the normals of both faces at each; an open edge has its face twice."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    face = np.repeat(np.arange(len(faces)), 3)
-    order = np.lexsort((face, ends[:, 1], ends[:, 0]))
-    ends, face = ends[order], face[order]
-    new = np.flatnonzero(np.r_[True, (np.diff(ends, axis=0) != 0).any(axis=1)])
-    last = np.r_[new[1:], len(ends)] - 1
-    return vertices[ends[new]], normals[np.stack([face[new], face[last]], axis=1)]
+    edges, first, same = np.unique(ends, axis=0, return_index=True, return_inverse=True)
+    last = np.zeros_like(first)
+    np.maximum.at(last, same.reshape(-1), np.arange(len(ends)))
+    return vertices[edges], normals[np.column_stack([first, last]) // 3]
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
