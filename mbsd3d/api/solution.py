@@ -86,8 +86,8 @@ class Solution(RunResult, Viewable):
         curves: "Wanted | None" = None,
         dark: bool | None = None,
     ) -> "Report":
-        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
-        from ..report import make_report
+        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.page.make_report`."""
+        from ..report.page import make_report
 
         return make_report(self, path, title=title, curves=curves, dark=dark)
 
