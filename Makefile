@@ -1,18 +1,49 @@
 # `make demo` and `make test` are all a fresh machine needs: both make .venv first.
+SHELL := bash
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
+PIP := $(BIN)/python -m pip --disable-pip-version-check install
+# The files go to the cores one by one: what the tests of a file share is made once.
+PYTEST := $(BIN)/python -m pytest
+SPREAD := -n auto --dist loadfile
 
-.PHONY: demo test slow lint pictures precision clean
+.PHONY: demo test slow timing warm lint pictures precision clean
 
 demo: $(READY)
-	$(BIN)/mbsd3d demo --all --out out
+	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
+	@$(BIN)/mbsd3d demo --all --out out
 
-test: $(READY)
-	$(BIN)/python -m pytest -m "not slow"
+test: warm
+	$(PYTEST) $(SPREAD) -m "not slow and not timing"
 
-slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+slow: warm
+	$(PYTEST) $(SPREAD) -m "slow and not timing"
+
+timing: warm
+	$(PYTEST) -m timing
+
+# Compiled once here, and not by each worker.
+warm: $(READY)
+	@$(BIN)/mbsd3d warmup
+
+# Two other roundings than this processor's, for all tests of numbers: the quick suite without these files.
+.PHONY: test-generic test-perturbed
+NOT_NUMBERS := browser camera cli demos drawing engine_drawings engine_pages errors film files gltf importers live \
+  model_files mujoco_refusals pictures player plots precision report shape_files style sweep_losses view
+NUMBERS := -m "not slow and not timing" $(NOT_NUMBERS:%=--ignore=tests/test_%.py)
+# No fused multiply-add, no vectors, the BLAS of an old processor; kernels compiled so have a folder of their own.
+GENERIC := NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= OPENBLAS_CORETYPE=Nehalem \
+  MBSD3D_CACHE="$${XDG_CACHE_HOME:-$$HOME/.cache}/mbsd3d-generic"
+
+test-generic: $(READY)
+	$(GENERIC) $(BIN)/mbsd3d warmup
+	$(GENERIC) $(BIN)/python -m pytest $(SPREAD) $(NUMBERS)
+
+# Masses and inertias differ by a few units in the last place from what the tests give: tests/noise.py. The workers of
+# sweeps are processes of their own and have no noise.
+test-perturbed: $(READY)
+	MBSD3D_TEST_NOISE=1e-15 $(BIN)/python -m pytest $(SPREAD) $(NUMBERS) --ignore=tests/test_sweep.py
 
 pictures: $(READY)
 	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures
@@ -34,7 +65,12 @@ $(READY): requirements.txt pyproject.toml
 	  { echo "mbsd3d needs Python 3.11 or newer: install one and call 'make PYTHON=python3.12 $(MAKECMDGOALS)'"; exit 1; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || \
 	  { echo "this Python has no venv module: install it (Debian, Ubuntu: apt install python3-venv) and call make again"; exit 1; }
-	test -x $(BIN)/pip || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --disable-pip-version-check -q -r requirements.txt
-	$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e .
+	@test -x $(BIN)/pip || { echo "mbsd3d: making the environment .venv"; $(PYTHON) -m venv .venv; }
+	@echo "mbsd3d: installing $$(grep -vc '^#' requirements.txt) packages into .venv, once: one to three minutes"
+	@set -o pipefail; $(PIP) -r requirements.txt | while read -r word name rest; do case $$word in \
+	  Collecting|Processing|Downloading|Using) printf '\r  %-70.70s' "$${name##*/}" ;; \
+	  Installing) printf '\r  %-70s\n' "unpacking ..." ;; \
+	esac; done
+	@$(PIP) -q --no-deps --no-build-isolation -e .
+	@echo "mbsd3d: installed"
 	@touch $@

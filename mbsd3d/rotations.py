@@ -1,3 +1,4 @@
 """Quaternions and rotation matrices."""
 
+from .base.quaternions import *
 from .base.rotations import *

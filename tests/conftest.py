@@ -1,11 +1,49 @@
-"""Fixtures of several test modules: a browser, and a page of a mechanism in motion."""
+"""Ctrl-C, workers and noise of all tests; fixtures of several modules: a browser, a page."""
+
+import os
+import signal
+import time
+import types
 
 import pytest
 from browser import launch
 from moving import mechanism
+from noise import noisy
 from pages import COUNT, END, TITLE, opened, seek
 
 from mbsd3d import simulate
+from mbsd3d.equations import compiled as model
+
+
+@pytest.fixture(scope="session", autouse=True)
+def noise_on_masses():
+    """Relative noise of ``MBSD3D_TEST_NOISE``, e.g. 1e-15, on every mass and inertia (``make test-perturbed``)."""
+    with pytest.MonkeyPatch.context() as patch:
+        if size := float(os.environ.get("MBSD3D_TEST_NOISE", "0")):
+            patch.setattr(model, "body_table", noisy(model.body_table, size))
+        yield
+
+
+def pytest_configure():
+    """A suite started in the background inherits that Ctrl-C is ignored; tests send it to themselves and others."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """`-n auto`: the cores this process may use, at most 8; xdist would count the machine's, without their threads."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(cores, 8)
+
+
+@pytest.fixture
+def own_clock(monkeypatch):
+    """Budgets of `cross_check` count the seconds of this processor: what else the machine does changes no verdict."""
+    from validation.crosscheck import formulation, ladder
+
+    for module in (formulation, ladder):
+        monkeypatch.setattr(module, "time", types.SimpleNamespace(perf_counter=time.process_time))
 
 
 # Of a module and not of the session: while playwright runs, its event loop occupies this thread, and other

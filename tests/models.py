@@ -31,7 +31,8 @@ from mbsd3d import (
     System,
     Universal,
 )
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import matrix
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.compiled import compile_system
@@ -214,6 +215,14 @@ def pendulum(rng=None, *, joint=Revolute, arm=0.6, **fields):
     at, axis = 0.2 * direction(rng), direction(rng)
     made = Spherical(GROUND, body, at=at) if joint is Spherical else joint(GROUND, body, at=at, axis=axis)
     return System(bodies=[body], joints=[made]), body, made
+
+
+def spinning_wheel(rate):
+    """(system, hinge): a wheel of general inertia that nothing loads, so that it turns at its rate [rad/s] for good."""
+    axis = np.array([2.0, -3.0, 6.0]) / 7.0
+    wheel = Body("wheel", 1.3, (0.11, 0.23, 0.17), com=(0.02, -0.05, 0.03), velocity=(0, 0, 0), omega=rate * axis)
+    hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=axis)
+    return System(bodies=[wheel], joints=[hinge], gravity=(0, 0, 0)), hinge
 
 
 def same_rotation(first, second):

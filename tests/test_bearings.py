@@ -5,7 +5,8 @@ import pytest
 from models import across, direction, random_body
 
 from mbsd3d import GROUND, Prismatic, Revolute, SpeedDriver, Spherical, System, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.base.quaternions import exponential
+from mbsd3d.base.rotations import matrix
 from mbsd3d.results.bearing_life import ROLLER, DeepGrooveBallBearing, RollingBearing, reliability_factor
 from mbsd3d.results.bearings import BearingLoad, bearing_load, bearing_pair
 
@@ -45,6 +46,19 @@ def test_loads_of_an_unbalanced_rotor(frame):
         x = (R if frame == "b" else np.eye(3)) @ x / np.linalg.norm(x)
         assert load.force[k, :2] == pytest.approx([force @ x, force @ np.cross(u, x)], abs=1e-7)
     assert load.speed == pytest.approx(np.full(9, 7.0), abs=1e-9)
+
+
+def test_axis_of_a_shaft_that_was_drawn_elsewhere():
+    """Body b as it comes from its drawing, with the seat at another place and in another direction than the bore."""
+    rng = np.random.default_rng(75)
+    body, bore, seat = random_body(rng, "rotor"), direction(rng), direction(rng)
+    hinge = Revolute(GROUND, body, at=direction(rng), at_b=direction(rng), axis=bore, axis_b=seat, name="hinge")
+    system = System([body], [hinge], gravity=(0.3, -0.5, -9.7))
+    run = accelerations(system, system.assemble(rates={hinge: 5.0}))
+    fixed, turning = (bearing_load(run, hinge, frame=frame) for frame in "ab")
+    assert np.linalg.norm(np.cross(bore, seat)) > 0.1 and abs(fixed.axial[0]) > 1.0
+    for what in ("axial", "radial", "tilting", "speed"):  # about one axis, whichever body it is taken from
+        assert getattr(turning, what) == pytest.approx(getattr(fixed, what), rel=1e-11)  # joints close to rounding
 
 
 def test_pair_of_bearings_is_in_balance_with_the_shaft():
@@ -111,6 +125,14 @@ def test_deep_groove_ball_bearing_reads_its_table_at_every_sample():
     assert bearing.equivalent(radial, -axial) == pytest.approx(expected, rel=1e-14)
     with pytest.raises(ValueError, match="f0 F_a / C0 = 8 is beyond the table, which ends at 6.89; take a greater"):
         bearing.equivalent(1000.0, 4000.0)
+
+
+def test_rows_of_the_table_make_no_jump_where_axial_forces_begin_to_count():
+    """X + Y e = 1 in every row, within half a unit of the last digit of Y and of e."""
+    bearing = DeepGrooveBallBearing(C=2e4, C0=7000.0, f0=14.0)
+    X, Y, e = bearing.factors(500.0 * np.array([0.172, 0.345, 0.689, 1.03, 1.38, 2.07, 3.45, 5.17, 6.89]))
+    assert (np.diff(e) > 0.0).all() and (np.diff(Y) < 0.0).all()
+    assert (np.abs(X + Y * e - 1.0) < 0.005 * (Y + e)).all()
 
 
 def test_ratings_are_keywords_so_that_none_is_mistaken():

@@ -10,13 +10,12 @@ from click.testing import CliRunner
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
-from bicycle.circle_figure import plot
-from bicycle.continuation import Curve
-from bicycle.equations import canonical
-from bicycle.families import SECTIONS, Search
-from bicycle.loads import steer_torque
+from bicycle.linear.equations import canonical
+from bicycle.model.mechanism import steer_torque
+from bicycle.pages.figures import plot_circles
 from bicycle.parameters import library, named
-from bicycle.turning import Turner
+from bicycle.turns.families import SECTIONS, Curve, Search
+from bicycle.turns.turning import TurnSolver
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
 from validation.theory.steady_turn import steady_turn
@@ -54,7 +53,7 @@ def on_the_family(turner, steer):
 
 
 def test_hands_free_circles_begin_at_the_capsize_speed():
-    turner = Turner(BENCHMARK)
+    turner = TurnSolver(BENCHMARK)
     (a, v_a), (b, v_b) = (on_the_family(turner, steer) for steer in (0.003, 0.0015))
     limit = (v_b * a**2 - v_a * b**2) / (a**2 - b**2)  # speed = limit + const lean^2 + O(lean^4), lean 0.01
     assert limit == pytest.approx(CAPSIZE, rel=1e-8)
@@ -86,14 +85,16 @@ def test_turn_that_is_disturbed_comes_back_or_leaves_by_its_eigenvalues(lean, st
     found = replace(turn, system=replace(turn.system, forces=torques)).ride(1.6, rtol=1e-13, output=161)
     after = found.t >= 0.1
     for signal in (found.lean_rate[after], found.steer_rate[after]):
-        # the motion is 1e-5 of the turn, so is what is nonlinear in it; the ablation shifts the eigenvalues by a tenth
-        assert misfit(found.t[after], signal, turn.eigenvalues) < 1e-5
-        assert misfit(found.t[after], signal, 1.1 * turn.eigenvalues) > 1e-2
+        # the motion is 1e-5 of the turn, so is what is nonlinear in it; every step adds its tolerance to rates of 1e-6
+        limit = 1e-5 + found.solution.record.steps * 1e-13 / np.abs(signal).max()
+        assert misfit(found.t[after], signal, turn.eigenvalues) < limit
+        assert misfit(found.t[after], signal, 1.1 * turn.eigenvalues) > 1e-2  # the ablation: shifted by a tenth
 
 
 def test_a_turn_goes_on_for_a_round():
     turn = circles.turn(BENCHMARK, 0.25, 0.15)
     found = turn.ride(rtol=1e-11, output=73)
+    # some hundred steps of 1e-11 add up, and what they leave in lean and steer turns into heading and place
     assert np.degrees(found.heading[-1]) == pytest.approx(360.0, abs=1e-5)
     assert np.diff(found.heading) == pytest.approx(np.full(72, 2 * np.pi / 72), abs=1e-8)
     centre = np.array([0.0, -turn.radius])
@@ -121,7 +122,7 @@ def test_turns_held_at_a_speed():
 
 
 def test_what_one_speed_needed_helps_the_next():
-    shared = Turner(BENCHMARK)
+    shared = TurnSolver(BENCHMARK)
     circles.held(BENCHMARK, 4.0, [0.3], turner=shared)
     first = len(shared.squares)
     (turn,), (alone,) = circles.held(BENCHMARK, 5.0, [0.3], turner=shared), circles.held(BENCHMARK, 5.0, [0.3])
@@ -131,10 +132,10 @@ def test_what_one_speed_needed_helps_the_next():
 
 def test_a_bar_shows_how_far_the_torques_are(monkeypatch):
     monkeypatch.setattr(circles, "LEANS", np.array([0.1, 0.2]))
-    told, turns = [], []
+    told, turns, failed = [], [], []
     monkeypatch.setattr(circles.Progress, "update", lambda bar, value: told.append((bar.title, value)))
-    circles.held_if_possible(BENCHMARK, (5.0, 7.0), turns)
-    assert [len(group) for group in turns] == [2, 2]
+    circles.held_if_possible(BENCHMARK, (5.0, 7.0), turns, failed.append)
+    assert [len(group) for group in turns] == [2, 2] and not failed
     assert told == [("circles: steer torques", value) for value in (0.0, 0.5, 1.0, 1.5)]
 
 
@@ -146,9 +147,10 @@ def test_families_tell_of_every_point():
     assert len(told) >= len(points) > 3
 
 
+@pytest.mark.slow
 def test_torques_are_drawn_as_a_smooth_line_through_the_turns():
     turns = circles.held(BENCHMARK, 5.0, np.radians([5.0, 10.0, 15.0, 20.0]))
-    points, line = plot(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
+    points, line = plot_circles(BENCHMARK, [], [turns, turns[:1]]).axes[3].lines[:2]
     assert np.allclose(line.get_xydata()[::10], points.get_xydata(), rtol=0, atol=1e-12)
     middle = circles.held(BENCHMARK, 5.0, [np.radians(12.5)])[0].torque
     straight = np.interp(12.5, *points.get_xydata().T)
@@ -163,7 +165,7 @@ def test_pivoting_about_the_rear_contact():
     # at rest and in motion the accelerations vanish at nearly the same lean: a condition of 1e3
     assert turn.square == pytest.approx(known.square, rel=1e-8) and turn.torque == pytest.approx(known.torque, abs=1e-8)
     found = turn.ride(1.0, rtol=1e-10)
-    assert np.ptp(found.contacts["rear"].point, axis=0).max() < 1e-6
+    assert np.ptp(found.contacts["rear"].point, axis=0).max() < 1e-6  # m: the condition times 1e-8 rad/s^2, as above
     assert np.ptp(found.contacts["front"].point, axis=0).max() > 1.0
 
 
@@ -282,6 +284,7 @@ def test_command_writes_what_it_says(found, tmp_path, monkeypatch):
     assert len(rows) > sum(len(family.turns) for family in found) and header.startswith("family,lean [rad]")
 
 
+@pytest.mark.slow
 def test_tables_keep_names_with_a_point(tmp_path, monkeypatch):
     monkeypatch.setattr(circles, "families", lambda parameters, keep: None)
     lines = [f"{key} = {value!r}" for key, value in BENCHMARK.values().items() if key[0] != "t"]

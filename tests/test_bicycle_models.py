@@ -9,11 +9,12 @@ import pytest
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, whipple
-from bicycle.equations import canonical
-from bicycle.models import Bicycle, PublishedBody
-from bicycle.parameters import deviations, library
+from bicycle.linear.equations import canonical
+from bicycle.model.mechanism import Bicycle, PublishedBody
+from bicycle.parameters import deviations, library, read_values
 from mbsd3d import State, System, accelerations, simulate
-from mbsd3d.base.rotations import exponential, matrix, multiply
+from mbsd3d.base.quaternions import exponential, multiply
+from mbsd3d.base.rotations import matrix
 from validation import whipple_lagrange
 
 BENCHMARK = Meijaard2007()
@@ -23,10 +24,13 @@ ROUND = replace(
 """Wheels of unequal size and crown, nothing zero or equal."""
 
 
-def test_examples_of_the_modules():
-    for module in ("parameters", "models", "equations", "general", "stability"):
-        found = doctest.testmod(import_module(f"bicycle.{module}"))
-        assert found.attempted and not found.failed
+MODULES = ("parameters.definition", "parameters.published", "model.mechanism", "linear.equations", "linear.general")
+
+
+@pytest.mark.parametrize("module", [*MODULES, "linear.stability", "linear.critical"])
+def test_examples_of_the_modules(module):
+    found = doctest.testmod(import_module(f"bicycle.{module}"))
+    assert found.attempted and not found.failed
 
 
 # --- parameters -------------------------------------------------------------------------------------------------------
@@ -121,8 +125,6 @@ def test_text_files_with_deviations(tmp_path):
     p = Parameters.from_file(path)
     assert (p.name, p.rF, p.IHzz, p.lam) == ("mine", 0.343, 7.1e-3, BENCHMARK.lam)
     assert p.mH == pytest.approx(3.1, rel=1e-15)
-    from bicycle.parameter_files import read_values
-
     spread = read_values(path)[1]
     assert spread == {"rF": 0.0002, "mH": pytest.approx(np.hypot(0.1, 0.2) / 2), "IHzz": pytest.approx(2e-4)}
 
@@ -149,9 +151,9 @@ def test_files_of_other_editors_and_programs(tmp_path):
     [
         ("a.txt", lines("rF"), "'.*a.txt': rF missing"),
         ("a.txt", lines(rf=0.3), "rf unknown"),
-        ("a.txt", lines() + "\nw = 1", "line 27: w stands twice"),
-        ("a.txt", lines(w="wide"), "line 1: w = ''wide'' is no number"),
-        ("a.txt", "w 1.0", "line 1: 'w 1.0' is no 'symbol = value'"),
+        ("a.txt", lines() + "\nw = 1", "line 27: w is given twice"),
+        ("a.txt", lines(w="wide"), "line 1: w = ''wide'' is not a number"),
+        ("a.txt", "w 1.0", "line 1: 'w 1.0' is not of the form 'symbol = value'"),
         ("a.txt", lines(rR=0.0), "rR: 0.0 is not positive"),
         ("a.txt", lines("w") + "\nw = 1,02", "line 26: w = '1,02': write a decimal point"),
         ("a.txt", lines("w") + "\nw = 1,02 +/- 0,01", "write a decimal point"),
@@ -159,11 +161,11 @@ def test_files_of_other_editors_and_programs(tmp_path):
         ("a.txt", lines("w") + "\nw = 1.02 +/- nan", "deviation is not a finite number >= 0"),
         ("a.csv", lines(), "end in .txt, .yml or .yaml"),
         ("a.yml", "parameterization: principal\nvalues: {}", "parameterization: benchmark"),
-        ("a.yml", "values: {w: true}", "w = True is no number"),
+        ("a.yml", "values: {w: true}", "w = True is not a number"),
         ("a.yml", "a: &a [1]\nb: *a", "references"),
-        ("a.yml", "a: [", "no YAML"),
-        ("a.yml", "values: {w: 1.0, c: 0.1, w: 1.1}", "w stands twice"),
-        ("a.yml", "values: {lam: pi/10}", "lam = 'pi/10' is no number"),
+        ("a.yml", "a: [", "not valid YAML"),
+        ("a.yml", "values: {w: 1.0, c: 0.1, w: 1.1}", "w is given twice"),
+        ("a.yml", "values: {lam: pi/10}", "lam = 'pi/10' is not a number"),
     ],
 )
 def test_faulty_files_are_refused_with_their_place(tmp_path, name, text, message):
@@ -190,7 +192,7 @@ def test_static_wheel_loads():
     # at rest and held upright only for an instant: at lean zero it does not begin to fall
     found = accelerations(system)
     for joint, key in (("rear contact", "rear_N"), ("front contact", "front_N")):
-        assert found.reaction(joint).force[0] == pytest.approx([0, 0, expected[key]], abs=1e-10)
+        assert found.reaction(joint).force[0] == pytest.approx([0, 0, expected[key]], abs=1e-10)  # 1e-13 of 900 N
 
 
 def angular(found, system):
@@ -290,13 +292,14 @@ def test_all_published_sets_ride(name):
 def test_two_mass_skate():
     """Point masses on massless wheels: singular mass matrices, and stable from 2.84 m/s."""
     p = replace(named("Tms"), lam=np.pi / 36)
-    found = general.linearization(whipple, p, 4.0)
-    assert found.A == pytest.approx(canonical(p).A(4.0), abs=1e-11)
+    found, expected = general.linearization(whipple, p, 4.0), canonical(p)
+    rounding = np.finfo(float).eps * np.linalg.cond(expected.M) * np.abs(found.A).max()
+    assert found.A == pytest.approx(expected.A(4.0), abs=rounding)
     assert found.A == pytest.approx(whipple_lagrange.lateral_matrix(p, 4.0), abs=1e-9)
     assert np.all(found.eigenvalues.real < 0.0)
     assert np.any(general.linearization(whipple, p, 2.8).eigenvalues.real > 0.0)
     large = replace(p, rR=0.3, rF=0.2)  # the size of the wheels does not matter
-    assert general.linearization(whipple, large, 4.0).A == pytest.approx(found.A, abs=1e-11)
+    assert general.linearization(whipple, large, 4.0).A == pytest.approx(found.A, abs=rounding)
 
 
 # --- symmetries -------------------------------------------------------------------------------------------------------
@@ -399,6 +402,6 @@ def test_a_front_wheel_across_the_way_is_named():
         return 1.0 / kinematics.rolling(BENCHMARK, kinematics.pose_of(BENCHMARK, 0.0, steer), 1.0, 0.0, 0.0)[0][1, 5]
 
     across = brentq(rate, 1.55, 1.65, xtol=1e-15)  # there the yaw rate passes infinity
-    with pytest.raises(ValueError, match="no velocities let both wheels roll .* the front wheel stands across"):
+    with pytest.raises(ValueError, match="no velocities let both wheels roll .* the front wheel points sideways"):
         whipple(BENCHMARK, 1.0, 0.0, across)
     assert np.abs(whipple(BENCHMARK, 0.0, 0.0, across).state().v).max() < 1e-12  # at rest it may stand so

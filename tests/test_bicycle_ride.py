@@ -12,9 +12,9 @@ import scipy.linalg
 from click.testing import CliRunner
 
 from bicycle import Meijaard2007, circles, ride, whipple
-from bicycle.equations import canonical
-from bicycle.manoeuvres import MANOEUVRES
+from bicycle.linear.equations import canonical
 from bicycle.parameters import library, named, names
+from bicycle.rides.manoeuvres import MANOEUVRES
 from mbsd3d import IntegrationError
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
@@ -123,8 +123,9 @@ def test_mirrored_pushes_make_mirrored_rides():
                  rtol=1e-11)
         for side in (1.0, -1.0)
     )  # fmt: skip
+    limit = 2 * right.solution.record.steps * 1e-11  # every step of either may be off by its tolerance
     for name in ("lean", "steer", "heading"):
-        assert np.abs(getattr(right, name) + getattr(left, name)).max() < 1e-9
+        assert np.abs(getattr(right, name) + getattr(left, name)).max() < limit
     assert right.lean[-5:].min() != 0.0 and right.contacts["rear"].across == pytest.approx(
         -left.contacts["rear"].across, abs=1e-6
     )
@@ -238,6 +239,7 @@ def test_command_writes_what_it_says(tmp_path):
         assert name in CliRunner().invoke(main, ["bicycle", "ride", "--list"]).output
 
 
+@pytest.mark.slow
 def test_rides_that_differ_have_files_of_their_own(tmp_path):
     common = ["bicycle", "ride", "--manoeuvre", "pulse", "--t-end", "0.1", "--out", str(tmp_path)]
     for more in ([], ["--speed", "4.25"], ["--speed", "5"], ["--fallen", "30", "--held-down"], ["--fallen", "60"]):

@@ -9,14 +9,14 @@ import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, ablation, compare, critical, frequency, general, named, sensitivity, whipple, why
-from bicycle import characteristic as polynomial
-from bicycle.compare_page import write_page
-from bicycle.double_roots import double_roots
-from bicycle.equations import canonical
+from bicycle import Meijaard2007, compare, critical, frequency, general, named, sensitivity, whipple, why
+from bicycle.linear import characteristic as polynomial
+from bicycle.linear.characteristic import double_roots
+from bicycle.linear.equations import canonical
+from bicycle.linear.why import CHANGES, two_mass_skate
+from bicycle.pages.compare import write_page
+from bicycle.pages.sketches import semi_axes, side_view
 from bicycle.parameters import SYMBOLS, library, names
-from bicycle.sketches import semi_axes, side_view
-from bicycle.variants import CHANGES, two_mass_skate
 from mbsd3d import Sine, Torque, simulate
 from mbsd3d.cli import main
 
@@ -30,9 +30,9 @@ def growth(linear, speed):
     return linear.eigenvalues([speed]).real.max()
 
 
-@pytest.mark.parametrize("module", ["slopes", "why", "frequency"])
+@pytest.mark.parametrize("module", ["sensitivity", "why", "frequency"])
 def test_examples_print_what_they_say(module):
-    found = doctest.testmod(import_module(f"bicycle.{module}"))
+    found = doctest.testmod(import_module(f"bicycle.linear.{module}"))
     assert found.attempted and not found.failed
 
 
@@ -164,15 +164,25 @@ def test_derivatives_obey_the_rules_of_dimensions():
         assert abs(change["g"] - v / 2) < 1e-12 * size
 
 
+@pytest.mark.parametrize("name", ["Benchmark", "Crescendo", "HC_Bluenose", "HC_Optimal06"])
+def test_the_double_root_is_where_two_growing_modes_meet(name):
+    """Decaying modes of the last three meet at a lower speed."""
+    v = sensitivity.derivatives(named(name)).speeds["double root"]
+    low, high = np.sort(canonical(named(name)).eigenvalues([v])[0].real)[-2:]
+    assert low > 0.0 and high - low < 1e-5 * high  # a double eigenvalue is known to the root of rounding
+
+
 def test_derivatives_of_the_general_model_are_those_of_the_closed_form():
     closed, model = sensitivity.derivatives(BENCHMARK), sensitivity.derivatives(BENCHMARK, whipple)
     for name, slopes in closed.by.items():
         assert abs(closed.speeds[name] - model.speeds[name]) < 1e-10
         for key, slope in slopes.items():
             change = max(abs(getattr(BENCHMARK, key)), 0.1)  # differences of 1e-3 of this
+            # truncation 1e-12 times fifth derivatives, and rounding 1e-11 over the step
             assert abs(model.by[name][key] - slope) * change < 1e-7 * closed.speeds[name]
 
 
+@pytest.mark.slow
 def test_derivatives_by_forward_differences_next_to_zero():
     light = replace(BENCHMARK, mR=1.5e-4, name="light rear wheel")  # a central difference would need negative masses
     closed, model = sensitivity.derivatives(light), sensitivity.derivatives(light, whipple)
@@ -181,16 +191,18 @@ def test_derivatives_by_forward_differences_next_to_zero():
         assert abs(model.by[name]["mR"] - slopes["mR"]) < 1e-4 < abs(slopes["mR"])
 
 
-@pytest.mark.parametrize("zero", ["IFyy", "IRyy", "IFxx"])
+@pytest.mark.parametrize("zero", ["IFyy", *(pytest.param(x, marks=pytest.mark.slow) for x in ("IRyy", "IFxx"))])
 def test_derivatives_by_forward_differences_where_a_wheel_has_no_inertia(zero):
     point = replace(BENCHMARK, **{zero: 0.0}, unphysical=True)
     closed, model = sensitivity.derivatives(point), sensitivity.derivatives(point, whipple)
     for name, slopes in closed.by.items():
         for key, slope in slopes.items():
             change = max(abs(getattr(point, key)), 0.1)
+            # one-sided: six times the truncation and seven times the rounding of central differences
             assert abs(model.by[name][key] - slope) * change < 1e-6 * closed.speeds[name]
 
 
+@pytest.mark.slow
 def test_a_crown_as_large_as_its_wheel_can_only_become_smaller():
     ball = replace(BENCHMARK, tR=BENCHMARK.rR, tF=0.01)
     assert np.isfinite([*sensitivity.derivatives(ball, whipple).by["weave"].values()]).all()
@@ -201,6 +213,7 @@ def test_a_body_without_mass_has_no_derivative_by_its_inertia():
         sensitivity.derivatives(named("Tms"), whipple)
 
 
+@pytest.mark.slow
 def test_derivatives_with_round_tyres_obey_the_rule_of_lengths():
     found = sensitivity.derivatives(ROUND, whipple)
     length = dict.fromkeys(("w", "c", "rR", "xB", "zB", "xH", "zH", "rF", "tR", "tF"), 1.0)
@@ -362,7 +375,7 @@ def test_sets_that_are_left_out_share_one_line():
         ({"c": [0.1], "w": [1.0, -1.0]}, "wheelbase w: -1.0 is not positive"),
         ({"c": [0.1], "IBxx": [9.0, 30.0]}, "frame and rider .B.: inertia .* exceeds the sum"),
         ({"tR": [0.0, 0.4], "c": [0.1]}, "tR = 0.4 exceeds rR"),
-        ({"tR": [0.0, 0.1], "c": [0.1]}, "closed form knows no crown radius"),
+        ({"tR": [0.0, 0.1], "c": [0.1]}, "closed form has no crown radius"),
     ],
 )
 def test_impossible_maps_are_refused(axes, message):
@@ -398,7 +411,7 @@ def test_growths_of_ablations_are_those_of_an_eigenvalue_solver():
     p, mass = balanced, balanced.mH + balanced.mF
     x, z = (p.mH * p.xH + p.mF * p.w) / mass, (p.mH * p.zH - p.mF * p.rF) / mass
     away = (x - p.w - p.c) * np.cos(p.lam) - z * np.sin(p.lam)  # distance from the steer axis
-    assert abs(away) < 1e-15
+    assert abs(away) < 1e-15  # some roundings of lengths below 1 m
 
 
 def test_ablations_keep_what_was_computed_before_ctrl_c():
@@ -431,18 +444,18 @@ def test_what_another_model_does_is_not_confirmed():
     def falls_faster(parameters, speed):
         return whipple(replace(parameters, IBzz=parameters.IBzz + 0.01), speed)
 
-    assert ablation.ablated("as built", BENCHMARK, heavier, 5.0).confirmed is False
+    assert why.ablated("as built", BENCHMARK, heavier, 5.0).confirmed is False
     vertical = replace(BENCHMARK, lam=0.0)  # stable at no speed, so that its growth alone tells
-    assert ablation.ablated("vertical", vertical, whipple, 5.0).confirmed
-    assert ablation.ablated("vertical", vertical, falls_faster, 5.0).confirmed is False
-    found = ablation.ablated("as built", BENCHMARK, whipple, 5.0)
+    assert why.ablated("vertical", vertical, whipple, 5.0).confirmed
+    assert why.ablated("vertical", vertical, falls_faster, 5.0).confirmed is False
+    found = why.ablated("as built", BENCHMARK, whipple, 5.0)
     beside = [critical.Range(part.low, part.high + 3e-6) for part in found.ranges]
-    assert found.confirmed and not ablation.in_spectrum(replace(found, ranges=beside), whipple, 5.0)
+    assert found.confirmed and not why.in_spectrum(replace(found, ranges=beside), whipple, 5.0)
 
 
 def test_a_slow_capsize_is_confirmed_too():
     bluenose = replace(named("HC_Bluenose"), IRyy=0.0)  # growth changes by 3e-4 1/s per m/s
-    found = ablation.ablated("rear wheel without spin momentum", bluenose, whipple, 9.0)
+    found = why.ablated("rear wheel without spin momentum", bluenose, whipple, 9.0)
     assert found.confirmed and found.difference < 1e-9
 
 
@@ -594,7 +607,7 @@ def test_commands_with_many_figures_write_what_they_say(tmp_path):
 
 def test_a_map_needs_no_critical_speeds(tmp_path):
     result = run("sensitivity", "HC_Optimal10", "--map", "c=0:0.1:3", "--map", "lam=0.2:0.5:3", "--out", tmp_path)
-    assert result.exit_code == 0 and "nor a double root: the map alone is made" in result.output
+    assert result.exit_code == 0 and "nor a double root: only the map is written" in result.output
     assert names_in(tmp_path) == {f"map_HC_Optimal10.{kind}" for kind in ("png", "svg", "csv")}
 
 
@@ -610,7 +623,7 @@ def test_deviations_of_a_file_are_used(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["sensitivity", "--deviation", "c=wide"], "--deviation c: 'wide' is no number"),
+        (["sensitivity", "--deviation", "c=wide"], "--deviation c: 'wide' is not a number"),
         (["sensitivity", "--deviation", "cc=1"], "deviation of 'cc'"),
         (["sensitivity", "--map", "c=0:0.1:3"], "--map is given 1 times"),
         (["sensitivity", "--map", "c=0:0.1:3", "--map", "lam=0:1"], "write SYMBOL=FROM:TO:COUNT"),

@@ -1,7 +1,6 @@
 """Pages in a real browser, without a network: what is seen, and that it is where the equations put it."""
 
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -100,6 +99,7 @@ def test_poses_of_the_scene_are_those_of_the_solution(page, motion):
             assert np.abs(pose[:3, :3] - motion.rotation(body)[k]).max() < 4 * 0.51 * TURN
 
 
+@pytest.mark.slow
 def test_between_frames_bodies_are_between(page, motion):
     k, share = 20, 0.4
     seek(page, float(motion.t[k] + share * (motion.t[k + 1] - motion.t[k])))
@@ -110,6 +110,7 @@ def test_between_frames_bodies_are_between(page, motion):
     assert np.abs(matrix(np.array(pose["wxyz"])) - matrix(e / np.linalg.norm(e))).max() < 8 * TURN
 
 
+@pytest.mark.slow
 def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
     tick(page, False, "body names")
     rgb = np.array([int(PINK[i : i + 2], 16) for i in (1, 3, 5)])
@@ -154,6 +155,7 @@ OUTSIDE = """() => {
 }"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width, height", [(800, 460), (360, 640)])
 def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
@@ -169,6 +171,7 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     tick(page, True, "ground grid", "body names")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "reader, dark, expected",
     [
@@ -201,6 +204,7 @@ def test_a_client_without_the_hook_says_so(chromium, film):
         assert seen.page.locator("#message").is_visible() and seen.page.locator("#play").is_enabled()
 
 
+@pytest.mark.slow
 def test_without_webgl_the_curves_work(chromium, film):
     with visit(chromium, film) as seen:
         seen.page.add_init_script("""const get = HTMLCanvasElement.prototype.getContext;
@@ -223,6 +227,7 @@ def test_a_notebook_shows_the_page_in_a_frame(chromium, motion, folder):
         assert covered(seen.pixels("iframe"))[0] > 0.03 and seen.complaints == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reader", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_the_report_is_read_offline_on_any_screen_and_on_paper(chromium, motion, folder, reader):
     motion.report(folder / "report", title=TITLE)
@@ -253,14 +258,11 @@ def chain(links):
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_ten_bodies_and_a_thousand_frames(chromium, folder):
     run = simulate(chain(10), 1.0, rtol=1e-5, output=1000)
     view = run.animate(folder / "large", frames=1000)
     assert (view.bodies, view.frames) == (10, 1000) and (folder / "large.html").stat().st_size < 2e6
-    start = time.perf_counter()
     with opened(chromium, folder / "large.html", width=480, height=360) as seen:
-        assert time.perf_counter() - start < 30.0  # 2 s on a quiet machine; beyond this something is wrong, not slow
         seek(seen, 0.7)
         k = int(np.searchsorted(run.t, 0.7))
         r = np.array(seen.run("__viserMutable.nodePoseData['/bodies/9'].position")) / seen.run("mbsd3d.data.scale")

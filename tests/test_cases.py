@@ -5,31 +5,24 @@ import pytest
 
 from mbsd3d import accelerations, simulate
 from validation import cases
-from validation.comparison import compare, condition
+from validation.comparison import compare
 from validation.robot import hinge_accelerations, robot_poses
+from validation.suite.references import PASSES, allowed
+from validation.suite.trial import RTOL
 
 TIMED = cases.names(timed=True)
 
-RTOL = 1e-10
-
 SHIFTS = [None, 7]
-
-
-def tolerance(case):
-    """Allowed scaled error: ten times what the case makes of a relative error of RTOL, and never more than 1e-7.
-
-    The floor of 100 RTOL stands for the errors of some hundred steps that add up in a case of condition 1.
-    """
-    return min(1e-7, max(10 * condition(case.id), 100) * RTOL + case.accuracy)
 
 
 @pytest.mark.parametrize("shift", SHIFTS)
 @pytest.mark.parametrize("name", TIMED)
 def test_case_reaches_its_reference(name, shift):
     case = cases.load(name, shift)
-    comparison = compare(case, simulate(case.system, case.t_end, rtol=RTOL, output=case.times))
+    rtol = PASSES.get(name, RTOL)
+    comparison = compare(case, simulate(case.system, case.t_end, rtol=rtol, output=case.times))
     assert comparison.left_out == ()
-    assert comparison.scaled_error <= tolerance(case)
+    assert comparison.scaled_error <= allowed(case, rtol)
 
 
 @pytest.mark.parametrize("shift", SHIFTS)

@@ -86,14 +86,13 @@ def test_help_names_the_commands():
         assert re.search(rf"^  {name} ", result.stdout, re.MULTILINE)
 
 
-def test_help_comes_at_once():
-    times = []
-    for _ in range(3):
-        began = time.perf_counter()
-        running = process("--help")
-        assert "Usage: mbsd3d" in running.communicate(timeout=30)[0] and running.returncode == 0
-        times.append(time.perf_counter() - began)
-    assert min(times) < 0.6  # 0.1 s on a free machine
+def test_help_needs_click_only():
+    code = "import sys; from mbsd3d.cli import main; main(['--help'], standalone_mode=False); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    help_text, _, modules = done.stdout.rstrip().rpartition("\n")
+    loaded = {name.partition(".")[0] for name in modules.split()}
+    assert "Usage: " in help_text
+    assert loaded - sys.stdlib_module_names <= {"click", "mbsd3d", "bicycle", "validation", "__main__"}
 
 
 def test_version_and_warmup():
@@ -145,7 +144,7 @@ def test_demo_view_says_its_address_and_ends_quietly_with_ctrl_c(folder):
     assert any("quantity" in line for line in lines)
     time.sleep(0.5)
     running.send_signal(signal.SIGINT)
-    rest, errors = running.communicate(timeout=30)
+    rest, errors = running.communicate(timeout=60)
     assert (rest, errors, running.returncode) == ("", "", 0)
 
 
@@ -185,7 +184,7 @@ def test_run_writes_everything_and_prints_the_certificate(folder):
 
 
 def test_run_with_a_certificate_that_fails(folder, monkeypatch):
-    from mbsd3d.run import simulation
+    from mbsd3d.api import simulation
 
     whole = simulation.simulate
     monkeypatch.setattr(simulation, "simulate", lambda *args, **options: whole(*args, centripetal=False, **options))
@@ -201,19 +200,34 @@ def test_a_run_that_breaks_off_keeps_what_it_has(folder):
     assert 0.1 < mbsd3d.load("out/model.npz").t[-1] < 5.0
 
 
+INTERRUPTED = """
+import os, signal, sys, threading, time
+from mbsd3d import simulate
+
+{pendulum}
+
+def interrupt():
+    frame = None
+    while frame is None:
+        time.sleep(0.1)
+        frame = sys._current_frames()[threading.main_thread().ident]
+        while frame is not None and frame.f_code is not simulate.__code__:
+            frame = frame.f_back
+    time.sleep(1.0)
+    os.kill(os.getpid(), signal.SIGINT)
+
+def build(plain=build):
+    simulate(plain(), 0.01)  # then everything is loaded, and Ctrl-C meets the run itself
+    threading.Thread(target=interrupt).start()
+    return plain()
+"""
+
+
 def test_ctrl_c_keeps_what_was_computed(folder):
-    file = model(folder, PENDULUM.replace("    return", "    print('ready', flush=True)\n    return"))
-    for _ in range(2):  # the first one leaves the kernels on disk, the second one tells how slow the machine is
-        began = time.perf_counter()
-        process("run", file, "--t-end", 0.01, "--out", "short").communicate(timeout=120)
-        whole = time.perf_counter() - began
-    running = process("run", file, "--t-end", 1e7, "--output", 1_000_000, "--out", "kept")
-    assert running.stdout.readline() == "ready\n"
-    time.sleep(max(2.0, 2.0 * whole))
-    running.send_signal(signal.SIGINT)
-    began = time.perf_counter()
-    out, err = running.communicate(timeout=30)
-    assert time.perf_counter() - began < 1.5  # 0.2 s on a free machine
+    """A second after `simulate` was called; the run would take minutes."""
+    file = model(folder, INTERRUPTED.format(pendulum=PENDULUM))
+    running = process("run", file, "--t-end", 1e6, "--output", 1_000_000, "--out", "kept")
+    out, err = running.communicate(timeout=120)
     assert running.returncode == 130 and "interrupted at t = " in err and "Traceback" not in err
     assert re.search(r"^kept/model.npz: \d+ samples up to t = ", out)
     assert mbsd3d.load(folder / "kept" / "model.npz").t.size > 1

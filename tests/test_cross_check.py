@@ -29,6 +29,8 @@ from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, C
 from validation.engines.base import EngineFailed, EngineMissing
 from validation.mechanisms import chain
 
+pytestmark = pytest.mark.usefixtures("own_clock")
+
 LOOP = twins.four_bar()
 
 
@@ -216,6 +218,7 @@ def test_softness_that_does_not_fall_with_the_step_is_proven_by_changing_it(fake
     assert "softness" in proof.cause and proof.after / proof.before == pytest.approx(0.25, abs=0.05)  # its square
 
 
+@pytest.mark.slow
 def test_a_lower_order_than_expected_is_said_with_the_number_of_the_step(fake):
     from validation.engines import mujoco
 
@@ -445,9 +448,10 @@ NEVER_AT_REST = {"turn_rate"}
 """A start that a wrong J of a speed driver does not allow is refused by our own run, which names the joint."""
 
 
-def test_a_mistake_in_any_row_kernel_is_found():
-    outcomes = mutated("mujoco", "exudyn", "definitions")
-    assert len({kernel for kernel, *_ in outcomes}) == 14
+@pytest.mark.parametrize("kernels", [("coincide", "roll"), pytest.param((), marks=pytest.mark.slow)], ids=len)
+def test_a_mistake_in_any_row_kernel_is_found(kernels):
+    outcomes = mutated("mujoco", "exudyn", "definitions", *kernels)
+    assert len({kernel for kernel, *_ in outcomes}) == (len(kernels) or 14)
     for kernel, mistake, found in outcomes:
         if mistake == "none":
             assert not any(found.values()), (kernel, found)

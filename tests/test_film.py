@@ -100,6 +100,7 @@ def test_the_nearest_tones_are_the_nearest():
     assert (paper != tones).any(axis=1).sum() == 1 and (paper == (254, 253, 252)).all(axis=1).sum() == 1
 
 
+@pytest.mark.slow
 def test_a_mode_moves_too(tmp_path):
     rod = Body("rod", 2.0, (0.3, 0.2, 0.1), position=(0.1, 0.2, -0.7))
     hinge = Revolute(GROUND, rod, at=(0.1, 0.2, 0.3), axis=(1.0, 0.2, 0.0))

@@ -7,7 +7,8 @@ from test_order import swinging
 
 from mbsd3d import DOP853, GROUND, Body, Bushing, IntegrationError, Revolute, Spherical, System, rotation, simulate
 from mbsd3d.base.progress import Progress
-from mbsd3d.base.rotations import as_quaternion, conjugate, exponential, logarithm, matrix, multiply
+from mbsd3d.base.quaternions import conjugate, exponential, logarithm, multiply
+from mbsd3d.base.rotations import as_quaternion, matrix
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators.alpha_memory import weights
 from mbsd3d.integrators.alpha_step import move

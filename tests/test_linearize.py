@@ -13,6 +13,7 @@ from mbsd3d import (
     AssemblyError,
     Body,
     Bushing,
+    Cylindrical,
     Force,
     KnifeEdge,
     Planar,
@@ -32,7 +33,8 @@ from mbsd3d import (
     linearize,
     rotation,
 )
-from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.base.quaternions import exponential
+from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.linear.variations import Field
@@ -233,6 +235,37 @@ def test_body_on_a_damped_bushing():
     miss = np.abs(found.eigenvalues[:, None] - expected).min(axis=1)
     assert miss.max() < 1e-11 * np.abs(expected).max() and len(found.modes) == 6
     assert found.states[0].endswith("of engine") and set(found.state_units) == {"m", "rad", "m/s", "rad/s"}
+
+
+def bolt(size):
+    """(system, hinge, bore): an arm on a hinge and a body in its skew bore, both on springs, unstressed."""
+    rng = np.random.default_rng(11)
+    arm, body = (
+        Body(raw.name, mass=1.4, inertia=raw.inertia * size**2, com=raw.com * size, position=raw.position * size,
+             orientation=raw.orientation)
+        for raw in (random_body(rng, "arm"), random_body(rng, "bolt"))
+    )  # fmt: skip
+    hinge = Revolute(GROUND, arm, at=arm.position + size * direction(rng), axis=direction(rng), name="hinge")
+    bore = Cylindrical(arm, body, at=body.position + 0.3 * size * direction(rng), axis=direction(rng), name="bore")
+    at = body.position + 0.4 * size * direction(rng)
+    spring = SpringDamper(GROUND, body, at_a=at + size * direction(rng), at_b=at, stiffness=70.0)
+    twists = [TorsionSpring(joint, stiffness=k * size**2) for joint, k in ((hinge, 60.0), (bore, 40.0))]
+    return System([arm, body], [hinge, bore], [spring, *twists], gravity=(0, 0, 0)), hinge, bore
+
+
+def test_joint_gradients_are_those_of_angles_and_slides_and_name_modes_alike_at_any_size():
+    labels = []
+    for size in (1.0, 50.0, 0.02):
+        system, hinge, bore = bolt(size)
+        seen = [f(x) for x in (hinge, bore) for f in (measures.angle, measures.rate)]
+        found = linearize(system, outputs=[*seen, measures.slide(bore), measures.slide_rate(bore)])
+        gradients = {(joint, kind): gradient for joint, kind, gradient in found.joint_gradients}
+        for mode in found.modes:
+            pose = np.hstack([mode.translation, mode.rotation]).ravel()
+            for k, key, unit in ((0, (hinge, "angle"), 1.0), (2, (bore, "angle"), 1.0), (4, (bore, "slide"), size)):
+                assert gradients[key] @ pose == pytest.approx(mode.vector[k], abs=1e-10 * unit)  # of order 1
+        labels.append([mode.label for mode in found.modes])
+    assert labels[0] == labels[1] == labels[2] and "slide of 'bore'" in labels[0] and "angle of 'bore'" in labels[0]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -484,7 +517,8 @@ def test_bicycle_at_its_critical_speeds():
         found = linearize(bicycle(BICYCLE["reference"][name], 7))
         slowest = min((s for s in found.eigenvalues if s != 0.0), key=lambda s: abs(s.real), default=0.0)
         zero = np.sum(found.eigenvalues == 0.0) == 7  # a capsize rate below rounding is a zero like the six others
-        assert zero or abs(slowest.real) < 1e-12  # the speeds are published with 15 digits
+        # the speeds are published with 15 digits; rounding times the condition 300 of M and rates of 13 1/s is 9e-13
+        assert zero or abs(slowest.real) < 1e-12
 
 
 def orbit(factor):
@@ -517,7 +551,7 @@ def test_free_precession_in_space_is_steady():
     found = linearize(System([body], gravity=(0, 0, 0)))
     assert np.abs(np.cross(found.generator.rotation, w * [A, A, C])).max() < 1e-9  # turns about its momentum
     # in turning axes a drift of the whole is a Jordan block at +-i Omega: rounding moves that by its square root
-    assert np.abs(found.eigenvalues.real).max() < 1e-7
+    assert np.abs(found.eigenvalues.real).max() < 10 * np.sqrt(np.finfo(float).eps) * np.linalg.norm(w)
 
 
 # --- modes ------------------------------------------------------------------------------------------------------------
@@ -531,8 +565,9 @@ def test_modes_are_normalised_and_move_with_closed_joints(tmp_path):
     assert abs(np.abs(moves).max() - 1.0) < 1e-12
     largest = moves.ravel()[np.argmax(np.abs(moves))]
     assert abs(largest.imag) < 1e-12 and largest.real > 0.0
-    # the couplers go in a circle without turning, the rods turn
-    assert np.abs(mode.shape("coupler0")[1]).max() < 1e-12 and np.abs(mode.shape("rod1")[1][2]) > 0.5
+    # the couplers go in a circle without turning, with the ends of rods as long as two lengths of the model
+    assert np.abs(mode.shape("coupler0")[1]).max() < 1e-12
+    assert abs(np.abs(mode.shape("rod1")[1][2]) - 1.0 / 2.0) < 1e-12
     motion = mode.motion(amplitude=0.3, cycles=1.0, samples=9)
     assert close(motion.t[-1], 1.0 / mode.frequency)
     pin = motion.position("rod0") + motion.rotation("rod0") @ case.system.bodies[0].local_point(np.zeros(3))

@@ -49,6 +49,7 @@ def test_custom_force_with_a_state():
     assert np.abs(linearize(system, outputs=outputs).A - expected).max() < EXACT * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_custom_force_that_depends_on_time_is_refused():
     def push(t, bodies, z, parameters, loads, z_dot):
         loads[0, 4] = np.sin(parameters[0] * t)

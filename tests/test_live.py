@@ -37,7 +37,7 @@ def listens(url: str) -> bool:
         return probe.connect_ex((host, int(port))) == 0
 
 
-def until(condition, seconds=10.0):
+def until(condition, seconds=60.0):
     """Wait; False if it does not come true."""
     end = time.perf_counter() + seconds
     while time.perf_counter() < end:
@@ -133,6 +133,7 @@ def test_hidden_arrows_are_moved_when_they_are_shown(view):
     assert until(lambda: not np.array_equal(spin.batched_positions, before))
 
 
+@pytest.mark.slow
 def test_a_browser_sees_it_move_and_pauses_it(chromium, view, solution):
     view.speed = 0.2
     with visit(chromium, view.url, width=700, height=240) as seen:

@@ -33,7 +33,8 @@ from mbsd3d import (
     accelerations,
     rotation,
 )
-from mbsd3d.base.rotations import matrix, multiply
+from mbsd3d.base.quaternions import multiply
+from mbsd3d.base.rotations import matrix
 from validation.engines.base import EngineFailed, EngineMissing, NotExpressible
 from validation.engines.mujoco import EXPRESSES, twin
 

@@ -2,10 +2,18 @@
 
 import numpy as np
 import pytest
-from models import all_joints_mechanism, consistent_state, pendulum, same_rotation
+from models import (
+    all_joints_mechanism,
+    consistent_state,
+    direction,
+    pendulum,
+    random_body,
+    same_rotation,
+    spinning_wheel,
+)
 from scipy.optimize import brentq
 
-from mbsd3d import DOP853, GROUND, RK4, Body, Revolute, System, simulate
+from mbsd3d import DOP853, GROUND, RK4, Body, Cylindrical, GeneralizedAlpha, Prismatic, Revolute, System, simulate
 from mbsd3d.mechanism import measures
 from validation import cases, theory
 
@@ -212,6 +220,19 @@ def test_states_between_the_samples():
         assert same_rotation(between.q[3:], again.orientation("bob")[0]) < 1e-9
 
 
+@pytest.mark.parametrize("kind", [Revolute, Prismatic, Cylindrical])
+def test_rates_are_those_of_angles_and_slides_between_moving_bodies(kind):
+    rng, h = np.random.default_rng(57), 2e-3
+    a, b = random_body(rng, "a"), random_body(rng, "b")
+    joint = kind(a, b, at=a.position + 0.3 * direction(rng), axis=direction(rng))
+    system = System(bodies=[a, b], joints=[joint], gravity=(0, 0, 0))
+    solution = simulate(system, 4 * h, state=consistent_state(system, rng), rtol=1e-12, output=np.arange(5) * h)
+    x = solution.slide(joint) if kind is Prismatic else solution.angle(joint)
+    slope = (8 * (x[3] - x[1]) - x[4] + x[0]) / (12 * h)
+    assert solution.rate(joint)[2] == pytest.approx(slope, abs=1e-8)  # h^4 = 2e-11, rounding 1e-14 / h
+    assert abs(slope) > 0.1
+
+
 def test_state_at_a_sample_is_that_sample():
     system, *_ = pendulum()
     solution = simulate(system, 1.0, output=4)
@@ -235,3 +256,16 @@ def test_angles_stay_unwrapped_over_a_restart():
     first = simulate(system, 1.0)
     second = simulate(system, 2.0, state=first.final)
     assert second.angle(hinge)[-1] == pytest.approx(80.0, abs=1e-7)  # rtol 1e-8 over 13 turns
+
+
+@pytest.mark.parametrize(
+    ("method", "allowed"),
+    [(DOP853(dt=0.1), 2e-3), (GeneralizedAlpha(dt=0.1), 1e-8)],  # order 8 errs 5e-5 in a step of 4 rad; Newton's 1e-11
+    ids=["dop853", "generalized alpha"],
+)
+@pytest.mark.parametrize("rate", [40.0, -37.3])
+def test_angles_count_their_turns_in_steps_of_more_than_half_a_turn(method, allowed, rate):
+    system, hinge = spinning_wheel(rate)
+    run = simulate(system, 2.0, method=method)
+    assert run.certificate.steps == 20
+    assert run.angle(hinge) == pytest.approx(rate * run.t, abs=allowed)

@@ -244,6 +244,7 @@ def polygons(figure: Figure) -> int:
     return max(len(c.get_paths()) for c in figure.axes[0].collections if isinstance(c, PolyCollection))
 
 
+@pytest.mark.slow
 def test_files_of_pictures_are_the_same_bytes_twice(solution, tmp_path):
     first, second = (save_figure(solution.picture(0.1), tmp_path / name, pdf=True) for name in "ab")
     assert [path.suffix for path in first] == [".png", ".svg", ".pdf"]

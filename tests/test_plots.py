@@ -170,7 +170,7 @@ FRESH = """
 import sys
 from test_files import pendulum
 from mbsd3d import simulate
-from mbsd3d.plotting.plots import save_figure
+from mbsd3d import save_figure
 save_figure(simulate(pendulum(), 0.1, output=9).plot(["energy", "drift", "reaction"], dark=True), sys.argv[1], pdf=True)
 """
 

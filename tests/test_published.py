@@ -26,7 +26,8 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d import Polynomial as Powers
-from mbsd3d.base.rotations import exponential, matrix
+from mbsd3d.base.quaternions import exponential
+from mbsd3d.base.rotations import matrix
 from validation import cases, theory
 from validation.robot import hinge_accelerations, robot_poses
 

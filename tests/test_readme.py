@@ -127,6 +127,8 @@ def test_there_are_examples_of_docstrings():
     finder = doctest.DocTestFinder(exclude_empty=True)
     found = [test for name in MODULES for test in finder.find(import_module(name)) if test.examples]
     assert len(found) >= 15
-    assert {"mbsd3d.api.system.System", "mbsd3d.mechanism.joints.Revolute", "mbsd3d.mechanism.signals.Table"} <= {
-        test.name for test in found
-    }
+    assert {
+        "mbsd3d.api.system.System",
+        "mbsd3d.mechanism.joints.pairs.Revolute",
+        "mbsd3d.mechanism.signals.curves.Table",
+    } <= {test.name for test in found}

@@ -286,8 +286,8 @@ def test_h2_unequal_pistons_add_up_but_are_not_identical_units():
     every = load(simulate(system, TIMES[-1], method=Kinematic(), output=TIMES), *HINGES, "motor")
     assert np.abs(found.force - every[0]).max() < EXACT * single_force()
     assert np.abs(found.moment - every[1]).max() < EXACT * single_force()
-    # what identical units would have hidden: a force of order 1, 0.4 kg R w^2 or more
-    assert np.abs(np.fft.rfft(force[:-1, 2]))[1] * 2 / 36 > 0.4 * RATE**2
+    # what identical units would have hidden: a force of order 1, exactly 0.4 kg R w^2
+    assert np.abs(np.fft.rfft(force[:-1, 2]))[1] * 2 / 36 == pytest.approx(0.4 * RATE**2, abs=EXACT * single_force())
     assert np.abs(moment).max() > 0.1 * 0.4 * RATE**2
 
 

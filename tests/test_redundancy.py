@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, rotation, simulate
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, accelerations, rotation, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from validation import cases
 from validation.comparison import compare
+from validation.suite.references import allowed
 
 TILT = rotation((1.0, 2.0, -0.5), 0.4)
 R = matrix(TILT)
@@ -73,6 +74,21 @@ def test_net_wrench_is_unique_and_right_where_shares_are_not():
     np.testing.assert_allclose(summed, net.force, atol=1e-9)  # shares of least norm still add up
 
 
+def test_shares_of_least_norm_belong_to_the_mechanism_and_not_to_the_metre():
+    """The door at rest with all lengths times 40: the same forces, 40 times the moments."""
+    small, size = door(), 40.0
+    (leaf,) = small.bodies
+    whole = Body("leaf", mass=leaf.mass, inertia=leaf.inertia * size**2, com=leaf.com * size,
+                 position=leaf.position * size, orientation=TILT)  # fmt: skip
+    hinges = [Revolute(GROUND, whole, at=j.at * size, axis=j.axis, name=j.name) for j in small.joints]
+    large = System(bodies=[whole], joints=hinges)
+    for name in ("bottom", "top"):
+        one, other = (accelerations(system).reaction(name) for system in (small, large))
+        assert not one.unique and np.abs(one.moment).max() > 1.0
+        np.testing.assert_allclose(other.force, one.force, atol=1e-10)  # rounding of 200 N
+        np.testing.assert_allclose(other.moment, size * one.moment, atol=1e-8)  # of 4 kN m
+
+
 def test_reactions_of_independent_joints_are_unique():
     system = cases.load("iftomm_rscr_slidercrank", 3).system
     solution = simulate(system, 0.1)
@@ -107,6 +123,13 @@ def open_loop(gap):
         before = body
     joints.append(Revolute(GROUND, before, at=(3 + gap, 0, 0), at_b=(3, 0, 0), axis=(0, 0, 1), name="last pin"))
     return System(bodies=bodies, joints=joints)
+
+
+def test_the_same_door_again_has_the_same_tolerance():
+    solution = simulate(door(1e-6), 0.05, as_built=1e-5, output=3)
+    again = solution.again()
+    assert again.record.tolerance == pytest.approx(solution.record.tolerance, rel=1e-15)
+    assert np.array_equal(again.angle("bottom"), solution.angle("bottom"))
 
 
 def test_a_loop_that_cannot_close_names_gap_and_joint():
@@ -155,7 +178,7 @@ def test_report_reads():
 def test_the_change_point_of_the_four_bar_passes_with_rank_events(shift):
     """Twice a turn all rods are collinear and the rank drops from 29 to 27; the motion goes on along its branch."""
     case = cases.load("iftomm_A02_fourbar_N2", shift)
-    solution = simulate(case.system, case.t_end, rtol=1e-10, output=case.times)
+    solution = simulate(case.system, case.t_end, rtol=1e-8, output=case.times)
     assert any("nearly dependent rows passed" in why for _, _, why, _ in solution.record.rank_events)
-    assert compare(case, solution).scaled_error < 1e-7
+    assert compare(case, solution).scaled_error < allowed(case, 1e-8)
     assert solution.certificate.passed, solution.certificate.failures

@@ -229,6 +229,7 @@ def test_names_and_titles_cannot_break_the_page():
     assert frame.tags == ["iframe"] and dict(frame.attributes)["srcdoc"] == report.html
 
 
+@pytest.mark.slow
 def test_same_run_same_bytes(tmp_path):
     """In another process, with another order of sets, and although the runs take different times."""
     code = "import sys; from test_files import pendulum; from mbsd3d import simulate\n"
@@ -254,6 +255,7 @@ def test_a_large_redundant_model_is_thinned_and_says_so(monkeypatch):
     assert f"Reactions and efforts: {sentence}" in run.report(curves=[], dark=False).html
 
 
+@pytest.mark.slow
 def test_paper(solution):
     auto, light, dark = (solution.report(dark=dark, curves=["energy"]).html for dark in (None, False, True))
     assert "@media screen and (prefers-color-scheme: dark) { :root" in auto
@@ -288,6 +290,7 @@ def chain(count: int) -> System:
     return System(bodies, joints)
 
 
+@pytest.mark.slow
 def test_sizes():
     report = simulate(chain(10), 0.5, output=1000).report()
     assert len(report.html.encode()) < 300_000

@@ -75,7 +75,7 @@ def test_accelerations_of_a_rolling_torus_in_generic_states(seed, crown):
     assert np.abs(found.reaction(disc).moment).max() < 1e-10 * np.abs(force).max()  # a force at the contact point
 
 
-@pytest.mark.parametrize("crown", [0.0, 0.13])
+@pytest.mark.parametrize("crown", [pytest.param(0.0, marks=pytest.mark.slow), 0.13])
 def test_torus_rolls_on_an_inclined_plane_as_scipy_has_it(crown):
     system, disc, state = torus(91, crown)
     body, other = disc.b, Torus(disc, system.gravity)

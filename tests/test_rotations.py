@@ -7,18 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mbsd3d.base import rotations
-from mbsd3d.base.rotations import (
-    H,
-    as_quaternion,
-    conjugate,
-    exponential,
-    logarithm,
-    matrix,
-    multiply,
-    quaternion_from_matrix,
-    rotation,
-    skew,
-)
+from mbsd3d.base.quaternions import H, conjugate, exponential, logarithm, multiply, skew
+from mbsd3d.base.rotations import as_quaternion, matrix, quaternion_from_matrix, rotation
+from mbsd3d.kernels.kinematics import displace_body
 
 ROUNDING = 1e-14  # a few dozen operations on numbers of order 1
 OMEGA = np.array([0.7, -1.3, 2.1])
@@ -114,6 +105,14 @@ def test_exponential_inverts_logarithm(e):
     assert np.all(np.linalg.norm(theta, axis=-1) <= np.pi)
     np.testing.assert_allclose(exponential(theta), np.where(e[..., :1] < 0, -e, e), atol=ROUNDING)
     np.testing.assert_allclose(logarithm(2.5 * e), theta, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("angle", [1e-300, 1e-9, 1.5e-4, 1e-2, 0.7, 3.0, 40.0])
+def test_bodies_are_turned_by_the_same_exponential(angle, e):
+    turn, shift, y = angle * np.array([0.48, -0.6, 0.64]), np.array([0.3, -1.2, 0.7]), np.zeros(10)
+    y[3:] = 0.2, -0.4, 0.9, *e[0, 0]
+    displace_body(y, 3, tuple(shift), tuple(turn))
+    assert y == pytest.approx([0.0, 0.0, 0.0, 0.5, -1.6, 1.6, *multiply(exponential(turn), e[0, 0])], abs=1e-15)
 
 
 def test_zero_angle_is_exact():

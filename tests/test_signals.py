@@ -9,21 +9,8 @@ import pytest
 from mbsd3d.equations.compiled import Signals
 from mbsd3d.kernels import signals as kernels
 from mbsd3d.mechanism import signals
-from mbsd3d.mechanism.signals import (
-    POLYNOMIAL,
-    SINE,
-    SPLINE,
-    Constant,
-    Polynomial,
-    Pulse,
-    Ramp,
-    Sine,
-    Sum,
-    Table,
-    as_signal,
-    check_interval,
-    evaluate,
-)
+from mbsd3d.mechanism.signals import Constant, Polynomial, Pulse, Ramp, Sine, Sum, Table, as_signal, check_interval
+from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
 TABLE = Table(TIMES, np.cos(3.0 * TIMES))

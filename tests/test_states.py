@@ -1,13 +1,24 @@
 """Own states of force elements and feedback of measures, against hand-written equations integrated by scipy."""
 
-import time
-
 import numpy as np
 import pytest
 from models import direction, random_body
 from scipy.integrate import solve_ivp
 
-from mbsd3d import GROUND, Body, IntegrationError, Prismatic, Revolute, State, System, TorsionSpring, load, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Cylindrical,
+    IntegrationError,
+    Prismatic,
+    Revolute,
+    State,
+    System,
+    TorsionSpring,
+    load,
+    simulate,
+)
+from mbsd3d.equations.compiled import compile_system
 from mbsd3d.mechanism import measures
 from mbsd3d.mechanism.forces.feedback import StateFeedback
 
@@ -133,8 +144,9 @@ def two_arms():
         measures.velocity(tip, axis=AXIS, at=POINT),
         measures.omega(tip, axis=AXIS),
         measures.lean(tip, lateral=(0.3, 0.8, 0.2)),
+        measures.lean_rate(tip, lateral=(0.3, 0.8, 0.2)),
     ]
-    servo = StateFeedback(measures=seen, gains=(0.7, -0.4, 1.1), on=root, reference=(0.2, 0.1, -0.3))
+    servo = StateFeedback(measures=seen, gains=(0.7, -0.4, 1.1, 0.3), on=root, reference=(0.2, 0.1, -0.3, 0.5))
     return System([arm, tip], [root, elbow], [servo]), root, tip, servo
 
 
@@ -148,11 +160,26 @@ def test_load_is_the_weighted_sum_of_what_is_seen():
     velocity = (solution.velocity(tip) + np.cross(solution.omega(tip), arm)) @ AXIS
     lateral = solution.rotation(tip) @ tip.local_axis(np.array([0.3, 0.8, 0.2]) / np.linalg.norm([0.3, 0.8, 0.2]))
     lean = np.arcsin(lateral[:, 2])
+    lean_rate = np.cross(solution.omega(tip), lateral)[:, 2] / np.cos(lean)
     load = -0.7 * (velocity - 0.2) + 0.4 * (solution.omega(tip) @ AXIS - 0.1) - 1.1 * (lean + 0.3)
+    load -= 0.3 * (lean_rate - 0.5)
     assert np.ptp(load) > 1.0
     power = solution.arrays["power"][:, 0]
     assert power == pytest.approx(load * solution.rate(root), abs=1e-12)  # rounding: the same state, other formulas
     assert solution.certificate.passed
+
+
+def test_errors_of_own_states_are_judged_alike_at_any_size():
+    """Metres and metres per second grow with all lengths and with the speed, radians and radians per second do not."""
+    scales = []
+    for size in (1.0, 50.0):
+        body = random_body(np.random.default_rng(7), com=size * np.array((0.1, 0.2, -0.1)), position=(0, 0, 0))
+        bore = Cylindrical(GROUND, body, at=size * np.array((0.4, -0.1, 0.3)), axis=(0.2, 1.0, 0.3))
+        seen = [f(bore) for f in (measures.angle, measures.slide, measures.rate, measures.slide_rate)]
+        servo = StateFeedback(measures=seen, gains=np.ones(4), on=bore, time_constant=TAU)
+        own = compile_system(System([body], [bore], [servo])).model.state[:4]
+        scales.append(own["unit"] * (3.0 * size) ** own["power"])  # at 3 m/s in the one, 150 m/s in the other
+    assert scales[1] / scales[0] == pytest.approx([1.0, 50.0, 1.0, 50.0], rel=1e-14)
 
 
 def swing(gain, name="servo"):
@@ -168,11 +195,9 @@ def swing(gain, name="servo"):
     "make", [lambda: swing(-400.0), lambda: cart(None, (-400.0, -8.0))[0]], ids=["hinge", "slider"]
 )
 def test_a_gain_that_blows_up_is_named(make):
-    simulate(swing(1.0), 0.1)  # compiled before the clock starts
-    began = time.perf_counter()
     with pytest.raises(IntegrationError, match="grows without end.*force 'servo'.*gains") as caught:
         simulate(make(), 1e3)
-    assert time.perf_counter() - began < 5.0
+    assert caught.value.solution.record.evaluations < 200_000  # 23 000 and 1000, of a run of 1000 s
     assert caught.value.solution.t.size > 10 and np.isfinite(caught.value.solution.arrays["q"]).all()
 
 

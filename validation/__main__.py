@@ -2,7 +2,7 @@
 
 import sys
 
-from mbsd3d.cli import main
+from mbsd3d.extend import main
 
 if __name__ == "__main__":
     main(["validate", *sys.argv[1:]], prog_name="mbsd3d")

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Prismatic, Revolute, Spherical, SpringDamper, System, Universal, rotation
-from mbsd3d.base.rotations import matrix
+from mbsd3d.extend import matrix
 
 LINK, MASS, INERTIA, COM = 0.2, 0.2, (1e-4, 8e-4, 7e-4), (0.1, 0.01, 0.005)  # m, kg, kg m^2, m
 AXES = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

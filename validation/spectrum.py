@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 WINDOWS = {
     "none": (1.0,),

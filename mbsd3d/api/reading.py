@@ -118,4 +118,4 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 
 def with_system(found: Imported) -> Imported:
     """What was imported, with a `System` to work with."""
-    return replace(found, system=System.of(found.system))
+    return found._replace(system=System.of(found.system))

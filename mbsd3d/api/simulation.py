@@ -7,7 +7,7 @@ from ..base.errors import IntegrationError
 from ..equations.compiled import Switches
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
-from ..run.simulation import accelerations_at, run_to
+from ..run.simulation import accelerations_at, check_state, check_system, run_to
 from .solution import Solution
 from .system import System
 
@@ -77,9 +77,10 @@ def simulate(
     0.458715596
     """
     switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
+    start = start_of(system, state, "simulate", as_built)
     try:
         result = run_to(
-            system, t_end, switches, state=state, method=method, rtol=rtol, output=output, stop_when=stop_when,
+            system, t_end, switches, state=start, method=method, rtol=rtol, output=output, stop_when=stop_when,
             as_built=as_built, progress=progress,
         )  # fmt: skip
     except IntegrationError as error:
@@ -104,8 +105,16 @@ def accelerations(system: System, state: State | None = None) -> Solution:
     >>> round(float(now.reaction("hinge").force[0, 2]), 12)  # m (g - l alpha)
     9.81
     """
+    start = start_of(system, state, "accelerations")
     try:
-        return Solution.of(accelerations_at(system, state), simulate)
+        return Solution.of(accelerations_at(system, start), simulate)
     except IntegrationError as error:
         error.solution = error.solution and Solution.of(error.solution, simulate)
         raise
+
+
+def start_of(system: System, state: State | None, what: str, as_built: float | None = None) -> State:
+    """The state that was given, or the one a system starts from by itself."""
+    check_system(system, what)
+    check_state(state, what)
+    return state or system.state(as_built=as_built)

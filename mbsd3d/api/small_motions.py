@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
 from ..mechanism.state import State
+from .simulation import start_of
 from .system import System
 from .viewable import Viewable
 
@@ -152,5 +153,6 @@ def linearize(
     >>> round(swing.eigenvalue.imag, 9), swing.label
     (4.952272206, "angle of 'hinge'")
     """
-    found = linearization.linearize_at(system, state, outputs=outputs, tolerance=tolerance)
+    start = start_of(system, state, "linearize")
+    found = linearization.linearize_at(system, start, outputs=outputs, tolerance=tolerance)
     return Linearization(**{field.name: getattr(found, field.name) for field in fields(found)})

@@ -16,6 +16,12 @@ GROUP = "mbsd3d.commands"
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
 
 
+out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
+drop_option = click.option(
+    "--drop", multiple=True, metavar="KIND", help="Leave out what cannot be imported (.xml, .urdf), e.g. contact."
+)
+
+
 class Failure(click.ClickException):
     """An error the user can do something about: one line on stderr, exit code 2."""
 

@@ -1,6 +1,9 @@
 """Every kernel called once, so that it is compiled."""
 
 import math
+import time
+
+import click
 
 
 def compile_all() -> None:
@@ -20,3 +23,11 @@ def compile_all() -> None:
         solution.reaction(hinge)
     m.accelerations(driven).effort(driver)
     m.linearize(free, free.assemble(angles={hinge: 0.5 * math.pi}))  # it hangs
+
+
+@click.command()
+def warmup() -> None:
+    """Compile all kernels, so that nothing else has to wait."""
+    began = time.perf_counter()
+    compile_all()
+    click.echo(f"all kernels are compiled ({time.perf_counter() - began:.1f} s)")

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array, eye_array, vstack
 
 from ..base.checks import number
 from ..base.errors import AssemblyError
-from ..base.rotations import conjugate, logarithm, multiply
+from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
 from ..equations.jacobian import block_rows, displacement_units, scaled
@@ -20,6 +20,7 @@ from ..kernels.probes import measure
 from ..kernels.rows import rows
 from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .least_squares import least
 from .nearby_poses import nudged
@@ -27,13 +28,13 @@ from .spanning_tree import loop_weights, swing
 from .velocities import with_velocities
 
 
-def reference_pose(system: Any, t: float = 0.0) -> State:
+def reference_pose(system: Mechanism, t: float = 0.0) -> State:
     """Poses and own states as described; velocities zero."""
     q = np.concatenate([np.concatenate([b.position, b.orientation]) for b in system.bodies])
     return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
 
 
-def reference_state(system: Any, as_built: float | None = None) -> State:
+def reference_state(system: Mechanism, as_built: float | None = None) -> State:
     """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
     compiled = compile_system(system)
     tolerance = 1e-9 if as_built is None else max(1e-9, as_built / compiled.model.length)
@@ -159,7 +160,14 @@ def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
 
 
 def assemble(
-    system: Any, angles: Mapping, slides: Mapping, rates: Mapping, measures: Mapping, pinned: tuple, near: Any, t: float
+    system: Mechanism,
+    angles: Mapping,
+    slides: Mapping,
+    rates: Mapping,
+    measures: Mapping,
+    pinned: tuple,
+    near: Any,
+    t: float,
 ) -> State:
     """See `System.assemble`."""
     probes = tuple(measures)
@@ -216,7 +224,7 @@ def check_closed(
         )  # fmt: skip
 
 
-def moved_report(system: Any, start: State, end: State) -> dict[str, tuple[float, float]]:
+def moved_report(system: Mechanism, start: State, end: State) -> dict[str, tuple[float, float]]:
     """How far each body moved: distance of O [m] and angle [rad]."""
     n = len(system.bodies)
     a, b = start.q.reshape(n, 7), end.q.reshape(n, 7)

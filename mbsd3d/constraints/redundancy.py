@@ -11,6 +11,7 @@ from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
 from ..kernels.kinematics import displace
 from ..mechanism.drivers import Driver
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
 from .elimination import SAFE, Core
@@ -77,7 +78,7 @@ class Diagnosis:
         return "\n".join(lines)
 
 
-def diagnose(system: Any, as_built: float) -> Diagnosis:
+def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     """See `System.check`."""
     compiled = compile_system(system)
     pose, misfit, stuck = closed_pose(compiled, as_built)

@@ -7,14 +7,13 @@ Every cure that is reported has then been verified by rebuilding the rows and ta
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import scipy.linalg
 
 from ..base.directions import perpendiculars
 from ..equations.at_state import load_state
-from ..equations.compiled import compile_system
+from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, block_rows
 from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver
@@ -69,7 +68,7 @@ def weaker(joint: Joint) -> list[Joint | None]:
     return [*[option for option in options if type(option) is not type(joint)], None]
 
 
-def rows_of(compiled: Any, pose: State, joint: Joint) -> BlockRows:
+def rows_of(compiled: Compiled, pose: State, joint: Joint) -> BlockRows:
     """Scaled rows of a joint that may not be in the system, at the pose."""
     bodies = [body for body in joint.bodies() if body is not GROUND]
     index = np.array([*(compiled.body_index[id(body)] for body in bodies), compiled.model.body.size])
@@ -85,7 +84,7 @@ def rows_of(compiled: Any, pose: State, joint: Joint) -> BlockRows:
 class Search:
     """What replacements do to the redundant combinations N (columns); projectors are made when first asked for."""
 
-    def __init__(self, compiled: Any, pose: State, rows: BlockRows, N: np.ndarray) -> None:
+    def __init__(self, compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray) -> None:
         self.compiled, self.pose, self.rows, self.N = compiled, pose, rows, N
         self.projectors: dict[tuple[Joint, Joint | None], np.ndarray | None] = {}
 
@@ -166,7 +165,7 @@ def remove_redundancies(B: np.ndarray, N: np.ndarray) -> int:
     return rank
 
 
-def find_cures(compiled: Any, pose: State, rows: BlockRows, N: np.ndarray, mobility: int) -> list[Cure]:
+def find_cures(compiled: Compiled, pose: State, rows: BlockRows, N: np.ndarray, mobility: int) -> list[Cure]:
     """Single replacements, then pairs, then a greedy set; fewest joints touched and fewest rows lost first."""
     search = Search(compiled, pose, rows, N)
     involved = [j for j in compiled.system.joints if np.abs(N[compiled.rows[id(j)]]).max(initial=0.0) > 1e-8]
@@ -193,7 +192,7 @@ def find_cures(compiled: Any, pose: State, rows: BlockRows, N: np.ndarray, mobil
     return cures
 
 
-def verified(compiled: Any, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:
+def verified(compiled: Compiled, pose: State, rows: BlockRows, chosen: list, mobility: int) -> bool:
     """Rebuild the rows with the replacements: all independent, and the mobility unchanged."""
     swapped = [rows_of(compiled, pose, option) for _, option in chosen if option is not None]
     kept = np.ones(rows.body.shape[0], bool)
@@ -205,7 +204,7 @@ def verified(compiled: Any, pose: State, rows: BlockRows, chosen: list, mobility
     return rank == cured.body.shape[0] and 6 * rows.n - rank == mobility
 
 
-def describe(compiled: Any, chosen: list, lost: int) -> Cure:
+def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
     """The cure in words."""
     system, texts, pairs = compiled.system, [], []
     for joint, option in chosen:

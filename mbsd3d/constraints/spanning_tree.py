@@ -4,8 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from ..base.rotations import exponential, matrix, multiply
+from ..base.quaternions import exponential, multiply
+from ..base.rotations import matrix
 from ..equations.compiled import Compiled
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 
@@ -42,7 +44,7 @@ def line_of(x: Coordinate) -> tuple:
     return id(x.a), id(x.b), x.axis.tobytes()
 
 
-def hinge_points(system: Any) -> dict[tuple, np.ndarray]:
+def hinge_points(system: Mechanism) -> dict[tuple, np.ndarray]:
     """A point on the line of each hinge, world at the reference pose."""
     points: dict[tuple, np.ndarray] = {}
     for joint in system.joints:
@@ -52,7 +54,7 @@ def hinge_points(system: Any) -> dict[tuple, np.ndarray]:
     return points
 
 
-def joint_links(system: Any, index: dict[int, int]) -> list[set[int]]:
+def joint_links(system: Mechanism, index: dict[int, int]) -> list[set[int]]:
     """Bodies that share a joint with each body; the ground is the last."""
     links: list[set[int]] = [set() for _ in range(len(system.bodies) + 1)]
     for joint in system.joints:

@@ -1,7 +1,6 @@
 """Consistent velocities of least kinetic energy: min v'M v / 2 subject to J v = b and to what the user gave."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -14,11 +13,12 @@ from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
 from ..equations.mass_matrix import sparse_mass_matrix
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .least_squares import least
 
 
-def given_velocities(system: Any) -> np.ndarray:
+def given_velocities(system: Mechanism) -> np.ndarray:
     """(6 n,) velocities the user gave, NaN where they are to be solved."""
     v = np.full((len(system.bodies), 6), np.nan)
     for i, body in enumerate(system.bodies):
@@ -86,7 +86,7 @@ def least_energy(
     return v
 
 
-def check_determined(system: Any, A: csr_array, M: csr_array, free: np.ndarray) -> None:
+def check_determined(system: Mechanism, A: csr_array, M: csr_array, free: np.ndarray) -> None:
     """A motion without kinetic energy has an undetermined velocity: an error that names the massless body.
 
     Dense, as the equations of such models are.

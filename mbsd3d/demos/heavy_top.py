@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, Solution, Spherical, System, rotation, simulate
-from mbsd3d.base.rotations import multiply
+from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import measures, shapes
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
-from mbsd3d.base.rotations import H
+from mbsd3d.base.quaternions import H
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import shapes
 

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
-from ..base.rotations import matrix, skew
+from ..base.quaternions import skew
+from ..base.rotations import matrix
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanism.bodies import GROUND, Body, Ground
-from ..mechanism.forces.element import ForceElement
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.shapes import Shape

@@ -19,7 +19,7 @@ import numpy as np
 from .. import mechanism
 from ..equations.compiled import Switches
 from ..mechanism.bodies import Body, Ground
-from ..mechanism.forces.element import ForceElement
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Condition, Measure
 from ..mechanism.primitives import Coordinate

@@ -1,15 +1,19 @@
 """The ``@kernel`` decorator: numba in nopython mode with a disk cache that cannot go stale."""
 
+import atexit
 import hashlib
 import os
 import sys
 import tempfile
+import threading
+import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import numba
 
+PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
 PACKAGE = Path(__file__).resolve().parent.parent
 
 
@@ -62,6 +66,21 @@ def announce_compilation(part: str = "kernels") -> None:
         return
     if part == "kernels" or is_warm():  # one line is enough at the very first run
         sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (up to a minute) ...\n")
+        sys.stderr.flush()
+        ended = threading.Event()
+        atexit.register(ended.set)
+        threading.Thread(target=count_kernels, args=(part, ended), daemon=True).start()
+
+
+def count_kernels(part: str, ended: threading.Event) -> None:
+    """Write every five seconds how many kernels are on disk, until the part is complete or nothing more comes."""
+    began = last = time.perf_counter()
+    before = 0
+    while not ended.wait(PAUSE) and not is_warm(part) and time.perf_counter() - last < STALLED:
+        done = sum(1 for _ in CACHE.rglob("*.nbi"))
+        if done > before:
+            before, last = done, time.perf_counter()
+        sys.stderr.write(f"mbsd3d: {done} kernels after {time.perf_counter() - began:.0f} s\n")
         sys.stderr.flush()
 
 

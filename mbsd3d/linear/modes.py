@@ -13,6 +13,7 @@ from ..base.errors import AssemblyError
 from ..constraints.nearby_poses import closed
 from ..constraints.row_choice import choose_rows
 from ..equations.at_state import coordinate_row, load_state
+from ..equations.compiled import Compiled
 from ..results.body_motion import Poses
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
@@ -154,7 +155,7 @@ class Mode:
 class Motion(Poses):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
-    compiled: Any
+    compiled: Compiled
     t: np.ndarray
     arrays: dict[str, np.ndarray]
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..base.rotations import exponential, matrix, multiply, skew
+from ..base.quaternions import exponential, multiply, skew
+from ..base.rotations import matrix
 from ..kernels.layout import Model
 from .variations import Variations
 

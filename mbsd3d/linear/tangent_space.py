@@ -5,7 +5,6 @@ velocity        D_v delta v + D_q delta q = 0      D: variation of J v - b, all 
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -14,6 +13,7 @@ from ..equations.at_state import worst_joint
 from ..equations.compiled import Compiled
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..kernels.layout import Model
+from ..mechanism.mechanism import Mechanism
 from .variations import Variations
 
 COMPONENTS = ("x", "y", "z", "theta_x", "theta_y", "theta_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
@@ -29,7 +29,7 @@ class Tangent:
     configuration: int
     velocity: int
 
-    def names(self, system: Any) -> tuple[str, ...]:
+    def names(self, system: Mechanism) -> tuple[str, ...]:
         """One name per state."""
         n, found = 6 * len(system.bodies), []
         for j in self.chosen:

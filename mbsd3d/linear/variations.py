@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.errors import AssemblyError
-from ..base.rotations import H, matrix, skew
+from ..base.quaternions import H, skew
+from ..base.rotations import matrix
 from ..constraints.row_choice import choose_rows, schur_of
 from ..equations.at_state import load_rows, load_state
 from ..equations.compiled import Compiled

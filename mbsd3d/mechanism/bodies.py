@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..base.checks import number, vector
-from ..base.inertia import check_inertia
+from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 
 

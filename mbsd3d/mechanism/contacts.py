@@ -11,6 +11,7 @@ from ..base.directions import perpendiculars, unit
 from ..kernels import kinds
 from .bodies import GROUND
 from .joints import Joint, PointJoint
+from .motion import Motion
 from .primitives import ZERO, Primitive
 
 
@@ -102,7 +103,7 @@ class RollingDisc(Joint):
         down = -across / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-12)
         return centre + (self.radius - self.crown) * down - self.crown * normal
 
-    def reaction_points(self, solution: Any) -> np.ndarray:
+    def reaction_points(self, solution: Motion) -> np.ndarray:
         """(samples, 3) contact points."""
         centre, axis = solution.body_point(self.b, self.centre), solution.body_axis(self.b, self.axis)
         return self.contact(centre, solution.body_axis(self.a, self.plane[1]), axis)

@@ -9,6 +9,7 @@ from ..base.checks import number, vector
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, coordinate_of
+from .motion import LoadedMotion, Motion
 from .primitives import ZERO, Coordinate, Primitive, ratio
 from .tooth_contact import Axle, line_of_action
 
@@ -236,11 +237,11 @@ class GearMesh(Coupling):
     def point(self) -> np.ndarray:
         return self.at
 
-    def reaction_points(self, solution: Any) -> np.ndarray:
+    def reaction_points(self, solution: Motion) -> np.ndarray:
         """(samples, 3) pitch points, carried by the carrier."""
         return solution.body_point(self.support(), self.at)
 
-    def normal_force(self, solution: Any) -> np.ndarray:
+    def normal_force(self, solution: LoadedMotion) -> np.ndarray:
         """(samples,) tooth force [N] along the line of action; negative where the other flanks touch."""
         n = solution.body_axis(self.support(), self.direction())
         return np.einsum("ti,ti->t", solution.reaction(self).force, n)

@@ -1,7 +1,7 @@
 """Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,9 +9,12 @@ from ..base.checks import number, vector
 from ..base.directions import unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
-from .forces.element import ForceElement
+from .force_element import ForceElement
 from .joints import Joint, coordinate_of
 from .primitives import ZERO, Coordinate, check_kind
+
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
 
 MEASURES = {
     "coordinate": kinds.COORDINATE,
@@ -90,7 +93,7 @@ class Condition:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
 
 
-def check_members(system: Any, measure: Measure, what: str) -> None:
+def check_members(system: "Mechanism", measure: Measure, what: str) -> None:
     """A measure speaks of bodies and forces of this system, or a ValueError."""
     members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
     for part in (measure.a, measure.b, measure.part or GROUND):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.checks import vector
 from .bodies import GROUND, Body
-from .forces.element import ForceElement
+from .force_element import ForceElement
 from .joints import Joint
 
 

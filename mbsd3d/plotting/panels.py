@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mechanism.bodies import Body
-from ..mechanism.forces.element import ForceElement
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
 from ..results.run_result import RunResult

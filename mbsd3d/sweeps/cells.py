@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..api.simulation import simulate
 from ..api.system import System
 from ..base.concurrency import one_thread
-from ..run.simulation import simulate
 
 
 class MisuseError(ValueError):

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import DOP853
-from mbsd3d.base.rotations import matrix
+from mbsd3d.extend import matrix
 
 from ..engines.base import NotComparable
 from .ends import Poses, poses, whole

@@ -126,7 +126,7 @@ def show_stored(out: Path, pictures: Path | None) -> None:
 
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
     """Print and write."""
-    from mbsd3d.plotting.plots import save_figure
+    from mbsd3d import save_figure
 
     from .figure import SHOWN, work_precision
     from .tables import report

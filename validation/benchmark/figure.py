@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.style import LINE, THIN, dress, house, theme
+from mbsd3d.extend import LINE, THIN, dress, house, theme
 
 from .candidates import PEERS
 from .goals import MIDDLE

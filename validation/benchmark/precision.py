@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.concurrency import one_thread
-from mbsd3d.equations.compiled import compile_system
+from mbsd3d.extend import compile_system, one_thread
 
 from .candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
 from .ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed

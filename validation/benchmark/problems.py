@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Cylindrical, Joint, PointOnLine, Revolute, SpeedDriver, Spherical, System, Universal
-from mbsd3d.base.rotations import matrix
+from mbsd3d.extend import matrix
 
 from .. import cases, mechanisms
 from ..theory.pendulum import pendulum_motion

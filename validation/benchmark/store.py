@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from mbsd3d.base.paths import write_atomically
+from mbsd3d.extend import write_atomically
 
 from ..machine import installed
 from .ladders import TARGETS

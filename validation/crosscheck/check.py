@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State
-from mbsd3d.base.checks import number
-from mbsd3d.base.progress import Progress
-from mbsd3d.run.simulation import check_state, check_system
+from mbsd3d.extend import Progress, check_state, check_system, number
 from validation.engines.base import EngineMissing, NotComparable, Twin
 
 from .causes import explained

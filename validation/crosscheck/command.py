@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from mbsd3d.base.paths import write_atomically
-from mbsd3d.cli.support import INTERRUPTED, load, ready_folder
+from mbsd3d import load
+from mbsd3d.extend import INTERRUPTED, ready_folder, write_atomically
 
 from .check import BUDGET, ENGINES, cross_check
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mbsd3d.base.style import LINE, THIN, Theme, dress, house, theme
+from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
 
 from .verdict import AGREES, SKIPPED, Compared, CrossCheck, Finding
 

@@ -14,8 +14,7 @@ def page(check: CrossCheck, title: str, pictures: tuple[dict[str, str], ...] = (
     from jinja2 import ChoiceLoader, Environment, FileSystemLoader, PackageLoader
     from markupsafe import Markup
 
-    from mbsd3d.base.style import DARK, LIGHT
-    from mbsd3d.report.exhibits import inline_svg
+    from mbsd3d.extend import DARK, LIGHT, inline_svg
 
     loader = ChoiceLoader([FileSystemLoader(FOLDER), PackageLoader("mbsd3d")])
     template = Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("cross_check.html")

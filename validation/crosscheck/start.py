@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State, accelerations
-from mbsd3d.equations.dense_solvers import mass_matrix
+from mbsd3d.extend import mass_matrix
 from validation.engines.base import Array, Twin
 
 from .ours import Ours

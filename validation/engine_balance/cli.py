@@ -67,7 +67,7 @@ def main(
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
     engine in space. The exit code is 1 if they disagree.
     """
-    from mbsd3d.base.errors import Mbsd3dError
+    from mbsd3d.extend import Mbsd3dError
 
     from .layouts import Engine, names
 

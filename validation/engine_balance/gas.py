@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from mbsd3d import Force, System, Table
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 from .layouts import Engine, Layout
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
 MOST = 600  # samples of a turn: R/L = 0.998

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.mechanism import shapes
+from mbsd3d import shapes
 
 from .layouts import Engine
 

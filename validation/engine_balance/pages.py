@@ -13,10 +13,7 @@ from urllib.parse import quote
 import numpy as np
 
 import mbsd3d
-from mbsd3d.base.paths import package_version, write_atomically
-from mbsd3d.base.progress import Progress
-from mbsd3d.base.style import DARK, LIGHT
-from mbsd3d.report.wording import digits
+from mbsd3d.extend import DARK, LIGHT, Progress, digits, package_version, write_atomically
 
 from . import drawings, gas, portrait, report, spatial
 from .balance import Comparison, compare

@@ -12,8 +12,7 @@ from markupsafe import Markup
 from scipy.spatial import ConvexHull
 
 from mbsd3d import GROUND, Body, Joint, Solution, System
-from mbsd3d.base.rotations import matrix
-from mbsd3d.view.scene.camera import VIEW
+from mbsd3d.extend import VIEW, matrix
 
 from . import drawings, looks, spatial
 from .layouts import Engine, Layout

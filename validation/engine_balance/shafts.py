@@ -16,8 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mbsd3d import Body, Fixed, Gear, Revolute, System
-from mbsd3d.base import inertia
+from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
 
 from . import looks
 from .harmonics import Harmonics

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.report.wording import digits
+from mbsd3d.extend import digits
 
 from . import drawings, gas, phasor, report
 from .balance import Comparison

@@ -25,9 +25,9 @@ from mbsd3d import (
     Spherical,
     System,
     Universal,
+    inertia,
     simulate,
 )
-from mbsd3d.base import inertia
 from validation.spectrum import spectrum
 
 from . import looks

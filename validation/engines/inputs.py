@@ -6,9 +6,18 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State
-from mbsd3d.equations.at_state import check_quaternions, driven_coordinates, load_state, pack, unmet, worst_joint
-from mbsd3d.equations.compiled import new_data
-from mbsd3d.run.simulation import check_signals, check_state, check_system
+from mbsd3d.extend import (
+    check_quaternions,
+    check_signals,
+    check_state,
+    check_system,
+    driven_coordinates,
+    load_state,
+    new_data,
+    pack,
+    unmet,
+    worst_joint,
+)
 
 from .base import label
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.kernels import kinds
-from mbsd3d.mechanism.signal_terms import evaluate
+from mbsd3d.extend import evaluate, kinds
 from validation.engines import planar
 from validation.planes.shaft import EXACT, Failure, Shaft, bound, contains
 from validation.planes.units import Unit

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import State, System, rotation
-from mbsd3d.base.rotations import multiply
-from mbsd3d.equations.dense_solvers import equations
+from mbsd3d.extend import equations, multiply
 
 RANK = 1e-9  # of scaled rows, over the largest singular value
 IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)

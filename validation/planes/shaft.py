@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND, System
-from mbsd3d.kernels import kinds
+from mbsd3d.extend import kinds
 from validation.planes.mirror import Rows, row_space
 
 EXACT = 1e-9

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.kernels import kinds
+from mbsd3d.extend import kinds
 from validation.engines import planar
 from validation.planes.shaft import EXACT, Failure, Shaft, contains
 from validation.planes.slices import pin

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from mbsd3d.cli.support import INTERRUPTED, ready_folder
+from mbsd3d.extend import INTERRUPTED, ready_folder
 
 DIFFERENT = 1  # exit code
 OUT = "out/validation"

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import cache, partial
 from typing import Any
 
-from mbsd3d.demos.base import discover
+from mbsd3d.extend import discover
 
 from .findings import THEORY, Finding, judged
 from .trial import STANDS, Run, Trial

@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from mbsd3d.base.paths import package_version
+from mbsd3d.extend import package_version
 from validation.machine import machine
 
 from .findings import AGREES, DIFFERS, JUDGES, Record, failed

@@ -6,9 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import mbsd3d
-from mbsd3d.base.paths import package_version
-from mbsd3d.base.style import DARK, LIGHT
-from mbsd3d.report.wording import digits
+from mbsd3d.extend import DARK, LIGHT, digits, package_version
 
 from . import table
 from .findings import AGREES, DEFINITIONS, DIFFERS, EXPLAINED, EXUDYN, JUDGES, MUJOCO, NOT_COMPARED, Finding, Record

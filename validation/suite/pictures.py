@@ -4,7 +4,7 @@ import base64
 import io
 from typing import Any
 
-from mbsd3d.base.style import house
+from mbsd3d.extend import house
 
 from .trial import Run
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Constant, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
-from mbsd3d.base.errors import Mbsd3dError
+from mbsd3d.extend import Mbsd3dError
 from validation.engines import planar
 
 from .findings import PLANE, Finding, judged, not_compared
@@ -154,7 +154,8 @@ def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[F
     except (ValueError, Mbsd3dError) as reason:
         yield not_compared(PLANE, str(reason))
         return
-    ours = run(made.system, made.t_end, state=made.state, output=SAMPLES).solution
+    rtol = made.solution.record.rtol
+    ours = run(made.system, made.t_end, state=made.state, output=SAMPLES, rtol=rtol).solution
     errors = [apart(ours, frame, theirs) for theirs in runs]
     order = float(np.log(errors[0] / errors[1]) / np.log(LADDER[1] / LADDER[0])) if errors[-1] > 0.0 else np.inf
     limit = LIMIT if order >= LEAST_ORDER else made.accuracy

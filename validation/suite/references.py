@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mbsd3d import accelerations, linearize
-from mbsd3d.mechanism import measures
+from mbsd3d import accelerations, linearize, measures
 from validation import cases
 from validation.comparison import compare, condition
 from validation.peers import Count, counted, counted_by_exudyn
@@ -22,8 +21,10 @@ SHIFT = 7
 """Seed of the shifts that put every reference point off its centre of mass: r_G = 0 would hide half of the terms."""
 ROUNDING = 1e-10
 """Of eigenvalues and accelerations without a time loop, relative: rounding 1e-16 times a condition of up to 1e5."""
-
-
+PASSES = {"iftomm_A02_fourbar_N2": 1e-8}
+"""Cases that pass singular positions -> rtol; tighter ones end closer to them, and rounding is amplified by more."""
+ROUNDED = {"free_dzhanibekov": 1e-6}
+"""Cases whose error is rounding -> allowed: 2e-16 in 400 steps at random, times 6 flips and (5 / 1e-3)^2, is 7e-7."""
 LONG = {"chain100_spherical": "chain10_spherical", "bicycle_M3": "bicycle_M1", "iftomm_rscr_slidercrank": "rssr_driven"}
 """Case -> the one that stands for its mechanism in other engines when the run must be short."""
 
@@ -48,8 +49,8 @@ def trial_of(name: str) -> Trial:
 
 def moving(name: str) -> Run:
     """Our motion of a case, at the times of its reference."""
-    case = cases.load(name, SHIFT)
-    return run(case.system, case.t_end, output=case.times, source=case, accuracy=allowed(case))
+    case, rtol = cases.load(name, SHIFT), PASSES.get(name, RTOL)
+    return run(case.system, case.t_end, output=case.times, source=case, accuracy=allowed(case, rtol), rtol=rtol)
 
 
 def standing(name: str) -> Run:
@@ -59,11 +60,13 @@ def standing(name: str) -> Run:
 
 
 def allowed(case: cases.Case, rtol: float = RTOL) -> float:
-    """Allowed scaled error: ten times what the case makes of a relative error of ``rtol``, and never more than 1e-7.
+    """Allowed scaled error: ten times what the case makes of a relative error of ``rtol``.
 
-    The floor of 100 rtol stands for the errors of some hundred steps that add up in a case of condition 1.
+    At 1e-10 never more than 1e-7, or what rounding comes to. The floor of 100 rtol stands for the errors of some
+    hundred steps that add up in a case of condition 1.
     """
-    return min(1e-7, max(10 * condition(case.id), 100) * rtol + case.accuracy)
+    most = ROUNDED.get(case.id, 1e-7) * (rtol / RTOL)
+    return min(most, max(10 * condition(case.id), 100) * rtol + case.accuracy)
 
 
 def reference(made: Run) -> Iterable[Finding]:

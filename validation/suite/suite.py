@@ -6,10 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mbsd3d.base.concurrency import on_one_thread
-from mbsd3d.base.paths import write_atomically
-from mbsd3d.base.progress import Progress
-from mbsd3d.sweeps.executors import outcomes
+from mbsd3d.extend import Progress, on_one_thread, outcomes, write_atomically
 
 from .charts import chart
 from .document import content_of, encoded

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mbsd3d import System, simulate
-from mbsd3d.base.errors import Mbsd3dError
+from mbsd3d.extend import Mbsd3dError
 
 from .findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 

@@ -5,7 +5,7 @@ import inspect
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
@@ -17,7 +17,10 @@ from ...kernels import kinds
 from ...kernels.custom import RETURNED
 from ...kernels.layout import MOST_BODIES, data_records
 from ..bodies import GROUND, Body, Ground
-from .element import ForceElement, ForceRecord
+from ..force_element import ForceElement, ForceRecord
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
 
@@ -231,7 +234,7 @@ class CustomForce(FunctionForce):
         )  # fmt: skip
 
 
-def check_runnable(system: Any) -> None:
+def check_runnable(system: "Mechanism") -> None:
     """ValueError for a system whose custom forces have lost their functions."""
     for force in system.forces:
         if isinstance(force, SavedForce):

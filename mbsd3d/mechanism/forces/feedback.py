@@ -6,9 +6,9 @@ from typing import Any
 
 from ...base.checks import number, sequence
 from ...kernels import kinds
+from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
-from .element import ForceElement, ForceRecord, hinge_coordinate
 
 
 def one_each(values: Any, count: int, what: str) -> tuple[float, ...]:

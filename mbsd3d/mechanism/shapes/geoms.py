@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.rotations import conjugate, multiply
+from ...base.quaternions import conjugate, multiply
 from .base import Shape
 from .kinds import Box, Capsule, Cylinder, Ellipsoid, Sphere
 

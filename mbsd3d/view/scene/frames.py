@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.rotations import H
+from ...base.quaternions import H
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 

@@ -11,10 +11,11 @@ import numpy as np
 from ...base.directions import perpendiculars
 from ...mechanism.bodies import Body, Ground
 from ...mechanism.contacts import RollingDisc
-from ...mechanism.couplings import Axle, GearMesh
-from ...mechanism.forces.element import ForceElement
+from ...mechanism.couplings import GearMesh
+from ...mechanism.force_element import ForceElement
 from ...mechanism.joints import Joint
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
+from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
 LOCKED = 5  # rows from which a joint without an angle cannot turn

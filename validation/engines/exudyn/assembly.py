@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.rotations import H, conjugate, exponential, logarithm, matrix, multiply, skew
-from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d.extend import Coordinate, H, conjugate, exponential, logarithm, matrix, multiply, skew
 
 from ..base import Array
 

@@ -5,9 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.concurrency import one_thread
-from mbsd3d.base.rotations import matrix, multiply
-from mbsd3d.mechanism.couplings import Coupling
+from mbsd3d.extend import Coupling, matrix, multiply, one_thread
 
 from ..base import Array, Kinetic, Load, Motion, NotExpressible
 from ..inputs import check_run

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.directions import cross
-from mbsd3d.base.rotations import exponential, matrix, skew
+from mbsd3d.extend import cross, exponential, matrix, skew
 
 from ..base import Array
 from .assembly import Assembly

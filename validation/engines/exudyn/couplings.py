@@ -5,10 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.mechanism.couplings import Gear, RackPinion
-from mbsd3d.mechanism.drivers import AngleDriver, PositionDriver, SlideDriver, SpeedDriver
-from mbsd3d.mechanism.primitives import Coordinate
-from mbsd3d.mechanism.signals import Constant
+from mbsd3d import AngleDriver, Constant, Gear, PositionDriver, RackPinion, SlideDriver, SpeedDriver
+from mbsd3d.extend import Coordinate
 
 from ..base import NotExpressible
 from .assembly import Assembly

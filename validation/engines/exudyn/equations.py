@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.concurrency import on_one_thread
-from mbsd3d.base.rotations import exponential, logarithm, multiply
+from mbsd3d.extend import exponential, logarithm, multiply, on_one_thread
 
 from ..base import Array, EngineFailed
 from .assembly import Assembly

@@ -4,19 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND
-from mbsd3d.base.rotations import exponential, matrix, multiply
-from mbsd3d.mechanism.forces.element import hinge_coordinate as coordinate_of
-from mbsd3d.mechanism.forces.standard import (
-    AeroDrag,
-    Bushing,
-    Force,
-    JointFriction,
-    SpringDamper,
-    Torque,
-    TorsionSpring,
-)
-from mbsd3d.mechanism.signals import Constant
+from mbsd3d import GROUND, AeroDrag, Bushing, Constant, Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.extend import exponential, matrix, multiply
+from mbsd3d.extend import hinge_coordinate as coordinate_of
 
 from ..base import Array, NotExpressible, label
 from .assembly import Assembly

@@ -7,7 +7,7 @@ are those of one mechanism among many, so none are reported.
 import numpy as np
 from scipy.linalg import qr
 
-from mbsd3d.base.concurrency import on_one_thread
+from mbsd3d.extend import on_one_thread
 
 from .assembly import Assembly
 from .equations import Equations

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.directions import cross, matched_perpendiculars, perpendiculars
-from mbsd3d.mechanism import joints as j
-from mbsd3d.mechanism.contacts import KnifeEdge, RollingDisc
-from mbsd3d.mechanism.couplings import GearMesh
-from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d import GearMesh, KnifeEdge, RollingDisc
+from mbsd3d.extend import Coordinate, cross, matched_perpendiculars, perpendiculars
+from mbsd3d.extend import joints as j
 
 from ..base import Array, NotExpressible, label
 from .assembly import Assembly

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND
-from mbsd3d.base.rotations import multiply, quaternion_from_matrix
-from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d.extend import Coordinate, multiply, quaternion_from_matrix
 
 from ..base import Array, Kinetic, Motion, NotExpressible
 from ..inputs import check_run

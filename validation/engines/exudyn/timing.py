@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from mbsd3d.mechanism.signal_terms import evaluate
+from mbsd3d.extend import evaluate
 
 
 def follow(signal: Any, order: int = 0) -> Callable[[float], float]:

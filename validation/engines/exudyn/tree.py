@@ -9,11 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND
-from mbsd3d.base.directions import cross, matched_perpendiculars, perpendiculars
-from mbsd3d.base.rotations import conjugate, matrix, multiply
-from mbsd3d.mechanism.joints import Cylindrical, Prismatic, Revolute, Universal
-from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d import GROUND, Cylindrical, Prismatic, Revolute, Universal
+from mbsd3d.extend import Coordinate, conjugate, cross, matched_perpendiculars, matrix, multiply, perpendiculars
 
 from ..base import Array, NotExpressible, label
 

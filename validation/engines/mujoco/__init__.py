@@ -33,7 +33,7 @@ from mbsd3d import (
     System,
     Universal,
 )
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 from ..base import NotExpressible, label, release
 from ..inputs import start_of

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Distance, Revolute, System
-from mbsd3d.base.rotations import quaternion_from_matrix
+from mbsd3d.extend import quaternion_from_matrix
 
 from ..base import NotExpressible
 from . import rods

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic, Screw
-from mbsd3d.kernels import kinds
-from mbsd3d.mechanism.primitives import Coordinate
+from mbsd3d.extend import Coordinate, kinds
 
 from ..base import NotExpressible, label
 from .build import Sketch, slide_name, turn_name

@@ -29,7 +29,7 @@ from mbsd3d import (
     Spherical,
     Universal,
 )
-from mbsd3d.base.directions import matched_perpendiculars, perpendiculars
+from mbsd3d.extend import matched_perpendiculars, perpendiculars
 
 from ..base import NotExpressible
 

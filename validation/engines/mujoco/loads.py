@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import Force, JointFriction, SpringDamper, Torque, TorsionSpring
-from mbsd3d.mechanism.forces.element import hinge_coordinate
-from mbsd3d.mechanism.signals import Constant
+from mbsd3d import Constant, Force, JointFriction, SpringDamper, Torque, TorsionSpring
+from mbsd3d.extend import hinge_coordinate
 
 from ..base import NotExpressible, label
 from .build import Sketch

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.mechanism.signal_terms import POLYNOMIAL, SINE
-from mbsd3d.mechanism.signals import Signal
+from mbsd3d import Signal
+from mbsd3d.extend import POLYNOMIAL, SINE
 
 from ..base import NotExpressible
 

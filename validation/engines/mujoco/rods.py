@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance
-from mbsd3d.base.directions import perpendiculars
+from mbsd3d.extend import perpendiculars
 
 from ..base import EngineFailed
 from .layout import Piece

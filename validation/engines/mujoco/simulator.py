@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance, State
-from mbsd3d.base.rotations import matrix
-from mbsd3d.mechanism.signal_terms import evaluate
+from mbsd3d.extend import evaluate, matrix
 
 from ..base import EngineFailed, Kinetic, Load, Motion, finite, label
 from ..inputs import check_met, check_run

@@ -5,9 +5,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance, State
-from mbsd3d.base.rotations import matrix, quaternion_from_matrix
-from mbsd3d.equations.at_state import driven_coordinates
-from mbsd3d.equations.tables import key_of
+from mbsd3d.extend import driven_coordinates, key_of, matrix, quaternion_from_matrix
 
 from . import rods
 from .build import Sketch, local_axes, slide_name, turn_name

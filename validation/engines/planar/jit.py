@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numba
 
-from mbsd3d.kernels.jit import CACHE
+from mbsd3d.extend import CACHE
 
 
 def _digest() -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 from . import rows as kinds
 from .motions import NONE, Motion

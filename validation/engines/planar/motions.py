@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d.base.checks import number
+from mbsd3d.extend import number
 
 from .motions import NONE, Motion
 

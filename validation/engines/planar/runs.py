@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d.base.checks import number
-from mbsd3d.base.errors import AssemblyError, IntegrationError
+from mbsd3d import AssemblyError, IntegrationError
+from mbsd3d.extend import number
 
 from .march import DONE, NOT_FINITE, SINGULAR, close, evaluate, march, trace
 from .rows import Model, Work

@@ -1,0 +1,75 @@
+"""``mbsd3d bicycle STUDY``: every command imports its study when it starts, so that help is quick."""
+
+from collections.abc import Callable
+from functools import wraps
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STUDIES = {
+    "stability": "linear", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
+    "frequency": "linear", "compare": "linear",
+}  # fmt: skip
+"""Study -> module here that holds its command, in the order of a course."""
+
+
+class Studies(click.Group):
+    """Commands that are imported on demand."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All studies."""
+        return [*STUDIES]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """The command of a study."""
+        return getattr(import_module(f".{STUDIES[name]}", __name__), name) if name in STUDIES else None
+
+
+@click.group(cls=Studies)
+def bicycle() -> None:
+    """Stability, sensitivity, rides and circles of bicycles with ideal wheels.
+
+    BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml); without it the benchmark bicycle of 2007.
+    """
+
+
+unphysical_option = click.option(
+    "--unphysical", is_flag=True, help="Accept inertias that no rigid body has; some sets have them."
+)
+dark_option = click.option("--dark", is_flag=True, help="Figures on dark paper.")
+out_option = click.option(
+    "--out",
+    default="out",
+    show_default=True,
+    help="Folder for the results; made if missing; files of the same name are replaced.",
+)
+
+
+def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
+    """``[BICYCLE] [--unphysical]``: the command gets ``parameters``, a `bicycle.Parameters`."""
+
+    @wraps(function)
+    def with_parameters(bicycle: str, unphysical: bool, **rest: Any) -> None:
+        from ..parameters import find
+
+        function(parameters=find(bicycle, unphysical=unphysical), **rest)
+
+    return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
+
+
+def saved(figure: "Figure", target: Path) -> list[Path]:
+    """Write a figure as .png and .svg."""
+    from mbsd3d import save_figure
+
+    return save_figure(figure, target)
+
+
+def report(*paths: Path) -> None:
+    """Print the files that were written."""
+    for path in paths:
+        click.echo(str(path))

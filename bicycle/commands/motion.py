@@ -1,0 +1,122 @@
+"""Commands on nonlinear motions: ride, circles."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from mbsd3d import IntegrationError
+from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
+
+from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
+from . import bicycle_argument, out_option, report, saved
+
+if TYPE_CHECKING:
+    from ..parameters import Parameters
+
+RATE, MOST = 100, 20_000
+"""Samples of a ride per second, and at most."""
+
+
+@click.command()
+@bicycle_argument
+@click.option(
+    "--manoeuvre", type=click.Choice([*MANOEUVRES]), default="push", show_default=True, help="What happens; see --list."
+)
+@click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
+@click.option("--speed", type=float, help="At the start [m/s]; default: that of the manoeuvre.")
+@click.option("--t-end", type=float, help="End of the ride [s]; default: that of the manoeuvre.")
+@click.option(
+    "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends it [°]."
+)
+@click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
+@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
+@out_option
+def ride(
+    parameters: "Parameters", manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
+    held_down: bool, viewed: bool, out: str,
+) -> None:  # fmt: skip
+    """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
+
+    Writes a figure, a table (.csv) and the whole run (.npz, read by mbsd3d.load), named after bicycle, manoeuvre and
+    the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run
+    fails.
+    """
+    from ..pages.figures import plot_ride
+    from ..rides.ride import run, view
+
+    if only_list:
+        width = max(map(len, MANOEUVRES))
+        click.echo("\n".join(f"{name:{width}}  {chosen.title}" for name, chosen in MANOEUVRES.items()))
+        return
+    can_view(needed=viewed)
+    chosen = MANOEUVRES[manoeuvre]
+    given = {"speed": speed, "t_end": t_end}
+    arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
+    if arguments["speed"] == 0.0:
+        raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
+    name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down)])
+    target = ready_folder(out) / name
+    try:
+        samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
+        found = run(parameters, fallen=np.radians(fallen), held_down=held_down, output=samples, **arguments)
+    except IntegrationError as error:
+        keep(error.solution, target)
+        raise
+    click.echo(f"{chosen.title}\n{found}")
+    figure = plot_ride(found, chosen.title)
+    report(found.solution.save(target), found.to_csv(target), *saved(figure, target))
+    if viewed:
+        report(view(found, target, title=f"{parameters.name}: {chosen.title}"))
+    if found.interrupted:
+        raise click.exceptions.Exit(INTERRUPTED)
+    if not found.solution.certificate.passed:
+        raise click.exceptions.Exit(1)
+
+
+def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held_down: bool) -> list[str]:
+    """Settings that differ from the manoeuvre, for the names of files: no ride replaces a different one."""
+    numbers = {"speed": (arguments["speed"], chosen.speed), "t-end": (arguments["t_end"], chosen.t_end)}
+    numbers["fallen"] = fallen, np.degrees(FALLEN)
+    texts = {key: [f"{value:.12g}" for value in pair] for key, pair in numbers.items()}
+    return [f"{key}{given}" for key, (given, usual) in texts.items() if given != usual] + ["held-down"] * held_down
+
+
+@click.command()
+@bicycle_argument
+@click.option(
+    "--speed", "speeds", type=float, multiple=True, default=(3.0, 5.0, 7.0, 9.0), show_default=True,
+    help="Of turns that a steer torque holds [m/s]; may be given several times.",
+)  # fmt: skip
+@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
+@out_option
+def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, out: str) -> None:
+    """Find the circles a bicycle rides without hands, and the torque that holds it in other turns.
+
+    Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
+    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
+    """
+    from ..pages.figures import plot_circles
+    from ..rides.ride import view
+    from ..turns import circles as study
+
+    can_view(needed=viewed)
+    target = ready_folder(out) / f"{parameters.name}_circles"
+    families, held, interrupted = [], [], False
+    try:
+        study.families(parameters, keep=families)
+        study.held_if_possible(parameters, speeds, held, lambda text: click.echo(f"mbsd3d: {text}", err=True))
+    except KeyboardInterrupt:
+        click.echo("mbsd3d: interrupted; what was found until then is kept", err=True)
+        interrupted = True
+    click.echo(study.summary(families))
+    report(study.to_csv(families, [turn for group in held for turn in group], target))
+    report(*saved(plot_circles(parameters, families, held), target))
+    if interrupted:
+        raise click.exceptions.Exit(INTERRUPTED)
+    if viewed and families:
+        first = families[0]
+        shown = max((turn for _, turn in first.special or [("", first.turns[0])]), key=lambda turn: turn.speed)
+        title = f"{parameters.name}: a circle without hands, lean {np.degrees(shown.lean):.1f}°"
+        report(view(shown.ride(output=400), target, title=title))

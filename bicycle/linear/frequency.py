@@ -1,0 +1,167 @@
+"""Frequency response of a bicycle: lean and steer to lean and steer torque, from the general model, with a Bode plot.
+
+    x' = A x + B u,   H(omega) = C (i omega - A)^-1 B,   x = (lean, steer, rates),   u = (lean torque, steer torque)
+
+A is that of `mbsd3d.linearize`. Accelerations are affine in torques, so the columns of B are differences between the
+accelerations with a torque of 1 N m and without, exact to rounding. Positive to the right; the lean torque acts on the
+frame about the forward direction, the steer torque on the fork from the frame about the steer axis.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mbsd3d import System, Torque, accelerations
+from mbsd3d.extend import LINE, RAISED, Theme, dress
+
+from ..model.mechanism import whipple
+from ..output import new_figure, write_table
+from ..parameters import Parameters
+from .equations import canonical, checked_speeds
+from .general import Build, linearization
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Frequency response ``H[speed, frequency, (lean, steer), (lean torque, steer torque)]`` of a bicycle [rad/(N m)].
+
+    Where the fastest ``growth`` is positive there is no steady state: the response matters to a rider's control, but
+    left alone the bicycle falls.
+    """
+
+    parameters: Parameters
+    speeds: np.ndarray  # (k,) [m/s]
+    frequencies: np.ndarray  # (n,) omega [rad/s]
+    H: np.ndarray  # (k, n, 2, 2) complex
+    growth: np.ndarray  # (k,) [1/s]
+    outputs: tuple[str, str] = ("lean", "steer")
+    inputs: tuple[str, str] = ("lean torque", "steer torque")
+
+    def to_csv(self, path: str | Path) -> Path:
+        """One row per speed and frequency; returns the file."""
+        names = [f"{out} / {given}" for out in self.outputs for given in self.inputs]
+        columns = [f"{part} {name} [rad/(N m)]" for name in names for part in ("Re", "Im")]
+        rows = [
+            [v, omega, *self.H[i, j].ravel().view(float)]
+            for i, v in enumerate(self.speeds)
+            for j, omega in enumerate(self.frequencies)
+        ]
+        return write_table(path, ["speed [m/s]", "omega [rad/s]", *columns], rows)
+
+
+def response(
+    parameters: Parameters, speeds: ArrayLike, frequencies: ArrayLike | None = None, build: Build | None = whipple
+) -> Response:
+    """Response of lean and steer to lean and steer torque.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    speeds : float or (k,) array_like
+        [m/s]
+    frequencies : (n,) array_like, optional
+        omega > 0 [rad/s]; None = 0.1 ... 100 rad/s.
+    build : callable or None
+        The general model; None = closed form.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007
+    >>> found = response(Meijaard2007(), 5.0, [1e-6])  # slowly: a steer torque to the right leads into a left turn
+    >>> print(found.H[0, 0, :, 1].real.round(4))
+    [-1.0829 -0.4552]
+    """
+    speeds = checked_speeds(speeds)
+    omega = np.logspace(-1.0, 2.0, 301) if frequencies is None else np.atleast_1d(np.asarray(frequencies, float))
+    if omega.ndim != 1 or not omega.size or not (np.isfinite(omega) & (omega > 0.0)).all():
+        raise ValueError("response: frequencies: give one or more positive ones in rad/s")
+    found, growth = [], []
+    for v in speeds:
+        A, B = closed_form(parameters, v) if build is None else model(build, parameters, v)
+        found.append(np.linalg.solve(1j * omega[:, None, None] * np.eye(4) - A, B.astype(complex))[:, :2])
+        growth.append(np.linalg.eigvals(A).real.max())
+    return Response(parameters, speeds, omega, np.array(found), np.array(growth))
+
+
+def closed_form(parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A (4, 4) and B (4, 2) of the equations of the paper."""
+    linear = canonical(parameters)
+    return linear.A(speed), np.vstack([np.zeros((2, 2)), np.linalg.inv(linear.M)])
+
+
+def model(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A (4, 4) and B (4, 2) of the general model."""
+    linear = linearization(build, parameters, speed)
+    return linear.A, inputs(linear.system)
+
+
+def inputs(bicycle: System) -> np.ndarray:
+    """(4, 2) B: what 1 N m of lean torque and of steer torque adds to the accelerations of lean and steer."""
+    frame, fork, steer = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints")
+    forward, down = np.array([1.0, 0.0, 0.0]), steer.axis
+    torques = ([Torque(frame, forward)], [Torque(fork, down), Torque(frame, -down)])
+
+    def swing(forces: list[Torque]) -> np.ndarray:
+        """Accelerations of lean and steer [rad/s^2], upright and straight ahead."""
+        found = accelerations(replace(bicycle, forces=[*bicycle.forces, *forces]))
+        alpha = found.alpha(frame)[0]
+        return np.array([alpha @ forward, (found.alpha(fork)[0] - alpha) @ down])
+
+    rest = swing([])
+    return np.vstack([np.zeros((2, 2)), np.array([swing(forces) - rest for forces in torques]).T])
+
+
+def plot_response(found: Response, *, dark: bool = False) -> "Figure":
+    """Bode plot: magnitude and phase of lean and steer (rows) to lean and steer torque (columns), a line per speed.
+
+    Lines of speeds at which the bicycle falls are dashed.
+    """
+    with new_figure(9.0, 9.0, dark) as (figure, look):
+        panels = figure.subplots(4, 2, sharex=True, height_ratios=(1.5, 1.0, 1.5, 1.0))
+        for out, given in np.ndindex(2, 2):
+            size, phase = panels[2 * out : 2 * out + 2, given]
+            for axes in (size, phase):
+                dress(axes, look)
+            draw_lines(size, phase, found, found.H[:, :, out, given], look)
+            size.set_title(f"{found.outputs[out]} / {found.inputs[given]}")
+        for out in (0, 1):
+            panels[2 * out, 0].set_ylabel("magnitude [rad/(N m)]")
+            panels[2 * out + 1, 0].set_ylabel("phase [°]")
+        for axes in panels[-1]:
+            axes.set_xlabel("frequency ω [rad/s]")
+        handles, names = panels[0, 0].get_legend_handles_labels()
+        legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
+        figure.legend(handles, names, **legend)
+        figure.suptitle(f"{found.parameters.name}: response of lean and steer to torques")
+        figure.align_ylabels(panels[:, 0])
+    return figure
+
+
+def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme) -> None:
+    """Magnitude and phase of one output to one input, (speeds, frequencies)."""
+    for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
+        falls = growth > 0.0
+        style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": LINE}
+        size.loglog(found.frequencies, np.abs(H[k]), label=f"{v:g} m/s{', falls' if falls else ''}", **style)
+        degrees = np.degrees(np.unwrap(np.angle(H[k])))
+        turns = np.round((degrees[0] - 10.0) / 360.0)  # begins in -170 ... 190: against the torque is 180 on both sides
+        phase.semilogx(found.frequencies, degrees - 360.0 * turns, **style)
+    decades(size.yaxis)
+    decades(size.xaxis)
+    low, high = np.array(phase.get_ylim()) / 90.0
+    phase.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))
+
+
+def decades(axis: "Axis") -> None:
+    """Labels like 10⁻² at every decade: the house style writes texts as they are, without mathematics."""
+    axis.get_major_locator().set_params(numticks=20)
+    axis.set_major_formatter(lambda x, _: f"10{str(round(np.log10(x))).translate(RAISED)}")
+    axis.set_minor_formatter("")

@@ -1,0 +1,175 @@
+"""Stability of a straight run: eigenvalues over the speed, from the general model and in closed form, with a figure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mbsd3d import Mode
+from mbsd3d.extend import LINE, THIN, Theme, dress
+
+from ..model.mechanism import whipple
+from ..output import new_figure, write_table
+from ..parameters import Parameters
+from .critical import CriticalSpeeds, critical_speeds, speeds_of
+from .equations import MODES, NAMES, canonical, checked_speeds, follow
+from .general import Build, eigenvalues, linear_equations, linearization, required_equations
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
+
+TYPICAL = 5.0
+"""[m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits."""
+DOTS = 34  # of the closed form, so that the lines are seen between them
+SHOWN = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
+
+
+@dataclass(frozen=True, eq=False)
+class Stability:
+    """Modes of a bicycle over the speed, as `study` finds them; a column of ``values`` per mode, see ``names``."""
+
+    build: Build
+    parameters: Parameters
+    speeds: np.ndarray  # (n,) [m/s]
+    values: np.ndarray  # (n, 4) complex eigenvalues [1/s] of the general model
+    vectors: np.ndarray  # (n, 4, 4) complex [speed, (lean, steer, rates), mode]
+    closed: np.ndarray | None  # (n, 4) eigenvalues of the closed form by real part; None for round tyres
+    critical: CriticalSpeeds  # from the general model
+    names: tuple[str, ...] = NAMES
+
+    @cached_property
+    def difference(self) -> float:
+        """Largest distance of an eigenvalue in closed form from the next of the general model [1/s]; NaN for none."""
+        if self.closed is None:
+            return float("nan")
+        return float(np.abs(self.values[:, :, None] - self.closed[:, None, :]).min(axis=1).max())
+
+    def mode(self, name: str, speed: float) -> Mode:
+        """Weave, capsize or castering of the general model at a speed [m/s]; ``.animate()`` shows it in motion."""
+        check_mode(name)
+        fastest = np.copysign(max(np.abs([*self.speeds, speed, 1.0])), speed)
+        linear = linear_equations(self.build, self.parameters, fastest)
+        value = follow(linear, np.array([fastest, speed]))[0][1, NAMES.index(name)]
+        found = linearization(self.build, self.parameters, speed)
+        return min(found.modes, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (value, value.conjugate())))
+
+    def figure(self, *, dark: bool = False) -> "Figure":
+        """Growth and frequency over the speed: lines of the general model, dots of the closed form, ranges shaded."""
+        return figure(self, dark=dark)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the eigenvalues by mode [1/s] over the speed [m/s]."""
+        head = ["speed [m/s]"] + [f"{part} {name} [1/s]" for name in self.names for part in ("Re", "Im")]
+        return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
+
+
+def check_mode(name: str) -> None:
+    """A name of a mode, or a ValueError."""
+    if name not in MODES:
+        raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
+
+
+def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build = whipple) -> Stability:
+    """Follow the modes of a bicycle over the speed.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    speeds : (n,) array_like or None
+        [m/s], also negative; None = 0 ... 10 m/s.
+    build : callable
+        The model, see `eigenvalues`.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007
+    >>> found = study(Meijaard2007(), [0.0, 5.0])
+    >>> found.values[1].round(5).tolist()
+    [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
+    """
+    speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
+    linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
+    values, vectors = follow(linear, speeds)
+    closed = None if parameters.tR or parameters.tF else canonical(parameters).eigenvalues(speeds)
+    return Stability(build, parameters, speeds, values, vectors, closed, speeds_of(linear))
+
+
+def figure(found: Stability, *, dark: bool = False) -> "Figure":
+    """The figure of a study: growth and frequency of the modes over the speed."""
+    with new_figure(9.2, 6.2, dark) as (sheet, look):
+        growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+        for axes in (growth, frequency):
+            shade(axes, found, look)
+            dress(axes, look)
+            axes.margins(x=0.0)
+        lines(growth, found, look, np.real)
+        lines(frequency, found, look, lambda s: np.abs(np.imag(s)))
+        growth.axhline(0.0, color=look.ink, linewidth=THIN)
+        mark(growth, found, look)
+        growth.set_ylim(*window(found))
+        growth.set_ylabel("growth, Re(s) [1/s]")
+        frequency.set_ylabel("frequency, |Im(s)| [rad/s]")
+        frequency.set_xlabel("speed [m/s]")
+        growth.set_title(f"{found.parameters.name}: small motions about a straight run")
+        growth.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
+    return sheet
+
+
+def window(found: Stability) -> tuple[float, float]:
+    """Limits of the growth: all that matters for stability; a fast castering mode may leave the frame."""
+    real = found.values.real
+    slow = real[:, :3]
+    low, high = min(slow.min(), 0.0), max(slow.max(), 0.0)
+    high = max(high, min(real.max(), 2.0 * high))
+    margin = 0.08 * (high - low) or 1.0
+    return max(real.min(), 2.0 * low) - margin, high + margin
+
+
+def shade(axes: "Axes", found: Stability, look: Theme) -> None:
+    """Tint the self-stable ranges of forward speeds."""
+    start, end, label = found.speeds.min(), found.speeds.max(), "self-stable"
+    for part in found.critical.stable:
+        if part.low < end and part.high > start:
+            low, high = max(part.low, start), min(part.high, end)
+            axes.axvspan(low, high, color=look.good, linewidth=0.0, zorder=0, label=label)
+            label = None
+
+
+def lines(axes: "Axes", found: Stability, look: Theme, part: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Lines of the general model by mode, dots of the closed form."""
+    split = np.abs(found.values.imag[:, 0]) <= 1e-9 * np.abs(found.values).max()
+    split = split | np.r_[split[1:], False] | np.r_[False, split[:-1]]  # up to where they are one
+    for side in (found.speeds < 0.0, found.speeds >= 0.0):  # at rest the modes get their names anew
+        speeds, values = found.speeds[side], found.values[side]
+        for number, k in enumerate(SHOWN):
+            label = found.names[k] if side[np.argmax(found.speeds)] else None
+            axes.plot(speeds, part(values[:, k]), label=label, color=look.colour(number), linewidth=LINE)
+        rest = np.where(split[side], part(values[:, 1]), np.nan)  # the second of two real modes that become the weave
+        axes.plot(speeds, rest, color=look.colour(0), linewidth=LINE)
+    if found.closed is not None:
+        every = max(1, found.speeds.size // DOTS)
+        dots = part(found.closed[::every])
+        style = {"color": look.ink, "marker": "o", "markersize": 2.4, "linestyle": "none"}
+        for k in range(4):
+            axes.plot(found.speeds[::every], dots[:, k], label=None if k else "closed form (2007)", **style)
+
+
+def mark(axes: "Axes", found: Stability, look: Theme) -> None:
+    """Weave and capsize speed, where they are in the frame; the lower has its name on the left, to be read beside."""
+    speeds = {"weave": found.critical.weave, "capsize": found.critical.capsize}
+    for name, speed in speeds.items():
+        if found.speeds.min() < speed < found.speeds.max():
+            side = -1 if speed == np.nanmin([*speeds.values()]) else 1
+            axes.axvline(speed, color=look.muted, linewidth=THIN, linestyle="--")
+            axes.annotate(
+                f"{name} {speed:.4g} m/s", (speed, 0.99), xycoords=("data", "axes fraction"), rotation=90.0,
+                ha="right" if side < 0 else "left", va="top", fontsize=8.5, color=look.muted, xytext=(2 * side, 0),
+                textcoords="offset points",
+            )  # fmt: skip

@@ -1,0 +1,1 @@
+"""The bicycle as a mechanism: how its wheels stand and roll, and its bodies, joints and loads."""

@@ -1,0 +1,159 @@
+"""How both wheels stand on the ground and roll: pose and velocities of the bicycle in closed form.
+
+Lean, steer and the pitch at which the front wheel touches the ground give the configuration. Lean rate, steer rate and
+speed give the velocities, with three unknowns: yaw rate, pitch rate, spin of the front wheel. World axes, x forward, y
+left, z up; the rear contact is the origin, the rear wheel heads along x.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d.extend import as_quaternion, cross, number, skew
+
+from ..parameters import Parameters
+
+X, Y, Z = np.eye(3)
+
+
+class Pose(NamedTuple):
+    """Places (3,) [m] and orientations (3, 3), body -> world."""
+
+    frame: np.ndarray
+    fork: np.ndarray
+    rear: np.ndarray  # hubs
+    front: np.ndarray
+    head: np.ndarray  # a point of the steer axis
+    contact: np.ndarray  # of the front wheel
+
+    @property
+    def q(self) -> np.ndarray:
+        """(28,) coordinates of rear wheel, frame, fork, front wheel; O at the hubs, hub angles zero."""
+        frame, fork = as_quaternion(self.frame, "frame"), as_quaternion(self.fork, "fork")
+        return np.concatenate([self.rear, frame, self.rear, frame, self.front, fork, self.front, fork])
+
+
+def hubs(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Rear and front hub of the upright bicycle."""
+    return np.array([0.0, 0.0, p.rR]), np.array([p.w, 0.0, p.rF])
+
+
+def steer_axis(p: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """(point, direction) of the upright bicycle: the head, above the wheels; downward, so right is positive."""
+    ground, axis = np.array([p.w + p.c, 0.0, 0.0]), np.array([np.sin(p.lam), 0.0, -np.cos(p.lam)])
+    return ground - 2.0 * max(p.rR, p.rF) * axis, axis
+
+
+def rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
+    """(3, 3) rotation by ``angle`` [rad] about a unit vector."""
+    S = skew(axis)
+    return np.eye(3) + np.sin(angle) * S + (1.0 - np.cos(angle)) * S @ S
+
+
+def foot(axle: np.ndarray, radius: float, crown: float) -> np.ndarray:
+    """From the centre of a wheel down to its contact point: along the disc, then along the vertical."""
+    across = Z - axle[2] * axle
+    return -(radius - crown) * across / np.sqrt(across @ across) - crown * Z
+
+
+def placed(p: Parameters, lean: complex, steer: complex, pitch: float) -> Pose:
+    """The bicycle on its rear wheel; only at the right pitch is the front contact at z = 0. Angles may be complex."""
+    frame = rotation_about(X, lean) @ rotation_about(Y, pitch)
+    (rear, front), (at, axis) = hubs(p), steer_axis(p)
+    fork = frame @ rotation_about(axis, steer)
+    hub = -foot(frame @ Y, p.rR, p.tR)
+    head = hub + frame @ (at - rear)
+    centre = head + fork @ (front - at)
+    return Pose(frame, fork, hub, centre, head, centre + foot(fork @ Y, p.rF, p.tF))
+
+
+def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
+    """The pose in which both wheels stand on the ground, with the pitch nearest to zero.
+
+    Raises
+    ------
+    ValueError
+        If the bicycle lies on the ground, or there is no such pitch.
+    """
+    what = f"bicycle '{p.name}'"
+    lean, steer = number(lean, f"{what}: lean"), number(steer, f"{what}: steer")
+    if not abs(lean) < np.pi / 2:
+        raise ValueError(f"{what}: lean = {lean:.6g} rad: it lies on the ground; give one between -pi/2 and pi/2")
+    if lean == steer == 0.0:
+        return placed(p, 0.0, 0.0, 0.0)
+
+    def height(pitch: float) -> float:
+        return placed(p, lean, steer, pitch).contact[2]
+
+    grid = np.linspace(-1.5, 1.5, 121)
+    heights = np.array([height(pitch) for pitch in grid])
+    below = np.flatnonzero(np.diff(np.signbit(heights)))
+    if not below.size:
+        raise ValueError(
+            f"{what}: at lean {lean:.6g} rad and steer {steer:.6g} rad the front wheel cannot stand on the ground "
+            f"(at best {np.abs(heights).min():.3g} m off); give a smaller lean or steer"
+        )
+    k = below[np.argmin(np.abs(grid[below]))]
+    return placed(p, lean, steer, brentq(height, grid[k], grid[k + 1], xtol=1e-15, rtol=1e-15))
+
+
+def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer_rate: float) -> np.ndarray:
+    """(4, 6) v and omega of rear wheel, frame, fork, front wheel (O at the hubs) with which both wheels roll.
+
+    Yaw rate, pitch rate and front spin follow from the velocity of the front hub, which the frame and the front
+    contact both determine.
+
+    Raises
+    ------
+    ValueError
+        If no velocities let both wheels roll: the front wheel points sideways.
+    """
+    what = f"bicycle '{p.name}'"
+    given = {"speed": speed, "lean rate": lean_rate, "steer rate": steer_rate}
+    speed, lean_rate, steer_rate = (number(x, f"{what}: {key}") for key, x in given.items())
+    motion, left = rolling(p, at, speed, lean_rate, steer_rate)
+    if left > 1e-9 * (abs(speed) / p.w + abs(lean_rate) + abs(steer_rate)):
+        raise ValueError(
+            f"{what}: no velocities let both wheels roll in this pose, the front wheel points sideways; give another "
+            "steer angle, or zero speed, lean rate and steer rate"
+        )
+    return motion
+
+
+def rolling(
+    p: Parameters, at: Pose, speed: complex, lean_rate: complex, steer_rate: complex
+) -> tuple[np.ndarray, float]:
+    """((4, 6) velocities, slip of the front hub over the wheelbase [1/s]); numbers may be complex.
+
+    The velocity of the front hub over the frame must equal that over the front contact: three linear equations for yaw
+    rate, pitch rate and front spin, without a solution where the front wheel points sideways.
+    """
+    axle_r, axle_f, steer = at.frame @ Y, at.fork @ Y, at.frame @ steer_axis(p)[1]
+    to_rear, to_front = at.rear, at.front - at.contact  # from the contact points, which do not slip
+    to_head, from_head = at.head - at.rear, at.front - at.head
+
+    def difference(frame: np.ndarray, fork: np.ndarray, rear: np.ndarray, front: np.ndarray) -> np.ndarray:
+        """Velocity of the front hub over the frame less that over the contact."""
+        return cross(rear, to_rear) + cross(frame, to_head) + cross(fork, from_head) - cross(front, to_front)
+
+    frame, rear = lean_rate * X, lean_rate * X + speed / p.rR * axle_r
+    fork = frame + steer_rate * steer
+    rest = difference(frame, fork, rear, fork)
+    by_yaw, by_pitch = difference(Z, Z, Z, Z), difference(axle_r, axle_r, axle_r, axle_r)
+    yaw_rate, pitch_rate, spin = combination(by_yaw, by_pitch, -cross(axle_f, to_front), -rest)
+    turning = yaw_rate * Z + pitch_rate * axle_r
+    frame, fork, rear, front = frame + turning, fork + turning, rear + turning, fork + turning + spin * axle_f
+    v_rear, v_front = cross(rear, to_rear), cross(front, to_front)
+    motion = np.array([[*v_rear, *rear], [*v_rear, *frame], [*v_front, *fork], [*v_front, *front]])
+    return motion, float(np.abs(difference(frame, fork, rear, front)).max()) / p.w
+
+
+def combination(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> Iterable[complex]:
+    """x, y, z of x a + y b + z c = d by Cramer's rule; by least squares and least size where a, b, c lie in a plane."""
+    bc = cross(b, c)
+    volume, box = a @ bc, np.prod([np.linalg.norm(x) for x in (a, b, c)])
+    if abs(volume) <= 1e-12 * box:
+        return np.linalg.lstsq(np.array([a, b, c]).T, d, rcond=1e-12)[0]
+    return d @ bc / volume, a @ cross(d, c) / volume, a @ cross(b, d) / volume

@@ -1,0 +1,163 @@
+"""The Whipple bicycle as a mechanism: four bodies, three hinges, two wheels that roll without slip.
+
+World axes of `mbsd3d`: x forward, y left, z up. Lean and steer are positive to the right, as in the paper, whose
+parameters have y right and z down. Reference points are the hubs: O of rear wheel and frame at the rear hub, O of fork
+and front wheel at the front hub.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, Joint, Revolute, RollingDisc, Signal, State, System, Torque, measures, shapes
+from mbsd3d.extend import Measure, as_signal
+
+from ..parameters import Parameters
+from .kinematics import hubs, pose_of, steer_axis, velocities_of
+
+NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
+FLIP = np.diag([1.0, -1.0, -1.0])
+"""From the axes of the paper to those of the model."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bicycle(System):
+    """A `System` whose reference pose is upright with zero steer, and which starts from another state.
+
+    So the angle of the joint "steer" is the steer angle. `dataclasses.replace` adds forces or joints and keeps the
+    start.
+    """
+
+    start: State | None = field(default=None, kw_only=True)
+
+    def state(self, *, as_built: float | None = None) -> State:
+        """The start, with the given lean, steer and rates and the pitch at which both wheels stand."""
+        return self.start or super().state(as_built=as_built)
+
+
+def whipple(
+    parameters: Parameters,
+    speed: float = 0.0,
+    lean: float = 0.0,
+    steer: float = 0.0,
+    lean_rate: float = 0.0,
+    steer_rate: float = 0.0,
+) -> Bicycle:
+    """The bicycle of Whipple and Carvallo: rear wheel, frame with rider, fork with handlebar, front wheel.
+
+    Bodies "rear wheel", "frame", "fork", "front wheel"; joints "rear hub", "steer", "front hub", "rear contact",
+    "front contact". The rear contact starts at the origin, heading along x.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        With round tyres where tR, tF are not zero.
+    speed : float
+        r_R times the rate of the rear hub [m/s], positive forward.
+    lean, steer : float
+        At the start, positive to the right [rad]; steer pi is the reversed front end.
+    lean_rate, steer_rate : float
+        [rad/s]
+
+    Returns
+    -------
+    Bicycle
+        A `System`; its ``state()`` is the start.
+
+    Raises
+    ------
+    ValueError
+        For anything but `Parameters`, or if there is no pose in which both wheels stand on the ground, or no velocities
+        with which both roll.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007
+    >>> found = whipple(Meijaard2007(), speed=4.0, lean=0.1, steer=-0.2).check()
+    >>> found.configuration_freedom, found.velocity_freedom
+    (7, 3)
+    """
+    if not isinstance(parameters, Parameters):
+        raise ValueError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
+    place = pose_of(parameters, lean, steer)
+    motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
+    upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it
+    bodies = bodies_of(parameters, motion if upright else np.full((4, 6), None))
+    start = State(0.0, place.q, motion.ravel(), coordinates=np.array([0.0, float(steer), 0.0]))
+    return Bicycle(bodies, joints_of(parameters, bodies), gravity=(0.0, 0.0, -parameters.g), start=start)
+
+
+def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:
+    """The four bodies, upright; ``motion`` (4, 6) holds their velocities, or None."""
+    rear, front = hubs(p)
+    centre = {"R": rear, "B": (p.xB, 0.0, -p.zB), "H": (p.xH, 0.0, -p.zH), "F": front}
+    bodies = []
+    for (part, name), v in zip(NAMES.items(), motion, strict=True):
+        hub = rear if part in "RB" else front
+        kind = Body if not p.unphysical else PublishedBody
+        moving = {} if v[0] is None else {"velocity": v[:3], "omega": v[3:]}
+        mass, inertia, com = getattr(p, f"m{part}"), FLIP @ p.inertia(part) @ FLIP, np.subtract(centre[part], hub)
+        bodies.append(kind(name, mass, inertia, com=com, position=hub, shape=shape_of(p, part), **moving))
+    return bodies
+
+
+def joints_of(p: Parameters, bodies: Sequence[Body]) -> list[Joint]:
+    """Three hinges and two rolling contacts."""
+    wheel_r, frame, fork, wheel_f = bodies
+    (rear, front), (at, axis) = hubs(p), steer_axis(p)
+    axle = (0.0, 1.0, 0.0)  # to the left: a wheel that rolls forward turns in the positive sense
+    return [
+        Revolute(frame, wheel_r, at=rear, axis=axle, name="rear hub"),
+        Revolute(frame, fork, at=at, axis=axis, name="steer"),
+        Revolute(fork, wheel_f, at=front, axis=axle, name="front hub"),
+        RollingDisc(GROUND, wheel_r, axis=axle, radius=p.rR, crown=p.tR, centre=rear, name="rear contact"),
+        RollingDisc(GROUND, wheel_f, axis=axle, radius=p.rF, crown=p.tF, centre=front, name="front contact"),
+    ]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PublishedBody(Body):
+    """A body whose inertia may break the triangle rule, as some published ones do."""
+
+    def __post_init__(self) -> None:
+        published = np.array(self.inertia, dtype=float)
+        # a multiple of the unit matrix makes any inertia a possible one
+        object.__setattr__(self, "inertia", published + np.trace(np.abs(published)) * np.eye(3) * bool(self.mass))
+        super().__post_init__()
+        published.setflags(write=False)
+        object.__setattr__(self, "inertia", published)
+
+
+def outputs(system: System) -> list[Measure]:
+    """Lean, steer and their rates: outputs for `linearize` that leave out place, heading and wheel angles."""
+    frame, steer = system.part("frame"), system.part("steer", "joints")
+    return [measures.lean(frame), measures.angle(steer), measures.lean_rate(frame), measures.rate(steer)]
+
+
+def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float) -> list[Torque]:
+    """Torque of the rider's arms about the steer axis [N m]: on the fork, to the right > 0, and back on the frame."""
+    signal = as_signal(torque, "ride: torque")
+    axis = steer_axis(parameters)[1]  # the bodies' own axes are the world's at the upright reference pose
+    return [
+        Torque(system.part(body), tuple(sign * x * signal for x in axis), frame="body", name=f"steer torque on {body}")
+        for body, sign in (("fork", 1.0), ("frame", -1.0))
+    ]
+
+
+def shape_of(p: Parameters, part: str) -> list[shapes.Shape]:
+    """How a part is drawn, from its hub [m]: wheels with rims and spokes, tubes of frame and fork, the rider's mass."""
+    if part in "RF":
+        r = getattr(p, f"r{part}")
+        tube = max(getattr(p, f"t{part}") if getattr(p, f"t{part}") < 0.3 * r else 0.0, 0.04 * r)
+        angles = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+        rim = [(r * np.cos(a), 0.0, r * np.sin(a)) for a in angles]
+        spokes = [point for end in rim for point in ((0.0, 0.0, 0.0), end)]
+        return [shapes.Torus(r - tube, tube, "y"), shapes.Lines(spokes)]
+    (rear, front), (head, axis), height = hubs(p), steer_axis(p), 2.0 * max(p.rR, p.rF)
+    if part == "H":
+        return [shapes.Lines(np.array([front, head, head - 0.15 * height * axis]) - front)]
+    crank, seat = np.array([0.4 * p.w, 0.0, p.rR]), np.array([0.2 * p.w, 0.0, height])
+    tubes = shapes.Lines(np.array([rear, crank, head, seat, rear, seat, crank]) - rear)
+    weight = np.array([p.xB, 0.0, -p.zB]) - rear
+    return [tubes, shapes.Sphere(0.08 * p.w, at=weight)]

@@ -1,0 +1,47 @@
+"""What the studies share: tables as CSV files, work with a progress bar, figures in the house style."""
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mbsd3d.extend import Progress, Theme, house, theme, with_suffix, write_atomically
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+T = TypeVar("T")
+
+
+def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
+    """Write names with units, then rows of texts and numbers with all their digits; ".csv" is appended if missing."""
+    sheet = io.StringIO()
+    writer = csv.writer(sheet, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows([x if isinstance(x, str) else repr(float(x)) for x in row] for row in rows)
+    return write_atomically(with_suffix(path, ".csv"), sheet.getvalue().encode())
+
+
+def collected(title: str, results: Iterable[T], count: int, progress: bool | None = None) -> list[T]:
+    """The ``count`` results of an iterator with a progress bar; after Ctrl-C those that were finished."""
+    found: list[T] = []
+    with Progress(title, 0, count, progress) as bar:
+        try:
+            for result in results:
+                found.append(result)
+                bar.update(len(found))
+        except KeyboardInterrupt:
+            pass
+    return found
+
+
+@contextmanager
+def new_figure(width: float, height: float, dark: bool = False) -> Iterator[tuple["Figure", Theme]]:
+    """An empty figure [inch] and its colours, to be filled within the block."""
+    from matplotlib.figure import Figure  # takes half a second to load: only who draws waits for it
+
+    look = theme(dark)
+    with house(look):
+        yield Figure(figsize=(width, height), layout="constrained"), look

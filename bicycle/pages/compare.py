@@ -1,0 +1,210 @@
+"""Several bicycles on one page: what they are, at which speeds they stay upright by themselves, how they look and move.
+
+The page (``index.html``) needs no network; a few of the bicycles have a page of their own with the weave mode in motion
+(``views/``), about 0.8 MB each. Critical speeds are those of the closed form, confirmed by the general model; round
+tyres have the general model alone.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+from markupsafe import Markup
+
+import mbsd3d
+from mbsd3d.extend import DARK, LIGHT, LINE, THIN, Progress, digits, dress, inline_svg, write_atomically
+
+from ..linear import critical, stability
+from ..linear.critical import CriticalSpeeds, critical_speeds
+from ..linear.general import eigenvalues
+from ..linear.why import plot_ranges
+from ..model.mechanism import whipple
+from ..output import collected, new_figure, write_table
+from ..parameters import Meijaard2007, Parameters, entry_of, find, named, names
+from .sketches import side_view
+
+FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
+AGREES = 1e-6
+"""[m/s] Largest difference of critical speeds that counts as the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A bicycle of the page."""
+
+    parameters: Parameters
+    critical: CriticalSpeeds
+    difference: float  # from the ranges of the general model [m/s], NaN for round tyres; infinite if not equally many
+
+    @property
+    def mass(self) -> float:
+        """Of everything [kg]."""
+        return self.parameters.mass
+
+    @property
+    def front_load(self) -> float:
+        """Share of the weight that the front wheel carries."""
+        return self.parameters.front_load
+
+    @property
+    def height(self) -> float:
+        """Of the centre of mass [m]."""
+        p = self.parameters
+        return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / self.mass
+
+    @property
+    def source(self) -> str:
+        """Where the parameters were published, and whether with a rider."""
+        if self.parameters.name not in names():
+            return "Meijaard et al. 2007, with rider" if self.parameters.name == "Meijaard2007" else ""
+        entry = entry_of(self.parameters.name)
+        rider = {True: ", with rider", False: ", without rider"}.get(entry.get("includes_rider"), "")
+        return f"{entry['source'].split(':')[0]}{rider}"
+
+    @property
+    def file(self) -> str:
+        """Name of its own page."""
+        return file_of(self.parameters.name)
+
+
+def check_names(bicycles: Sequence[Parameters]) -> None:
+    """Refuse two bicycles of one name, whose pages would be one file."""
+    known: set[str] = set()
+    for parameters in bicycles:
+        if file_of(parameters.name).lower() in known:  # some file systems do not tell "a" from "A"
+            raise ValueError(f"compare: two bicycles are called '{parameters.name}'; rename one")
+        known.add(file_of(parameters.name).lower())
+
+
+def file_of(name: str) -> str:
+    """Name of the page of a bicycle."""
+    return re.sub(r"[^A-Za-z0-9_.+-]+", "-", name).strip(".") + ".html"
+
+
+def entry(parameters: Parameters) -> Entry:
+    """Critical speeds of a bicycle, by closed form and general model."""
+    model = critical_speeds(parameters, whipple)
+    if parameters.tR or parameters.tF:
+        return Entry(parameters, model, float("nan"))
+    closed = critical_speeds(parameters)
+    return Entry(parameters, closed, critical.difference(closed.stable, model.stable))
+
+
+def entries(bicycles: Sequence[Parameters], *, progress: bool | None = None) -> list[Entry]:
+    """The entries of bicycles; after Ctrl-C those that were finished."""
+    return collected(f"{len(bicycles)} bicycles", map(entry, bicycles), len(bicycles), progress)
+
+
+def table(found: Sequence[Entry]) -> str:
+    """Critical speeds as text."""
+    wide = max(len(x.parameters.name) for x in found)
+    lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]"]
+    for x in found:
+        speeds = "  ".join(f"{v:8.4f}" if v > 0.0 else f"{'-':>8}" for v in (x.critical.weave, x.critical.capsize))
+        doubt = "  NOT CONFIRMED by the general model" if x.difference > AGREES else ""
+        lines.append(f"{x.parameters.name:{wide}}  {speeds}  {critical.listed(x.critical.stable)}{doubt}")
+    return "\n".join(lines)
+
+
+def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
+    """One row per bicycle, critical speeds and parameters; returns the file."""
+    keys = list(found[0].parameters.values())
+    head = ["bicycle", "weave [m/s]", "capsize [m/s]", "stable from [m/s]", "to [m/s]", "model differs by [m/s]", *keys]
+    rows = [
+        [x.parameters.name, x.critical.weave, x.critical.capsize, *part, x.difference, *x.parameters.values().values()]
+        for x in found
+        for part in x.critical.stable or [(float("nan"), float("nan"))]
+    ]
+    return write_table(path, head, rows)
+
+
+def chosen(wanted: Sequence[str], unphysical: bool) -> tuple[list[Parameters], list[str]]:
+    """Bicycles by name or file, all sets if none is named, and why others were left out."""
+    if wanted:
+        return [find(text, unphysical=unphysical) for text in wanted], []
+    found, left_out = [Meijaard2007()], []
+    for name in names():
+        try:
+            found.append(named(name, unphysical=unphysical))
+        except ValueError:
+            left_out.append(name)
+    why = "moments of inertia that no rigid body has; --unphysical accepts them"
+    return found, [f"{', '.join(left_out)}: {why}"] if left_out else []
+
+
+def write_page(
+    folder: str | Path, found: Sequence[Entry], *, left_out: Sequence[str] = (), views: int = 4,
+    progress: bool | None = None,
+) -> Path:  # fmt: skip
+    """Write ``index.html`` and, for the first bicycles, pages in ``views`` that show the weave; replaces older ones.
+
+    ``left_out`` says what is missing on the page, and why. After Ctrl-C the page has the views that were finished.
+    """
+    if not found:
+        raise ValueError("compare: no bicycles; give at least one")
+    check_names([x.parameters for x in found])
+    folder, cards, shown = Path(folder), [], set()
+    with Progress(f"page of {len(found)} bicycles", 0, len(found) + 4 * views, progress) as bar:
+        try:
+            for k, x in enumerate(found[:views]):
+                write_view(folder / "views", x)
+                shown.add(x.file)
+                bar.update(4 * k + 4)
+        except KeyboardInterrupt:
+            pass
+        for k, x in enumerate(found):
+            link = f"views/{x.file}" if x.file in shown else None
+            cards.append((x, side_view(x.parameters), growth_svg(x, f"g{k}-"), link))
+            bar.update(4 * len(shown) + k + 1)
+    ranges = plot_ranges([(x.parameters.name, x.critical.stable) for x in found], "Self-stable ranges")
+    page = template().render(
+        cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out,
+        difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
+        once=[x.parameters.name for x in found if np.isnan(x.difference)],
+    )  # fmt: skip
+    return write_atomically(folder / "index.html", page.encode())
+
+
+def write_view(folder: Path, x: Entry) -> Path:
+    """A page with the weave of a bicycle in motion, at a speed in its self-stable range or at 5 m/s."""
+    folder.mkdir(parents=True, exist_ok=True)
+    speed = critical.typical_speed(x.critical.stable)
+    mode = stability.study(x.parameters, [speed]).mode("weave", speed)
+    title = f"{x.parameters.name}: weave at {speed:.3g} m/s"
+    return mode.animate(title=title).save(folder / x.file)
+
+
+def growth_svg(x: Entry, prefix: str) -> Markup:
+    """Growth of the modes over the speed as a small figure; the self-stable ranges are shaded."""
+    speeds = np.linspace(0.0, FASTEST, 121)
+    growth = np.sort(eigenvalues(whipple, x.parameters, speeds).real, axis=1)
+    with new_figure(3.4, 2.1) as (figure, look):
+        axes = figure.subplots()
+        dress(axes, look)
+        for part in x.critical.stable:
+            axes.axvspan(part.low, min(part.high, FASTEST), color=look.lines[4], alpha=0.35, linewidth=0.0)
+        axes.axhline(0.0, color=look.ink, linewidth=THIN)
+        axes.plot(speeds, growth, color=look.lines[0], linewidth=LINE)
+        axes.set_xlim(0.0, FASTEST)
+        axes.set_ylim(LOWEST, HIGHEST)
+        axes.set_xlabel("speed [m/s]", fontsize=8)
+        axes.set_ylabel("growth [1/s]", fontsize=8)
+        axes.tick_params(labelsize=8)
+    return Markup(inline_svg(figure, prefix))
+
+
+@cache
+def template() -> Template:
+    """Of the page, in the house style of reports; every text put into it is escaped."""
+    folders = [Path(__file__).parent / "templates", Path(mbsd3d.__file__).parent / "templates"]
+    found = Environment(
+        loader=FileSystemLoader(folders), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    found.filters |= {"digits": digits}
+    found.globals |= {"light": LIGHT, "dark": DARK, "version": mbsd3d.__version__, "degrees": np.degrees}
+    return found.get_template("compare.html")

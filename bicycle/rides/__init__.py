@@ -1,0 +1,1 @@
+"""Nonlinear runs of a bicycle, and what they show."""

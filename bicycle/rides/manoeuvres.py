@@ -1,0 +1,56 @@
+"""Manoeuvres: starts and loads by name, as arguments of `bicycle.ride.run`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from mbsd3d import Pulse, Signal
+
+FALLEN = np.radians(60.0)
+"""Default tilt of the frame at which a ride ends [rad]."""
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """A start and the loads that follow; ``title`` says in one line what happens."""
+
+    title: str
+    speed: float  # [m/s]
+    t_end: float = 20.0  # [s]
+    start: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))  # lean, steer, rates [rad, rad/s]
+    torque: Signal | float = 0.0  # as in `bicycle.ride.run` [N m]
+    push: Signal | float = 0.0  # [N]
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Keyword arguments of `bicycle.ride.run`."""
+        return {"t_end": self.t_end, "speed": self.speed, "torque": self.torque, "push": self.push, **self.start}
+
+
+def rolled(speed: float, rate: float) -> Manoeuvre:
+    """One of the IFToMM benchmark "uncontrolled bicycle": upright, with a lean rate."""
+    return Manoeuvre(f"IFToMM benchmark: {speed:g} m/s, lean rate {rate:g} rad/s", speed, 20.0, {"lean_rate": rate})
+
+
+MANOEUVRES: Mapping[str, Manoeuvre] = MappingProxyType({
+    "M1": rolled(4.0, 0.05),
+    "M2": rolled(4.6, 0.5),
+    "M3": rolled(8.0, 0.05),
+    "push": Manoeuvre(
+        "Push to the right on frame and rider, 10 N s", 5.0, 10.0, push=Pulse(40.0, start=0.5, edge=0.05, duration=0.3)
+    ),
+    "pulse": Manoeuvre(
+        "Pulse of steer torque to the right, 0.5 N m for 0.5 s", 5.0, 10.0,
+        torque=Pulse(0.5, start=0.5, edge=0.1, duration=0.6),
+    ),
+    "countersteer": Manoeuvre(
+        "Counter-steering: steer torque to the right from 0.5 s on", 5.0, 20.0, torque=Pulse(0.1, start=0.5, edge=0.1)
+    ),
+    "circle": Manoeuvre(
+        "Steer torque of 0.1 N m to the left until the circle is steady", 5.0, 60.0, torque=Pulse(-0.1, 0.0, 2.0)
+    ),
+    "slow": Manoeuvre("Below the weave speed: it weaves until a wheel lifts", 2.0, 10.0, {"lean_rate": 0.05}),
+})  # fmt: skip

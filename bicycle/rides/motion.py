@@ -1,0 +1,178 @@
+"""What a ride shows: lean, steer, heading, path, forces of the ground and the friction they need, errors of the run."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from mbsd3d import Solution
+
+from ..model.kinematics import X, Y, Z
+from ..output import write_table
+from ..parameters import Parameters
+
+WHEELS = ("rear", "front")
+NO_ROAD = 2.0
+"""Coefficient of friction that no tyre reaches on any road."""
+
+
+class Event(NamedTuple):
+    """What ended a ride early."""
+
+    name: str  # "fallen", "rear wheel unloaded", "front wheel unloaded"
+    t: float  # [s]
+
+
+class Contact(NamedTuple):
+    """Force of the ground on a wheel over time: arrays (n,), the point and the force (n, 3) in world axes."""
+
+    point: np.ndarray  # [m]
+    force: np.ndarray  # [N]
+    normal: np.ndarray  # upward [N]
+    along: np.ndarray  # along the track, forward [N]
+    across: np.ndarray  # across the track, to the right [N]
+
+    @property
+    def friction(self) -> np.ndarray:
+        """Coefficient of friction that keeps the wheel from slipping; infinite where it does not press."""
+        horizontal = np.hypot(self.along, self.across)
+        return np.divide(horizontal, self.normal, out=np.full_like(horizontal, np.inf), where=self.normal > 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Ride:
+    """A run of the Whipple bicycle. Arrays over time (n,); lean, steer and heading are positive to the right [rad]."""
+
+    parameters: Parameters
+    solution: Solution  # the run itself: ``.animate()``, ``.certificate``, ``.save()``
+    event: Event | None = None  # what ended it early; the samples end there
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times [s]."""
+        return self.solution.t
+
+    @property
+    def interrupted(self) -> bool:
+        """True after Ctrl-C."""
+        return (self.solution.record.stopped_by or "").startswith("interrupted")
+
+    @cached_property
+    def axle(self) -> np.ndarray:
+        """(n, 3) axle of the rear wheel, to the left."""
+        return self.solution.rotation("frame") @ Y
+
+    @cached_property
+    def axle_rate(self) -> np.ndarray:
+        """(n, 3) its rate [1/s]."""
+        return np.cross(self.solution.omega("frame"), self.axle)
+
+    @property
+    def lean(self) -> np.ndarray:
+        """Angle of the frame's plane from the vertical [rad]."""
+        return np.arctan2(self.axle[:, 2], np.hypot(self.axle[:, 0], self.axle[:, 1]))
+
+    @property
+    def lean_rate(self) -> np.ndarray:
+        """[rad/s]"""
+        return self.axle_rate[:, 2] / np.hypot(self.axle[:, 0], self.axle[:, 1])
+
+    @property
+    def steer(self) -> np.ndarray:
+        """[rad]"""
+        return self.solution.angle("steer")
+
+    @property
+    def steer_rate(self) -> np.ndarray:
+        """[rad/s]"""
+        return self.solution.rate("steer")
+
+    @property
+    def heading(self) -> np.ndarray:
+        """Direction of the rear wheel's track [rad], to the right, unwrapped over full turns."""
+        ahead = self.ahead(self.axle)
+        return -np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+
+    @property
+    def yaw_rate(self) -> np.ndarray:
+        """Rate of the heading [rad/s]."""
+        (x, y, _), (x_dot, y_dot, _) = self.axle.T, self.axle_rate.T
+        return (y * x_dot - x * y_dot) / (x**2 + y**2)
+
+    @property
+    def pitch(self) -> np.ndarray:
+        """Of the frame about its lateral axis, nose up > 0 [rad]."""
+        along = self.solution.rotation("frame") @ X
+        ahead = self.ahead(self.axle)
+        return np.arctan2(np.sum(np.cross(along, ahead) * self.axle, axis=1), np.sum(ahead * along, axis=1))
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Radius times rate of the rear hub [m/s]: speed of the contact point of a knife-edge wheel."""
+        return self.parameters.rR * self.solution.rate("rear hub")
+
+    @staticmethod
+    def ahead(axle: np.ndarray) -> np.ndarray:
+        """(n, 3) horizontal directions in which a wheel with these axles rolls."""
+        level = np.cross(axle, Z)
+        return level / np.linalg.norm(level, axis=1, keepdims=True)
+
+    @cached_property
+    def contacts(self) -> dict[str, Contact]:
+        """Forces of the ground on the wheels "rear" and "front"."""
+        found = {}
+        for wheel in WHEELS:
+            reaction = self.solution.reaction(f"{wheel} contact")
+            ahead = self.ahead(self.solution.rotation(f"{wheel} wheel") @ Y)
+            right = np.cross(ahead, Z)
+            along, across = (np.sum(reaction.force * way, axis=1) for way in (ahead, right))
+            found[wheel] = Contact(reaction.point, reaction.force, reaction.force[:, 2], along, across)
+        return found
+
+    @property
+    def friction(self) -> float:
+        """Largest coefficient of friction that a wheel needs."""
+        return max(float(contact.friction.max(initial=0.0)) for contact in self.contacts.values())
+
+    @property
+    def energy_drift(self) -> float:
+        """Largest |E - E(0) - work| over E(0), with the ground as level of zero potential energy."""
+        energy = self.solution.energy()
+        gap = energy.total - energy.total[0] - (energy.work - energy.work[0])
+        return float(np.abs(gap).max() / abs(energy.total[0]))
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The table that `to_csv` writes: header with unit -> (n,) values."""
+        table = {"t [s]": self.t}
+        for name in ("lean", "steer", "heading", "pitch"):
+            table[f"{name} [rad]"] = getattr(self, name)
+        for name in ("lean_rate", "steer_rate", "yaw_rate"):
+            table[f"{name} [rad/s]"] = getattr(self, name)
+        table["speed [m/s]"] = self.speed
+        for wheel, contact in self.contacts.items():
+            table |= {f"{wheel}_{axis} [m]": contact.point[:, k] for k, axis in enumerate("xy")}
+            table |= {f"{wheel}_{name} [N]": getattr(contact, name) for name in ("normal", "along", "across")}
+            table[f"{wheel}_friction [-]"] = contact.friction
+        return table
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write `columns`, one line per sample, all digits; ".csv" is appended if it is missing."""
+        table = self.columns()
+        return write_table(path, [*table], np.column_stack([*table.values()]))
+
+    def __str__(self) -> str:
+        checks = self.solution.certificate
+        bar = {name: f"{np.degrees(np.abs(getattr(self, name)).max()):.2f}°" for name in ("lean", "steer")}
+        least = {wheel: f"{contact.normal.min():.1f}" for wheel, contact in self.contacts.items()}
+        lines = [
+            f"{self.parameters.name}: {self.t[-1]:.6g} s, {self.speed[0]:.4g} m/s at the start",
+            f"  {f'{self.event.name} at t = {self.event.t:.6g} s' if self.event else 'upright until the end'}",
+            f"  largest lean {bar['lean']}, steer {bar['steer']}; last heading {np.degrees(self.heading[-1]):.2f}°",
+            f"  least load: rear wheel {least['rear']} N, front wheel {least['front']} N; friction needed"
+            f" {f'{self.friction:.3g}' if self.friction < NO_ROAD else 'beyond any road'}",
+            f"  energy audit {self.energy_drift:.1e} of E(0), momentum {checks['momentum balance'].error:.1e}, angular"
+            f" momentum {checks['angular momentum'].error:.1e}; certificate {'passed' if checks.passed else 'FAILED'}",
+        ]
+        return "\n".join(lines)

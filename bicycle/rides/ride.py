@@ -1,0 +1,169 @@
+"""Rides: nonlinear runs of the Whipple bicycle under the loads of rider and wind, until the end or a fall."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d import Force, IntegrationError, Signal, Solution, accelerations, measures, simulate
+from mbsd3d.extend import Measure, as_signal, number
+
+from ..model.mechanism import Bicycle, steer_torque, whipple
+from ..parameters import Parameters
+from .manoeuvres import FALLEN
+from .motion import WHEELS, Event, Ride
+
+
+def run(
+    parameters: Parameters,
+    t_end: float = 10.0,
+    *,
+    speed: float,
+    lean: float = 0.0,
+    steer: float = 0.0,
+    lean_rate: float = 0.0,
+    steer_rate: float = 0.0,
+    torque: Signal | float = 0.0,
+    push: Signal | float = 0.0,
+    fallen: float = FALLEN,
+    held_down: bool = False,
+    rtol: float = 1e-8,
+    output: int | Sequence[float] | None = None,
+    progress: bool | None = None,
+) -> Ride:
+    """Let a bicycle go and see what it does.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    t_end : float
+        End of the ride [s].
+    speed, lean, steer, lean_rate, steer_rate : float
+        The start, as in `whipple` [m/s, rad, rad/s].
+    torque : Signal or float
+        Of the rider on the handlebar [N m], to the right > 0.
+    push : Signal or float
+        Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
+    fallen : float
+        Tilt of the frame that ends the ride [rad], 0 < fallen < pi/2.
+    held_down : bool
+        Go on where the ground would have to pull at a wheel, as if it ran on a rail. The two-mass skate needs this: its
+        weight is in front of both wheels.
+    rtol, output, progress
+        As in `mbsd3d.simulate`.
+
+    Returns
+    -------
+    Ride
+        Up to ``event`` if it fell ("fallen") or a wheel left the ground ("rear wheel unloaded", "front wheel
+        unloaded"): an ideal wheel would be held down from there on. Unloading is detected at the samples and then
+        located to 1e-9 s. Ctrl-C keeps what was computed.
+
+    Raises
+    ------
+    ValueError
+        If the bicycle has fallen at the start, a wheel is not pressed to the ground there, or a value is not a number.
+    IntegrationError
+        If the run cannot go on; its ``solution`` holds the samples.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007, ride
+    >>> print(ride.run(Meijaard2007(), speed=2.0, lean_rate=0.05).event.name)
+    front wheel unloaded
+    """
+    limit = number(fallen, "ride: fallen", positive=True)
+    if limit >= 0.5 * np.pi:
+        raise ValueError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
+    system = ridden(
+        parameters, torque, push, speed=speed, lean=lean, steer=steer, lean_rate=lean_rate, steer_rate=steer_rate
+    )
+    start, upward = system.state(), elevation(system)
+    check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
+    settings = {"state": start, "rtol": rtol, "output": output, "progress": progress}
+    try:
+        found = simulate(system, t_end, stop_when=upward < 0.5 * np.pi - limit, **settings)
+    except IntegrationError as error:
+        found = error.solution  # an ideal wheel that is held down may lead anywhere
+        if held_down or unloading(found) is None:
+            raise
+    event = None if held_down else unloading(found)
+    if event is None:
+        stopped = (found.record.stopped_by or "").startswith(upward.label)
+        return Ride(parameters, found, Event("fallen", float(found.final.t)) if stopped else None)
+    if output is not None:
+        settings["output"] = [*found.t[found.t < event.t], event.t]
+    return Ride(parameters, simulate(system, event.t, **settings), event)
+
+
+def ridden(parameters: Parameters, torque: Signal | float, push: Signal | float, **start: float) -> Bicycle:
+    """The bicycle with the loads of a ride, at its start."""
+    system = whipple(parameters, **start)
+    forces = steer_torque(system, parameters, torque) if torque else []
+    if push:
+        sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
+        forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))
+    return replace(system, forces=forces) if forces else system
+
+
+def elevation(system: Bicycle) -> Measure:
+    """Elevation of the frame's upward direction: pi/2 minus the tilt, whichever way it tilts."""
+    return measures.lean(system.part("frame"), lateral=(0.0, 0.0, 1.0))
+
+
+def loads(solution: Solution) -> dict[str, np.ndarray]:
+    """(n,) upward force of the ground on each wheel [N]."""
+    return {wheel: solution.reaction(f"{wheel} contact").force[:, 2] for wheel in WHEELS}
+
+
+def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bool) -> None:
+    """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
+    what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
+    if tilt >= limit:
+        raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
+    for wheel, load in loads(start.solution).items():
+        if load[0] <= 0.0 < parameters.g and not held_down:
+            share = parameters.front_load
+            remedy = f"it tips even at rest, with {100.0 * share:.4g} % of its weight on the front wheel; give "
+            if 0.0 < share < 1.0:
+                remedy = "give a slower or more upright start, or "
+            raise ValueError(
+                f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); {remedy}"
+                "held_down=True (--held-down) for a ground that can pull"
+            )
+
+
+def unloading(solution: Solution) -> Event | None:
+    """The first moment at which a wheel is no longer pressed to the ground."""
+    if not np.any(solution.system.gravity):
+        return None
+    found = []
+    for wheel, load in loads(solution).items():
+        lifted = np.flatnonzero(load <= 0.0)
+        if lifted.size:
+            k = int(lifted[0])
+            t = brentq(load_at, *solution.t[k - 1 : k + 1], args=(solution, wheel), xtol=1e-9) if k else solution.t[0]
+            found.append(Event(f"{wheel} wheel unloaded", float(t)))
+    return min(found, key=lambda event: event.t, default=None)
+
+
+def load_at(t: float, solution: Solution, wheel: str) -> float:
+    """Upward force on a wheel at any time of a run [N]."""
+    return float(loads(accelerations(solution.system, solution.at(t)))[wheel][0])
+
+
+def view(found: Ride, path: str | Path | None = None, title: str | None = None) -> Any:
+    """A page that follows the frame: traces of both hubs, and steer, loads and energies as curves.
+
+    Names of bodies are hidden: frame and rear wheel have the same reference point.
+    """
+    system = found.solution.system
+    traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
+    curves = [("angle", "steer"), *(("reaction", f"{wheel} contact") for wheel in WHEELS), "energy"]
+    shown = found.solution.animate(
+        title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
+    )
+    return shown if path is None else shown.save(path)

@@ -1,0 +1,197 @@
+"""Mass, centre of mass and inertia of parts put together, and which inertia a body can have."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .checks import number, vector
+from .rotations import as_quaternion, matrix
+
+TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
+
+    Parameters
+    ----------
+    mass : float
+        Mass [kg].
+    com : (3,) ndarray
+        Centre of mass in the axes and from the origin the parts were given in [m].
+    inertia : (3, 3) ndarray
+        Inertia about ``com``, in the same axes [kg m^2].
+
+    Examples
+    --------
+    >>> from mbsd3d.inertia import box, rod
+    >>> hammer = combine([(0.3, (0, 0, 0.15), rod(0.3, 0.3)), (0.5, (0, 0, 0.3), box(0.5, (0.1, 0.03, 0.03)))])
+    >>> hammer.com.round(5)
+    array([0.     , 0.     , 0.24375])
+    """
+
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+
+
+def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
+    """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
+
+    ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
+
+    Parameters
+    ----------
+    parts : sequence of (mass, com, inertia) or (mass, com, inertia, orientation)
+        Mass [kg]; centre of mass [m] (3,) in the common axes; inertia about it [kg m^2] (3,) or (3, 3) in the part's
+        axes; orientation part axes -> common axes as a quaternion or matrix (common axes if left out).
+        An earlier result of `combine` in the same axes is a part too.
+
+    Returns
+    -------
+    MassProperties
+        In the common axes.
+
+    Raises
+    ------
+    ValueError
+        If there is no part, a part has the wrong form or an impossible inertia, or the masses add up to zero.
+
+    Examples
+    --------
+    >>> from mbsd3d.inertia import sphere
+    >>> barbell = combine([(2.0, (0, 0, 0.5), sphere(2.0, 0.1)), (2.0, (0, 0, -0.5), sphere(2.0, 0.1))])
+    >>> barbell.mass, barbell.inertia.diagonal().round(3)
+    (4.0, array([1.016, 1.016, 0.016]))
+    """
+    checked = [_part(i, part) for i, part in enumerate(parts)]
+    mass = sum(m for m, _, _ in checked)
+    if mass == 0.0:
+        raise ValueError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
+    com = sum(m * c for m, c, _ in checked) / mass
+    total = sum(I + steiner(m, c - com) for m, c, I in checked)
+    return MassProperties(mass, com, total)
+
+
+def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
+    """What a point of mass m adds to the inertia at distance d: ``m (d'd 1 - d d')``.
+
+    Parameters
+    ----------
+    mass : float
+        m [kg].
+    offset : (3,) array_like
+        d, from the new point to the centre of mass [m].
+
+    Returns
+    -------
+    (3, 3) ndarray
+        In the axes of ``offset`` [kg m^2].
+
+    Raises
+    ------
+    ValueError
+        If ``offset`` is not three finite numbers.
+    """
+    d = _vector(offset, "steiner", "offset")
+    return mass * (d @ d * np.eye(3) - np.outer(d, d))
+
+
+def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
+    """Inertia as a matrix, if a body can have it.
+
+    A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since
+    ``I1 + I2 - I3 = 2 int z^2 dm``. A mass without inertia is a point; without mass there is no inertia either.
+
+    Parameters
+    ----------
+    inertia : (3,) or (3, 3) array_like
+        About the centre of mass, body axes [kg m^2].
+    mass : float
+        Mass [kg].
+    what : str
+        Name of the part in error messages, e.g. ``"body 'wheel'"``.
+
+    Returns
+    -------
+    (3, 3) ndarray
+        The inertia, exactly symmetric.
+
+    Raises
+    ------
+    ValueError
+        If the shape is wrong, a number is not finite, the mass is negative, the matrix is not symmetric, or the
+        principal moments are impossible (tolerance 1e-9 of the largest entry).
+    """
+    m = _size(mass, what, "mass")
+    I = _inertia_matrix(inertia, what)
+    largest = np.max(np.abs(I))
+    if largest == 0.0:
+        return I
+    if m == 0.0:
+        raise ValueError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
+    if np.max(np.abs(I - I.T)) > TOLERANCE * largest:
+        raise ValueError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
+    I = 0.5 * (I + I.T)
+    _check_moments(np.linalg.eigvalsh(I), TOLERANCE * largest, what)
+    return I
+
+
+def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
+    """Refuse principal moments (ascending) that no distribution of mass has."""
+    remedy = "check the signs and units, and that it is taken about the centre of mass"
+    if moments[0] < -tolerance:
+        raise ValueError(f"{what}: inertia has the principal moments {_text(moments)}, {moments[0]:.9g} < 0; {remedy}")
+    rest = moments[0] + moments[1]
+    if moments[2] > rest + tolerance:
+        raise ValueError(
+            f"{what}: inertia has the principal moments {_text(moments)}; "
+            f"{moments[2]:.9g} exceeds the sum {rest:.9g} of the two others, which no body has; {remedy}"
+        )
+
+
+def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
+    """(3, 3) finite floats from three moments or a matrix."""
+    remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
+    try:
+        I = np.array(inertia, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what}: inertia {inertia!r} is not numeric; give {remedy}") from None
+    if I.shape not in ((3,), (3, 3)):
+        raise ValueError(f"{what}: inertia has shape {I.shape}; give {remedy}")
+    if not np.all(np.isfinite(I)):
+        raise ValueError(f"{what}: inertia {_text(I)} is not finite; give {remedy}")
+    return np.diag(I) if I.ndim == 1 else I
+
+
+def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, centre of mass and inertia of one part, turned into the common axes."""
+    what = f"combine: part {number}"
+    if isinstance(part, MassProperties):
+        part = (part.mass, part.com, part.inertia)
+    if len(part) not in (3, 4):
+        raise ValueError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
+    I = check_inertia(part[2], part[0], what)
+    if len(part) == 4:
+        R = matrix(as_quaternion(part[3], f"{what}: orientation"))
+        I = R @ I @ R.T
+        I = 0.5 * (I + I.T)
+    return float(part[0]), _vector(part[1], what, "com"), I
+
+
+def _size(value: float, what: str, name: str) -> float:
+    """A finite number that is not negative."""
+    return number(value, f"{what}: {name}", minimum=0.0)
+
+
+def _vector(values: ArrayLike, what: str, name: str) -> np.ndarray:
+    """(3,) finite floats."""
+    return vector(values, f"{what}: {name}")
+
+
+def _text(values: np.ndarray) -> str:
+    """Numbers as a user would type them."""
+    return np.array2string(values, separator=", ", precision=9).replace("\n", "")

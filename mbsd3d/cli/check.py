@@ -1,0 +1,20 @@
+"""``mbsd3d check``: freedoms and redundant joints."""
+
+import click
+
+from .support import drop_option, load
+
+
+@click.command()
+@click.argument("file")
+@drop_option
+def check(file: str, drop: tuple[str, ...]) -> None:
+    """Find the freedoms and redundant joints of a mechanism.
+
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. The exit code is 1 if it is locked or cannot close.
+    """
+    diagnosis = load(file, drop).check()
+    click.echo(str(diagnosis))
+    if diagnosis.verdict.startswith(("locked", "cannot close")):
+        raise click.exceptions.Exit(1)

@@ -1,0 +1,21 @@
+"""``mbsd3d show``: the mechanism at its reference pose."""
+
+import click
+
+from .support import can_view, drop_option, load, ready_target
+
+
+@click.command()
+@click.argument("file")
+@drop_option
+@click.option("--out", default="out", show_default=True, help="Folder for the page, or the name of the .html file.")
+def show(file: str, drop: tuple[str, ...], out: str) -> None:
+    """Draw a mechanism at its reference pose.
+
+    FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
+    returns a System. Writes one page (.html) that needs no network.
+    """
+    can_view(needed=True)
+    system = load(file, drop)
+    target = ready_target(file, out, ".html")
+    click.echo(str(system.show(title=target.name).save(target)))

@@ -1,0 +1,86 @@
+"""What all force elements share: the record a kernel reads, checks of what they are given."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .bodies import Body, Ground, Part
+from .joints import Joint
+from .primitives import Coordinate
+from .signals import Signal, as_signal
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRecord:
+    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
+
+    kind: int
+    bodies: tuple
+    points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
+    frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+    values: tuple = ()
+    signals: tuple = (None, None, None)
+    coordinate: Coordinate | None = None
+    measures: tuple = ()  # it reads
+    numbers: tuple = ()  # gains, references, parameters
+    states: tuple = ()  # initial values of its own states
+    scales: tuple = ()  # of their errors: (unit, k, j) is unit length^k speed^j
+
+
+@dataclass(frozen=True, eq=False)
+class ForceElement(Part):
+    """What all force elements share."""
+
+    role = "force"
+
+    def record(self) -> ForceRecord:
+        """The record the kernel reads."""
+        raise NotImplementedError
+
+    def bodies(self) -> tuple:
+        """The bodies it acts on."""
+        return self.record().bodies
+
+    def partners(self) -> tuple:
+        """Joints and forces it refers to."""
+        return ()
+
+
+def check_body(body: Any, what: str) -> None:
+    """A Body, or a ValueError."""
+    if not isinstance(body, Body):
+        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+
+
+def check_pair(a: Any, b: Any, what: str) -> None:
+    """Two different bodies, one of which may be the ground."""
+    for body in (a, b):
+        if not isinstance(body, Body | Ground):
+            raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+    if a is b:
+        raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
+
+
+def three_signals(value: Any, what: str) -> tuple[Signal, ...]:
+    """Three components, each a number or a signal."""
+    try:
+        x, y, z = value
+    except (TypeError, ValueError):
+        raise ValueError(f"{what}: give three components, each a number or a signal") from None
+    return tuple(as_signal(s, f"{what} along {k}") for k, s in zip("xyz", (x, y, z), strict=True))
+
+
+def in_body_frame(frame: str, what: str) -> float:
+    """1 for "body", 0 for "world"."""
+    if frame not in ("world", "body"):
+        raise ValueError(f"{what}: frame {frame!r} is unknown; give 'world' or 'body'")
+    return float(frame == "body")
+
+
+def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
+    """The angle of a joint, else its slide."""
+    found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
+    if found is None:
+        raise ValueError(f"{what}: {hinge!r} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
+    return found

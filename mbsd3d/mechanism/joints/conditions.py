@@ -1,0 +1,177 @@
+"""Single conditions between two bodies: a point on a line, a distance, a direction."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...base.checks import number, vector
+from ...base.directions import perpendiculars, unit
+from ...kernels import kinds
+from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
+from .joint import AxisJoint, Joint, PointJoint
+
+
+class PointOnLine(AxisJoint):
+    """A point of b slides on a line fixed in a (2 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, PointOnLine
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in PointOnLine(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    2
+    """
+
+    def rows(self) -> list[Primitive]:
+        return self.line_rows()
+
+    def angle(self) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class PointOnPlane(PointJoint):
+    """A point of b moves in a plane fixed in a (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, PointOnPlane
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in PointOnPlane(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
+    1
+    """
+
+    normal: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(normal=unit(self.normal, f"{what}: normal"))
+
+    def rows(self) -> list[Primitive]:
+        return [in_plane(self.a, self.b, self.normal, self.at, self.at_b)]
+
+
+@dataclass(frozen=True, eq=False)
+class Distance(Joint):
+    """A massless rod between a point of a and a point of b keeps their distance (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Distance
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> round(Distance(GROUND, part, at_a=(0, 0, 0), at_b=(0.3, 0.0, 0.4)).length, 12)
+    0.5
+    """
+
+    a: Any
+    b: Any
+    at_a: Any = field(kw_only=True)
+    at_b: Any = field(kw_only=True)
+    length: float | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
+        span = np.linalg.norm(at_b - at_a)
+        length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
+        if span < 1e-12:
+            raise ValueError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
+        self.set(at_a=at_a, at_b=at_b, length=float(length))
+
+    def point(self) -> np.ndarray:
+        return self.at_b
+
+    def rows(self) -> list[Primitive]:
+        return [Primitive(kinds.DISTANCE, (self.a, self.b), points=(self.at_a, self.at_b), values=(self.length,))]
+
+
+@dataclass(frozen=True, eq=False)
+class Parallel(Joint):
+    """An axis of b stays parallel to an axis of a (2 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Parallel
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Parallel(GROUND, part, axis=(1, 2, 2)).rows())
+    2
+    """
+
+    a: Any
+    b: Any
+    axis: Any = field(kw_only=True)
+    axis_b: Any = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        axis = unit(self.axis, f"{what}: axis")
+        self.set(axis=axis, axis_b=axis if self.axis_b is None else unit(self.axis_b, f"{what}: axis_b"))
+
+    def rows(self) -> list[Primitive]:
+        return [perpendicular(self.a, self.b, x, self.axis_b) for x in perpendiculars(self.axis)]
+
+    def angle(self) -> Coordinate:
+        return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
+
+
+@dataclass(frozen=True, eq=False)
+class Perpendicular(Joint):
+    """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Perpendicular
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Perpendicular(GROUND, part, axis_a=(1, 2, 2), axis_b=(2, 1, -2)).rows())
+    1
+    """
+
+    a: Any
+    b: Any
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if abs(x @ y) > 1e-6:
+            raise ValueError(f"{what}: the axes enclose {np.degrees(np.arccos(x @ y)):.6g} degrees; give 90 degrees")
+        self.set(axis_a=x, axis_b=y)
+
+    def rows(self) -> list[Primitive]:
+        return [perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
+
+
+@dataclass(frozen=True, eq=False)
+class ConstantVelocity(PointJoint):
+    """Constant-velocity joint between shafts along ``axis_a`` and ``axis_b``: no turn about their bisector (4 rows).
+
+    With n the common normal of the shafts: x_a . y_b - y_a . x_b = 0 for x = n, y = axis x n on both sides.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, ConstantVelocity
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> joint = ConstantVelocity(GROUND, part, at=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0.8, 0.6, 0))
+    >>> sum(row.n_rows for row in joint.rows())
+    4
+    """
+
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        axis_a, axis_b = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if axis_a @ axis_b < 1e-6:
+            raise ValueError(f"{what}: axis_a and axis_b enclose 90 degrees or more; point both along the power flow")
+        self.set(axis_a=axis_a, axis_b=axis_b)
+
+    def rows(self) -> list[Primitive]:
+        normal = np.cross(self.axis_a, self.axis_b)
+        bend = np.linalg.norm(normal)
+        n = normal / bend if bend > 1e-9 else perpendiculars(self.axis_a)[0]
+        y_a, y_b = np.cross(self.axis_a, n), np.cross(self.axis_b, n)
+        turn = Primitive(kinds.DOT_DIFFERENCE, (self.a, self.b), axes=(n, n), second_axes=(y_a, y_b), in_metres=False)
+        return [coincide(self.a, self.b, self.at, self.at_b), turn]

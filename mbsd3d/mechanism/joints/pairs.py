@@ -1,0 +1,176 @@
+"""Pairs of bodies as machines have them: hinges, sliders, ball joints. A joint is data that lowers to rows."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...base.checks import number
+from ...base.directions import cross, perpendiculars, unit
+from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
+from .joint import AxisJoint, PointJoint
+
+
+class Spherical(PointJoint):
+    """The points coincide (3 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Spherical
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Spherical(GROUND, part, at=(0.1, 0.2, 0.3)).rows())
+    3
+    """
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b)]
+
+
+class Revolute(AxisJoint):
+    """A hinge: the points coincide and the axes are parallel (5 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Revolute
+    >>> door = Body("door", mass=20.0, inertia=(8.0, 9.0, 1.0), position=(0.45, 0.0, 1.0))
+    >>> sum(row.n_rows for row in Revolute(GROUND, door, at=(0, 0, 0), axis=(0, 0, 1)).rows())
+    5
+    """
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b), *self.parallel_rows()]
+
+    def slide(self) -> None:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Universal(PointJoint):
+    """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Universal
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> cross = Universal(GROUND, part, at=(0.1, 0.2, 0.3), axis_a=(1, 2, 2), axis_b=(2, 1, -2))
+    >>> sum(row.n_rows for row in cross.rows())
+    4
+    """
+
+    axis_a: Any = field(kw_only=True)
+    axis_b: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
+        if np.linalg.norm(cross(x, y)) < 1e-6:
+            raise ValueError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
+        if abs(x @ y) > 1e-6:
+            angle = np.degrees(np.arccos(x @ y))
+            raise ValueError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
+        self.set(axis_a=x, axis_b=y)
+
+    def rows(self) -> list[Primitive]:
+        return [coincide(self.a, self.b, self.at, self.at_b), perpendicular(self.a, self.b, self.axis_a, self.axis_b)]
+
+
+class Prismatic(AxisJoint):
+    """b slides along the axis without turning (5 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Prismatic
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Prismatic(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    5
+    """
+
+    def rows(self) -> list[Primitive]:
+        return [*self.line_rows(), *self.parallel_rows(), self.no_turn_row()]
+
+    def angle(self) -> None:
+        return None
+
+
+class Cylindrical(AxisJoint):
+    """b slides along the axis and turns about it (4 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Cylindrical
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Cylindrical(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
+    4
+    """
+
+    def rows(self) -> list[Primitive]:
+        return [*self.line_rows(), *self.parallel_rows()]
+
+
+@dataclass(frozen=True, eq=False)
+class Planar(PointJoint):
+    """b moves in a plane fixed in a, turning about its normal only (3 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Planar
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Planar(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
+    3
+    """
+
+    normal: Any = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(normal=unit(self.normal, f"{what}: normal"))
+
+    def rows(self) -> list[Primitive]:
+        flat = [perpendicular(self.a, self.b, x, self.normal) for x in perpendiculars(self.normal)]
+        return [in_plane(self.a, self.b, self.normal, self.at, self.at_b), *flat]
+
+    def angle(self) -> Coordinate:
+        return Coordinate("angle", self.a, self.b, self.normal, self.normal)
+
+
+class Fixed(PointJoint):
+    """No relative motion (6 rows).
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Fixed
+    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    >>> sum(row.n_rows for row in Fixed(GROUND, part, at=(0.1, 0.2, 0.3)).rows())
+    6
+    """
+
+    def rows(self) -> list[Primitive]:
+        x, y, z = np.eye(3)
+        locks = [perpendicular(self.a, self.b, u, w) for u, w in ((x, y), (y, z), (z, x))]
+        return [coincide(self.a, self.b, self.at, self.at_b), *locks]
+
+
+@dataclass(frozen=True, eq=False)
+class Screw(AxisJoint):
+    """b advances along the axis by ``pitch`` [m] per turn (5 rows): slide = pitch angle / (2 pi).
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from mbsd3d import GROUND, Body, Screw, System
+    >>> nut = Body("nut", mass=0.4, inertia=(0.1, 0.1, 0.2), position=(0.2, 0.1, 0.5))
+    >>> thread = Screw(GROUND, nut, at=(0.2, 0.1, 0.5), axis=(0, 0, 1), pitch=0.01, name="thread")
+    >>> state = System([nut], [thread]).assemble(angles={"thread": 2 * pi})
+    >>> round(float(state.q[2]), 12)  # one turn lifts it by the pitch
+    0.51
+    """
+
+    pitch: float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        self.set(pitch=number(self.pitch, f"{what}: pitch"))
+
+    def rows(self) -> list[Primitive]:
+        lead = ratio(self.slide(), 1.0, self.angle(), -self.pitch / (2 * np.pi), in_metres=True)
+        return [*self.line_rows(), *self.parallel_rows(), lead]

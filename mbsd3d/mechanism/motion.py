@@ -1,0 +1,24 @@
+"""What a joint asks of a motion, whatever made it: a run or a mode."""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from .bodies import Body, Ground
+
+
+class Motion(Protocol):
+    """Where points and axes of bodies are over time, world axes."""
+
+    def body_point(self, body: Body | Ground, point: np.ndarray) -> np.ndarray:
+        """(samples, 3) position of a point fixed in a body, given at the reference pose [m]."""
+
+    def body_axis(self, body: Body | Ground, axis: np.ndarray) -> np.ndarray:
+        """(samples, 3) direction of an axis fixed in a body, given at the reference pose."""
+
+
+class LoadedMotion(Motion, Protocol):
+    """A motion whose reactions are known."""
+
+    def reaction(self, *joints: Any) -> Any:
+        """Force and moment of joints; see `Solution.reaction`."""

@@ -1,0 +1,188 @@
+"""Functions of time: ramps, sines, polynomials, tables, pulses."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .signal import Signal, _row, _store_finite
+from .terms import POLYNOMIAL, SINE, SPLINE, Term
+
+
+@dataclass(frozen=True)
+class Ramp(Signal):
+    """``f = offset + rate t``, with ``rate`` in the unit of f per second.
+
+    Raises ValueError if a number is not finite.
+
+    >>> float(Ramp(rate=2.0, offset=1.0)(3.0))
+    7.0
+    """
+
+    rate: float
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "rate", "offset")
+
+    def terms(self) -> list[Term]:
+        """The polynomial (offset, rate)."""
+        return [Term(POLYNOMIAL, np.array([self.offset, self.rate]))]
+
+
+@dataclass(frozen=True)
+class Sine(Signal):
+    """``f = offset + amplitude sin(2 pi frequency t + phase)``, with ``frequency`` in Hz and ``phase`` in rad.
+
+    Raises ValueError if a number is not finite.
+
+    >>> Sine(amplitude=3.0, frequency=2.0, offset=1.0)([0.0, 0.125])
+    array([1., 4.])
+    """
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "amplitude", "frequency", "phase", "offset")
+
+    def terms(self) -> list[Term]:
+        """The sine, and the polynomial (offset) if there is one."""
+        sine = Term(SINE, np.array([self.amplitude, 2.0 * np.pi * self.frequency, self.phase]))
+        return [sine, Term(POLYNOMIAL, np.array([self.offset]))] if self.offset else [sine]
+
+
+@dataclass(frozen=True)
+class Polynomial(Signal):
+    """``f = c0 + c1 t + c2 t^2 + ...`` from coefficients in ascending powers, ``c_k`` in the unit of f per s^k.
+
+    Raises ValueError if there is no coefficient, or one is not a finite number.
+
+    >>> float(Polynomial((1.0, 0.0, 3.0)).derivative(2.0))
+    12.0
+    """
+
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        values = _row(self.coefficients, "Polynomial: coefficients")
+        if values.size == 0:
+            raise ValueError("Polynomial: coefficients is empty; give at least the constant c0")
+        object.__setattr__(self, "coefficients", tuple(values.tolist()))
+
+    def terms(self) -> list[Term]:
+        """The polynomial itself."""
+        return [Term(POLYNOMIAL, np.array(self.coefficients))]
+
+
+@dataclass(frozen=True, eq=False)
+class Table(Signal):
+    """Cubic spline through measured points (not-a-knot: the third derivative is continuous next to both ends).
+
+    Parameters
+    ----------
+    times : (n,) array_like
+        At least four strictly increasing times [s].
+    values : (n,) array_like
+        Value at each of them.
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ, a number is not finite, there are fewer than four, or the times do not increase.
+
+    Examples
+    --------
+    >>> cube = Table([0.0, 1.0, 2.0, 4.0], [0.0, 1.0, 8.0, 64.0])
+    >>> round(float(cube(3.0)), 12), cube.interval
+    (27.0, (0.0, 4.0))
+    """
+
+    times: np.ndarray
+    values: np.ndarray
+
+    def __post_init__(self) -> None:
+        times, values = _row(self.times, "Table: times"), _row(self.values, "Table: values")
+        if times.size != values.size:
+            raise ValueError(f"Table: {times.size} times but {values.size} values; give one value per time")
+        if times.size < 4:
+            raise ValueError(f"Table: {times.size} points; a cubic spline needs 4 (Ramp, Polynomial: fewer)")
+        late = np.flatnonzero(np.diff(times) <= 0.0)
+        if late.size:
+            i = late[0]
+            raise ValueError(
+                f"Table: times[{i + 1}] = {times[i + 1]:.9g} does not come after times[{i}] = {times[i]:.9g}; "
+                f"sort the points and keep one per time"
+            )
+        times.flags.writeable = values.flags.writeable = False
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "values", values)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """First and last time of the table [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def terms(self) -> list[Term]:
+        """The spline."""
+        return [self._term]
+
+    @cached_property
+    def _term(self) -> Term:
+        pieces = CubicSpline(self.times, self.values, bc_type="not-a-knot").c.T
+        return Term(SPLINE, np.concatenate([[len(pieces)], self.times, pieces.ravel()]))
+
+
+@dataclass(frozen=True)
+class Pulse(Signal):
+    """From zero to ``height`` and back; zero before ``start`` and again ``duration`` later.
+
+    Rise and fall take the time ``edge`` each and have no corners: ``height (3 s^2 - 2 s^3)`` of its share s.
+    The integral of the pulse is ``height (duration - edge)``.
+
+    Parameters
+    ----------
+    height : float
+        In the unit of f.
+    start, edge : float
+        [s]; edge > 0.
+    duration : float or None
+        [s] >= 2 edge; None = a step, it does not fall.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, the edge is not positive or the duration is below two edges.
+
+    Examples
+    --------
+    >>> Pulse(height=3.0, start=1.0, edge=0.1, duration=0.5)([0.9, 1.05, 1.2, 1.6]).round(12)
+    array([0. , 1.5, 3. , 0. ])
+    """
+
+    height: float
+    start: float
+    edge: float
+    duration: float | None = None
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
+        if not self.edge > 0.0:
+            raise ValueError(f"Pulse: edge is {self.edge:g} s; give a positive time")
+        if self.duration is not None and not self.duration >= 2.0 * self.edge:
+            raise ValueError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
+
+    def terms(self) -> list[Term]:
+        """Zero, rise, height, fall and zero as cubic pieces; a step ends with its height."""
+        a, b, h = self.start, self.edge, self.height
+        rise, level, zero = (-2.0 * h / b**3, 3.0 * h / b**2, 0.0, 0.0), (0.0, 0.0, 0.0, h), (0.0,) * 4
+        pieces = {a - b: zero, a: rise, a + b: level}  # those next to the ends go on for ever
+        if self.duration is not None:
+            end = a + self.duration
+            fall = max(end - b, a + b)  # right after the rise it takes the place of the level
+            pieces |= {fall: (-rise[0], -rise[1], 0.0, h), end: zero}
+        breaks = [*pieces, max(pieces) + b]
+        return [Term(SPLINE, np.concatenate([[len(pieces)], breaks, np.ravel(list(pieces.values()))]))]

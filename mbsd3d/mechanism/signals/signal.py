@@ -1,0 +1,237 @@
+"""What signals share: values and derivatives, sums, multiples, and numbers as constant signals.
+
+A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
+so what a user plots is what the model is driven by.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .terms import POLYNOMIAL, Term, evaluate, scaled
+
+EVERYWHERE = (-np.inf, np.inf)
+
+
+class Signal(ABC):
+    """A function of time f(t), twice differentiable, in the unit of what it drives; t in s.
+
+    Signals add up, with each other and with numbers, and are multiplied by numbers.
+
+    >>> from mbsd3d import Sine
+    >>> swing = 0.5 + 2 * Sine(amplitude=0.1, frequency=1.0)
+    >>> round(float(swing(0.25)), 12)
+    0.7
+    """
+
+    __array_ufunc__ = None  # a numpy number on the left leaves the operation to the signal
+
+    @abstractmethod
+    def terms(self) -> list[Term]:
+        """Summands of f: what the kernels evaluate."""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """First and last time at which f is defined [s]."""
+        return EVERYWHERE
+
+    def __call__(self, t: ArrayLike) -> np.ndarray:
+        """f(t) at times of any shape [s]; ValueError outside `interval`."""
+        return self._at(t, 0)
+
+    def derivative(self, t: ArrayLike) -> np.ndarray:
+        """df/dt at times of any shape [s]; ValueError outside `interval`."""
+        return self._at(t, 1)
+
+    def second_derivative(self, t: ArrayLike) -> np.ndarray:
+        """d2f/dt2 at times of any shape [s]; ValueError outside `interval`."""
+        return self._at(t, 2)
+
+    def _at(self, t: ArrayLike, order: int) -> np.ndarray:
+        t = np.asarray(t, dtype=float)
+        if t.size:
+            check_interval(self, t.min(), t.max(), type(self).__name__)
+        return evaluate(self.terms(), t, order)
+
+    def __add__(self, other: "Signal | float") -> "Signal":
+        if not isinstance(other, (Signal, Real)):
+            return NotImplemented
+        return Sum((self, as_signal(other, "sum of signals")))
+
+    def __radd__(self, other: float) -> "Signal":
+        return self + other
+
+    def __sub__(self, other: "Signal | float") -> "Signal":
+        return self + -other
+
+    def __rsub__(self, other: float) -> "Signal":
+        return -self + other
+
+    def __neg__(self) -> "Signal":
+        return Scaled(self, -1.0)
+
+    def __mul__(self, factor: float) -> "Signal":
+        return Scaled(self, factor) if isinstance(factor, Real) else NotImplemented
+
+    def __rmul__(self, factor: float) -> "Signal":
+        return self * factor
+
+
+@dataclass(frozen=True)
+class Constant(Signal):
+    """``f = value``.
+
+    Raises ValueError if ``value`` is not a finite number.
+
+    >>> Constant(2.5).derivative([0.0, 1.0])
+    array([0., 0.])
+    """
+
+    value: float
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "value")
+
+    def terms(self) -> list[Term]:
+        """The polynomial (value)."""
+        return [Term(POLYNOMIAL, np.array([self.value]))]
+
+
+@dataclass(frozen=True)
+class Sum(Signal):
+    """Sum of signals; ``a + b`` makes it.
+
+    Raises ValueError if the intervals of two tables have no time in common.
+
+    >>> from mbsd3d import Ramp
+    >>> Ramp(1.0) + 2.0 == Sum((Ramp(1.0), Constant(2.0)))
+    True
+    """
+
+    signals: tuple[Signal, ...]
+
+    def __post_init__(self) -> None:
+        start, end = self.interval
+        if not start < end:
+            raise ValueError(
+                f"sum of signals: one starts at {start:.9g} s, when another has ended at {end:.9g} s; "
+                f"give tables of the same interval"
+            )
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Where all of them are defined [s]."""
+        starts, ends = zip(*(signal.interval for signal in self.signals), strict=True)
+        return max(starts), min(ends)
+
+    def terms(self) -> list[Term]:
+        """The terms of all."""
+        return [term for signal in self.signals for term in signal.terms()]
+
+
+@dataclass(frozen=True)
+class Scaled(Signal):
+    """``factor`` times a signal; ``2 * signal`` and ``-signal`` make it.
+
+    Raises ValueError if ``factor`` is not a finite number.
+
+    >>> from mbsd3d import Ramp
+    >>> 2.0 * Ramp(1.0) == Scaled(Ramp(1.0), 2.0)
+    True
+    """
+
+    signal: Signal
+    factor: float
+
+    def __post_init__(self) -> None:
+        _store_finite(self, "factor")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """That of the signal [s]."""
+        return self.signal.interval
+
+    def terms(self) -> list[Term]:
+        """The terms of the signal with the numbers that are linear in f multiplied."""
+        return [scaled(term, self.factor) for term in self.signal.terms()]
+
+
+def as_signal(value: "Signal | float", what: str) -> Signal:
+    """A signal as it is, a number as a `Constant`.
+
+    Parameters
+    ----------
+    value : Signal or float
+        In the unit of what it drives.
+    what : str
+        Name of the quantity in error messages, e.g. ``"driver 'motor': speed"``.
+
+    Returns
+    -------
+    Signal
+        The function of time.
+
+    Raises
+    ------
+    ValueError
+        If it is neither, or a number that is not finite.
+    """
+    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
+    if isinstance(value, Signal):
+        return value
+    if not isinstance(value, Real):
+        raise ValueError(f"{what} is {value!r}; {remedy}; any other function can be sampled into a Table")
+    if not np.isfinite(value):
+        raise ValueError(f"{what} is {value}; {remedy}")
+    return Constant(value)
+
+
+def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
+    """Refuse a run that leaves the interval on which a signal is defined.
+
+    Parameters
+    ----------
+    signal : Signal
+        The function of time.
+    start, end : float
+        First and last time of the run [s]; 1e-9 of the interval may be missing, the rounding of a last step.
+    what : str
+        Name of the quantity in error messages, e.g. ``"driver 'motor'"``.
+
+    Raises
+    ------
+    ValueError
+        If it does.
+    """
+    first, last = signal.interval
+    margin = 1e-9 * (last - first)
+    if not (start >= first - margin and end <= last + margin):
+        raise ValueError(
+            f"{what}: the table covers {first:.9g} s to {last:.9g} s and is asked for {start:.9g} s to {end:.9g} s; "
+            f"extend the table or stay inside it"
+        )
+
+
+def _store_finite(signal: Signal, *names: str) -> None:
+    """Store the named fields as floats, or say which one is not a finite number."""
+    for name in names:
+        value = getattr(signal, name)
+        if not isinstance(value, Real) or not np.isfinite(value):
+            raise ValueError(f"{type(signal).__name__}: {name} is {value!r}; give a finite number")
+        object.__setattr__(signal, name, float(value))
+
+
+def _row(values: ArrayLike, what: str) -> np.ndarray:
+    """Own copy of a row of finite floats."""
+    try:
+        row = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} {values!r} is not numeric; give a row of finite numbers") from None
+    if row.ndim != 1:
+        raise ValueError(f"{what} has shape {row.shape}; give a row of finite numbers")
+    if not np.all(np.isfinite(row)):
+        raise ValueError(f"{what}[{np.flatnonzero(~np.isfinite(row))[0]}] is not finite; give a row of finite numbers")
+    return row

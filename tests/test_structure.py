@@ -1,0 +1,157 @@
+"""The house keeps its shape: a stack of folders, imports that go down, files one can take in at a glance."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import mbsd3d
+from mbsd3d import extend
+
+ROOT = Path(__file__).parent.parent
+STACK = (
+    "base", "kernels", "mechanism", "integrators", "equations", "constraints", "results", "run", "linear", "files",
+    "plotting", "view", "report", "api", "sweeps", "demos", "cli",
+)  # fmt: skip
+PUBLIC_MODULES = ("inertia", "measures", "rotations", "shapes", "signals")
+LATE = ("api", "cli")  # facades and commands import what is heavy when it is called
+LINES, FILES = 300, 14
+
+
+def name_of(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+SOURCES = {name_of(path): path for top in ("mbsd3d", "bicycle", "validation") for path in (ROOT / top).rglob("*.py")}
+
+
+def imports(name: str) -> list[tuple[str, bool]]:
+    """(module of ours that is imported, whether inside a function); imports for type checkers only are left out."""
+    path = SOURCES[name]
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    typing = {
+        id(inner)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+        for inner in ast.walk(node)
+    }
+    top, found = {id(node) for node in tree.body}, []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and id(node) not in typing:
+            parts = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = ".".join([*parts, *([node.module] if node.module else [])])
+            for alias in node.names:
+                whole = f"{base}.{alias.name}"
+                target = whole if whole in SOURCES else base
+                if target.split(".")[0] in ("mbsd3d", "bicycle", "validation") and target != name:
+                    found.append((target, id(node) not in top))
+        elif isinstance(node, ast.Import):
+            found += [(alias.name, id(node) not in top) for alias in node.names if alias.name in SOURCES]
+    return found
+
+
+GRAPH = {name: imports(name) for name in SOURCES}
+
+
+def folder(module: str) -> str | None:
+    """The folder of the stack a module of mbsd3d belongs to; None for the public names on top of all."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and parts[1] in STACK else None
+
+
+def test_every_folder_stands_in_the_stack():
+    folders = {path.parent.name for path in (ROOT / "mbsd3d").glob("*/__init__.py")}
+    assert folders == set(STACK)
+
+
+def test_imports_go_down():
+    wrong = []
+    for name, targets in GRAPH.items():
+        if not name.startswith("mbsd3d.") or (here := folder(name)) is None:
+            continue
+        for target, _ in targets:
+            there = folder(target)
+            on_top = there is None and target not in ("mbsd3d", "mbsd3d.base") and target.startswith("mbsd3d")
+            users = here in ("demos", "sweeps", "cli")  # they stand above all public names
+            if (there and STACK.index(there) > STACK.index(here)) or (on_top and not users):
+                wrong.append(f"{name} -> {target}")
+    assert not wrong
+
+
+def test_nothing_below_knows_the_packages_beside():
+    wrong = [f"{name} -> {target}" for name, targets in GRAPH.items() for target, _ in targets
+             if (name.startswith("mbsd3d") and not target.startswith("mbsd3d"))
+             or (name.startswith("bicycle") and target.startswith("validation"))]  # fmt: skip
+    assert not wrong
+
+
+def test_imports_stand_at_the_top():
+    late = [f"{name} -> {target}" for name, targets in GRAPH.items() for target, inside in targets
+            if inside and folder(name) not in LATE and not name.endswith("commands")]  # fmt: skip
+    assert not late
+
+
+def above(module: str) -> list[str]:
+    """A module and the packages it is in, as far as they are ours."""
+    parts = module.split(".")
+    return [whole for k in range(len(parts)) if (whole := ".".join(parts[: k + 1])) in SOURCES]
+
+
+def test_no_circles():
+    """A module is loaded after the packages it is in, so importing it imports these too."""
+    edges = {
+        name: {whole for target, _ in targets for whole in above(target) if not f"{name}.".startswith(f"{whole}.")}
+        for name, targets in GRAPH.items()
+    }
+
+    def below(start: str) -> set[str]:
+        seen, todo = set(), [start]
+        while todo:
+            for target in edges[todo.pop()] - seen:
+                seen.add(target)
+                todo.append(target)
+        return seen
+
+    assert [name for name in edges if name in below(name)] == []
+
+
+@pytest.mark.parametrize("package", ["bicycle", "validation"])
+def test_packages_beside_use_public_names_only(package):
+    allowed = {"mbsd3d", "mbsd3d.extend", *(f"mbsd3d.{module}" for module in PUBLIC_MODULES)}
+    wrong = [f"{name} -> {target}" for name, targets in GRAPH.items() for target, _ in targets
+             if name.startswith(package) and target.startswith("mbsd3d") and target not in allowed]  # fmt: skip
+    assert not wrong
+
+
+def test_theory_shares_nothing():
+    assert not [name for name, targets in GRAPH.items() if name.startswith("validation.theory")
+                for target, _ in targets if not target.startswith("validation.theory")]  # fmt: skip
+
+
+def test_files_and_folders_are_small():
+    long = [name for name, path in SOURCES.items() if path.read_text(encoding="utf-8").count("\n") > LINES]
+    folders = {path.parent for path in SOURCES.values()} - {ROOT / "mbsd3d"}
+    full = [str(place.relative_to(ROOT)) for place in folders if len(list(place.glob("*.py"))) > FILES]
+    assert not long and not full
+
+
+def test_public_names_are_listed_where_editors_look():
+    assert set(mbsd3d.__all__) >= {"Body", "System", "simulate", "linearize", "sweep", "load", *PUBLIC_MODULES}
+    assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
+    assert all(getattr(extend, name) is not None for name in extend.__all__)
+    assert (ROOT / "mbsd3d" / "py.typed").exists()
+
+
+def test_systems_and_solutions_have_types():
+    """A parameter named system or solution says what it is."""
+    loose = []
+    for name, path in SOURCES.items():
+        if not name.startswith("mbsd3d."):
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                loose += [f"{name}.{node.name}" for x in node.args.args
+                          if x.arg in ("system", "solution", "compiled") and ast.dump(x.annotation or x) == ast.dump(ast.parse("Any").body[0].value)]  # fmt: skip # noqa: E501
+    assert not loose

@@ -1,0 +1,143 @@
+"""Limits in seconds, for an idle machine: ``make timing`` runs them, and neither of the two suites does."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+import test_importers as importers
+import test_model_files as model_files
+from models import revolute_chain
+from sweep_models import ratio, shafts
+
+from mbsd3d import Kinematic
+from mbsd3d.sweeps.sweep import sweep
+from mbsd3d.view.scene.artist import draw_system
+from validation.benchmark.precision import measure
+from validation.benchmark.problems import PROBLEMS
+from validation.inline_four import RATE, SAMPLES, inline_four, orders
+from validation.mechanisms import ladder
+
+pytestmark = pytest.mark.timing
+
+ROOT = Path(__file__).parent.parent
+FORCE_2X = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())["sweep_RL_I4_2x"]["L=1.5"]
+BRIEF = 5.0  # s in which a file that cannot be read is refused
+
+
+@contextmanager
+def within(limit):
+    """At most so many seconds."""
+    began = time.perf_counter()
+    yield
+    assert time.perf_counter() - began < limit
+
+
+def command(*arguments):
+    """The command line in a process of its own."""
+    code = "from mbsd3d.cli import main; main(prog_name='mbsd3d')"
+    return subprocess.Popen([sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, text=True)
+
+
+def test_help_comes_at_once():
+    command("--help").communicate()
+    with within(0.6):  # 0.1 s on a free machine
+        assert "Usage: mbsd3d" in command("--help").communicate()[0]
+
+
+def test_ctrl_c_ends_a_run_at_once(tmp_path):
+    (tmp_path / "arm.py").write_text(
+        "from mbsd3d import GROUND, Body, Revolute, System\n"
+        "def build():\n"
+        "    arm = Body('arm', 1.0, (0.1, 0.1, 0.02), position=(0, 0.6, -0.8))\n"
+        "    print('ready', flush=True)\n"
+        "    return System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(1, 0, 0))])\n"
+    )
+    running = command("run", tmp_path / "arm.py", "--t-end", 1e9, "--output", 1_000_000, "--out", tmp_path)
+    assert running.stdout.readline() == "ready\n"
+    time.sleep(5.0)
+    running.send_signal(signal.SIGINT)
+    with within(1.5):  # 0.2 s on a free machine
+        running.communicate()
+    assert running.returncode == 130
+
+
+@pytest.mark.parametrize("form", model_files.FORMS)
+@pytest.mark.parametrize("case", model_files.HOSTILE)
+def test_what_is_no_model_is_refused_at_once(tmp_path, case, form):
+    with within(BRIEF):
+        model_files.test_what_is_no_model_is_refused(tmp_path, case, form)
+
+
+@pytest.mark.parametrize("case", importers.HOSTILE)
+def test_hostile_files_are_refused_at_once(tmp_path, case):
+    with within(BRIEF):
+        importers.test_hostile_files_are_refused(tmp_path, case)
+
+
+def test_a_thousand_bodies_are_drawn_in_three_seconds():
+    chain = revolute_chain(1000)
+    with within(3.0):  # 0.4 s on a free machine
+        draw_system(chain)
+
+
+@pytest.mark.parametrize(("build", "n"), [(revolute_chain, 1000), (ladder, 100)])
+def test_check_of_a_large_system(build, n):
+    system = build(n)
+    with within(10.0):
+        system.check()
+
+
+def figure(build, grid, measure, run):
+    """(dataset, wall seconds, processor seconds of this process) of a sweep on threads, the second of two."""
+    for _ in range(2):
+        wall, processor = time.perf_counter(), time.process_time()
+        table = sweep(build, grid, measure, run=run, executor="threads")
+        wall, processor = time.perf_counter() - wall, time.process_time() - processor
+    return table, wall, processor
+
+
+def building(build, cells):
+    """Processor seconds of describing a System, mean of the cells."""
+    began = time.process_time()
+    for cell in cells:
+        build(**cell)
+    return (time.process_time() - began) / len(cells)
+
+
+def test_900_engines():
+    """An engine is solved in 6 to 7 times the time of describing it, 10 with two threads that take turns.
+
+    The figure in seconds depends on the machine (5 to 15 s on two cores): ``python -m validation.tax`` prints it.
+    """
+    grid = {"radius": np.linspace(0.5, 1.0, 30), "rod_length": np.linspace(1.5, 4.0, 30)}
+    run = {"t_end": 2 * np.pi / RATE, "method": Kinematic(), "output": SAMPLES + 1}
+    cells = [{"radius": 0.5 + 0.005 * k, "rod_length": 1.5 + 0.025 * k} for k in range(100)]
+    before = building(inline_four, cells)
+    table, wall, processor = figure(inline_four, grid, orders, run)
+    one = (before + building(inline_four, cells)) / 2
+    print(f"900 engines: {wall:.1f} s, {processor:.1f} s of processor time; describing one {1e3 * one:.2f} ms")
+    assert table.attrs["failed"] == 0 and processor < 15.0 * 900 * one
+    found = float(table["force_2x"].sel(radius=1.0, rod_length=1.5))
+    assert found == pytest.approx(FORCE_2X, rel=1e-11)  # digits of the file: 16
+
+
+def test_900_cardan_transients():
+    """The target is 10 s on two cores that have nothing else to do, so 20 s of processor time."""
+    bends = np.radians(np.linspace(1.0, 60.0, 900))
+    table, wall, processor = figure(shafts, {"bend": bends, "turns": [1.0]}, ratio, {"rtol": 1e-6, "output": 65})
+    print(f"900 Cardan transients: {wall:.1f} s, {processor:.1f} s of processor time")
+    assert table.attrs["failed"] == 0 and processor < 20.0
+    np.testing.assert_allclose(table["ratio"][:, 0], 1 / np.cos(bends) ** 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["Bricard", "top slow"])
+def test_loops_and_tops_take_their_peers_longer(name):
+    """Measured on a busy machine: 20 for Bricard's MuJoCo at 1e-8, 34 for the top's."""
+    row = measure(PROBLEMS[name]())
+    assert row.ratio("MuJoCo", 1e-8)[0] > 2.0 and row.ratio("Exudyn", 1e-6)[0] > 1.5
