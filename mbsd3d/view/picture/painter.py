@@ -21,7 +21,7 @@ from .shading import SEAM, Items, Pointers, Solids, join, outlines, split_stroke
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
-SIZE, GAP = 9.0, 4.0  # of the letters of names, and from a name to its point [points]
+SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
 MANY = 3000  # more triangles and strokes than this go into a vector file as an image
 
 
