@@ -92,7 +92,7 @@ class Drawable:
         Raises
         ------
         ValueError
-            If the state is one of another system, a shape cannot be drawn, or an option is none.
+            If the state is one of another system, a shape cannot be drawn, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_system
 

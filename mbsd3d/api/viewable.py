@@ -118,7 +118,7 @@ class Viewable:
         Raises
         ------
         ValueError
-            If a time is outside the run, a part or a layer is unknown, or an option is none.
+            If a time is outside the run, a part or a layer is unknown, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_solution
 
@@ -165,7 +165,7 @@ class Viewable:
         Raises
         ------
         ValueError
-            If an option or the folder is none, or nothing moves because the run has one moment only.
+            If an option is invalid, the folder does not exist, or the run has a single moment.
         """
         from ..view.film.film import export_gif
 
