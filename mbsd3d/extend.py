@@ -24,6 +24,7 @@ NAMES = {
     "sweeps.executors": ("outcomes",),
     # figures and pages in the house style
     "base.style": ("DARK", "LIGHT", "LINE", "THIN", "Theme", "dress", "house", "theme"),
+    "base.templates": ("HtmlPage", "page_template"),
     "report.exhibits": ("inline_svg",),
     "report.wording": ("RAISED", "digits"),
     "view.scene.camera": ("VIEW",),

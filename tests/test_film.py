@@ -16,7 +16,7 @@ from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, sim
 from mbsd3d.base.style import DARK, LIGHT
 from mbsd3d.demos import pictures
 from mbsd3d.view.film import film
-from mbsd3d.view.film.reel import Reel
+from mbsd3d.view.film.frames import FilmFrames
 
 SMALL = {"width": 160, "hidden": ["body names", "joint names"]}
 
@@ -61,14 +61,14 @@ def test_gifs_are_the_same_bytes_twice(solution, tmp_path):
 
 
 def test_the_clock_tells_time_and_speed(solution):
-    assert Reel(solution, speed=0.02, **SMALL).clock(4) == "t = 0.0032 s   (0.02× speed)"
-    assert Reel(solution, speed=1.0, **SMALL).clock(5) == "t = 0.20 s"
-    assert Reel(solution, usual=(6.0, 4.0), **SMALL).speed == 0.05  # 0.2 s in 4 s
-    assert Reel(solution, **SMALL).speed == 0.02
+    assert FilmFrames(solution, speed=0.02, **SMALL).clock(4) == "t = 0.0032 s   (0.02× speed)"
+    assert FilmFrames(solution, speed=1.0, **SMALL).clock(5) == "t = 0.20 s"
+    assert FilmFrames(solution, usual=(6.0, 4.0), **SMALL).speed == 0.05  # 0.2 s in 4 s
+    assert FilmFrames(solution, **SMALL).speed == 0.02
 
 
 def test_a_frame_shows_the_pose_of_its_time(solution):
-    reel = Reel(solution, speed=0.25, **SMALL)
+    reel = FilmFrames(solution, speed=0.25, **SMALL)
     for name, i in ((UPPER_ARM, 0), (WHEEL, 2)):
         # 5 steps of 0.01 s: the frame's time is that of a sample
         assert np.allclose(reel.frames.r[5, i], solution.position(name)[5], atol=1e-12)
@@ -76,7 +76,7 @@ def test_a_frame_shows_the_pose_of_its_time(solution):
 
 
 def test_the_cursor_runs_over_the_curves(solution):
-    reel = Reel(solution, speed=0.25, curves=["energy", ("position", LOWER_ARM)], width=320)
+    reel = FilmFrames(solution, speed=0.25, curves=["energy", ("position", LOWER_ARM)], width=320)
     strip, last = reel.strip, len(reel) - 1
     assert reel.height == 240 + strip.height and reel.frame(3).shape == (reel.height, 320, 3)
     even = strip.columns[0] + (strip.columns[-1] - strip.columns[0]) * np.arange(last + 1) / last
@@ -179,15 +179,15 @@ def test_mp4_has_its_frames(solution, tmp_path):
 
 @needs_ffmpeg
 def test_an_interrupted_mp4_leaves_nothing(solution, tmp_path, monkeypatch):
-    shown, frame = [], Reel.frame
+    shown, frame = [], FilmFrames.frame
 
-    def interrupted(self: Reel, k: int) -> np.ndarray:
+    def interrupted(self: FilmFrames, k: int) -> np.ndarray:
         shown.append(k)
         if k == 3:
             raise KeyboardInterrupt
         return frame(self, k)
 
-    monkeypatch.setattr(Reel, "frame", interrupted)
+    monkeypatch.setattr(FilmFrames, "frame", interrupted)
     with pytest.raises(KeyboardInterrupt):
         solution.export_mp4(tmp_path / "x", speed=0.25, **SMALL)
     assert shown == [0, 1, 2, 3] and not list(tmp_path.iterdir())

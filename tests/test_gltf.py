@@ -13,8 +13,7 @@ from mbsd3d import GROUND, Body, Distance, Spherical, System, Universal, acceler
 from mbsd3d.base.style import channels, linear
 from mbsd3d.mechanism import shapes
 from mbsd3d.mechanism.shapes import Mesh
-from mbsd3d.view.scene.meshes import skin
-from mbsd3d.view.scene.sticks import rolled, unit_coil, unit_rod
+from mbsd3d.view.scene.meshes import rolled, skin, unit_coil, unit_rod
 
 COMPONENT = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
@@ -139,7 +138,7 @@ def test_the_file_is_what_the_specification_asks(file):
     file.check()
     assert file.document["asset"]["version"] == "2.0" and file.document["asset"]["generator"].startswith("mbsd3d ")
     about = file.document["asset"]["extras"]
-    assert about["title"] == "upper arm, lower arm, wheel" and about["length"] == "m" and about["duration"] == 1.0
+    assert about["title"] == "upper arm, lower arm and wheel" and about["length"] == "m" and about["duration"] == 1.0
     assert {UPPER_ARM, LOWER_ARM, WHEEL, "upper arm shape", "elbow on lower arm", "SpringDamper 1"} <= set(file.names)
     assert len(set(file.names)) == len(file.names)
 

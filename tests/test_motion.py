@@ -20,9 +20,8 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.results.reactions import every_reaction
-from mbsd3d.view.scene.curves import curves_of
 from mbsd3d.view.scene.frames import FAR, frames_of
-from mbsd3d.view.scene.motion import arrows_of, traces_of
+from mbsd3d.view.scene.motion import arrows_of, curves_of, traces_of
 
 ROUNDING = 1e-13  # of metres, rad/s, N ... of order 1 ... 20
 
@@ -197,8 +196,8 @@ def test_traces_follow_the_centres_that_move(solution, frames):
     ("points", "message"),
     [
         ([("foot", (0, 0, 0))], "'foot' is not one of the bodies of this system"),
-        ([WHEEL], "trace 'wheel' is no pair; give "),
-        ([3], "trace 3 is no pair"),
+        ([WHEEL], "trace 'wheel' is not a pair; give "),
+        ([3], "trace 3 is not a pair"),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
         (7, "traces = 7; give a list"),
@@ -247,8 +246,8 @@ def test_what_one_door_hinge_carries_is_said_to_be_open():
         ([("angle", "foot")], "'foot' is not one of the joints of this system"),
         ([("energy", WHEEL)], "energy is that of the whole system"),
         (["slide"], "no joint of this system has the quantity slide"),
-        ([3], r"\[3\] is no quantity"),
-        ([()], r"\[\(\)\] is no quantity"),
+        ([3], r"\[3\] is not a quantity"),
+        ([()], r"\[\(\)\] is not a quantity"),
         ("energy", "curves = 'energy'; give a list"),
     ],
 )

@@ -6,27 +6,24 @@ from dataclasses import replace
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from PIL import Image
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Revolute, System, simulate
+from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import DARK, LIGHT, paler
 from mbsd3d.mechanism.shapes import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
-from mbsd3d.view.picture.labels import Name, extent, place
 from mbsd3d.view.picture.painter import Painter, new_sheet
-from mbsd3d.view.picture.pointers import pointers_of
-from mbsd3d.view.picture.shading import Solids, outlines, split_strokes, split_triangles
+from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.camera import Camera, lens_of, turned, window
-from mbsd3d.view.scene.drawing import poses_of
+from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
+from mbsd3d.view.scene.drawing import MARKS, NAMES, USUAL, bounds, poses_of
 from mbsd3d.view.scene.frames import frames_of
-from mbsd3d.view.scene.grid import round_down
-from mbsd3d.view.scene.layers import MARKS, NAMES
 from mbsd3d.view.scene.motion import arrows_of
 
 HIDDEN, BARE = (*NAMES, "ground grid"), ("bodies", "joints")
@@ -187,19 +184,26 @@ def test_strokes_become_bars_of_their_width():
     assert np.array_equal(triangle, corners[1][[0, 1, 2, 2]])
 
 
-def test_names_do_not_overlap_and_stay_on_the_paper():
-    rng = np.random.default_rng(6)
-    names = [Name(f"a rather long name {k}", 150 + 20 * rng.normal(size=2), "#000000") for k in range(12)]
-    centres, choices = place(names, np.zeros((0, 2)), (400.0, 300.0))
-    half = np.array([[0.5 * extent(name.text, 9.0), 4.5] for name in names])
-    for i in range(12):
-        assert np.all(centres[i] - half[i] >= 0) and np.all(centres[i] + half[i] <= (400.0, 300.0))
-        for j in range(i):
-            assert np.any(np.abs(centres[i] - centres[j]) >= half[i] + half[j])
-    again, kept = place(names, np.zeros((0, 2)), (400.0, 300.0), choices)
-    assert kept == choices and np.array_equal(again, centres)
-    free, _ = place(names[:1], names[0].point + np.array([[dx, 0.0] for dx in range(0, 130, 2)]), (400.0, 300.0))
-    assert free[0][0] < names[0].point[0]  # what is right of the point is painted
+def test_names_lie_at_their_points_and_on_the_paper():
+    rod = Body("a rod with a long name", 1.0, (0.1, 0.1, 0.01), position=(0.0, 0, 0))
+    ring = Body("ring", 1.0, (0.1, 0.1, 0.1), position=(0.0, 0, 0))
+    hinge = Revolute(GROUND, rod, at=(2.0, 0, 0), axis=(0, 1, 0), name="hinge")
+    system = System([rod, ring], [hinge, AngleDriver(hinge, Ramp(1.0), name="motor")])
+    figure = system.picture()
+    drawing, (r, e) = draw_system(system), poses_of(system)
+    lens = lens_of(frame_camera(*bounds(drawing, r[None], e[None])))
+    painter = Painter(drawing, lens, r[None], e[None], (6.4, 4.8), layers=(*USUAL, *NAMES))
+    written = {text.get_text(): text for text in figure.axes[0].texts}
+    bodies, joints = (
+        written["a rod with a long name, ring"],
+        written["hinge, motor"],
+    )  # what lies together shares a line
+    for text, point, side in ((bodies, (0.0, 0, 0), 1.0), (joints, (2.0, 0, 0), -1.0)):
+        at = painter.on_paper(np.array(point))
+        box = text.get_window_extent(FigureCanvasAgg(figure).get_renderer()).get_points() * 72.0 / figure.dpi
+        assert np.all(box[0] >= 0) and np.all(box[1] <= 72.0 * np.array([6.4, 4.8]))
+        gap = box[0, 1] - at[1] if side > 0 else at[1] - box[1, 1]
+        assert 0.0 < gap < 9.0 and box[0, 0] <= at[0] <= box[1, 0]  # less than a letter away
 
 
 def test_arrows_are_to_scale_and_say_how_long_they_are():
@@ -223,7 +227,7 @@ def test_picture_of_a_moment(solution):
     figure = solution.picture(0.1234, shown="reaction force", traces=[(LOWER_ARM, (0.32, 0.1, -0.4))])
     assert isinstance(figure, Figure) and not matplotlib.pyplot.get_fignums()
     texts = {text.get_text() for text in figure.axes[0].texts}
-    assert {UPPER_ARM, LOWER_ARM, WHEEL, "shoulder", "elbow", "axle", "motor", "t = 0.1234 s"} <= texts
+    assert {UPPER_ARM, LOWER_ARM, WHEEL, "shoulder", "elbow", "axle, motor", "t = 0.1234 s"} <= texts
     assert any(text.startswith("reaction force, longest ") for text in texts) and any("grid" in x for x in texts)
     assert "t = 0.2 s" in {text.get_text() for text in solution.picture().axes[0].texts}
 
@@ -260,9 +264,9 @@ def test_dark_paper_and_layers(solution):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"size": 3}, "size: 3 is no pair"),
+        ({"size": 3}, "size: 3 is not a pair"),
         ({"size": (3, -1)}, "size: -1.0 is not positive"),
-        ({"view": (1, 2, 3)}, "view: .* is no pair"),
+        ({"view": (1, 2, 3)}, "view: .* is not a pair"),
         ({"view": (0, 90)}, "elevation = 90; give -89"),
         ({"hidden": ("body",)}, "hidden: layer 'body' is unknown; give some of bodies"),
         ({"shown": ["force"]}, "shown: layer 'force' is unknown; give some of bodies"),

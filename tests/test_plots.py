@@ -150,15 +150,15 @@ def test_a_long_legend_is_cut():
     ("call", "message"),
     [
         (lambda s: s.plot(["energy", "speed"]), "quantity 'speed' is unknown"),
-        (lambda s: s.plot([]), "is no quantity; give a name, or a list"),
-        (lambda s: s.plot(3), "3 is no quantity"),
-        (lambda s: s.plot([("angle", "axle"), 3.0]), "is no quantity; give a name"),
-        (lambda s: s.plot(["energy"], WHEEL), "parts of several quantities stand beside them"),
-        (lambda s: s.plot("energy", against="position"), "against 'position' is no single axis; give a scalar"),
-        (lambda s: s.plot("energy", against="reaction"), "against 'reaction' is no single axis"),
+        (lambda s: s.plot([]), "is not a quantity; give a name, or a list"),
+        (lambda s: s.plot(3), "3 is not a quantity"),
+        (lambda s: s.plot([("angle", "axle"), 3.0]), "is not a quantity; give a name"),
+        (lambda s: s.plot(["energy"], WHEEL), "with several quantities each has its own parts"),
+        (lambda s: s.plot("energy", against="position"), "against 'position' is not a single axis; give a scalar"),
+        (lambda s: s.plot("energy", against="reaction"), "against 'reaction' is not a single axis"),
         (lambda s: s.plot("omega", WHEEL, against="energy"), "that of the whole system"),
         (lambda s: s.plot("omega", WHEEL, against=("energy",)), "has the lines kinetic, .*, none of 'x'; give one"),
-        (lambda s: s.plot("energy", against=3), "3.* is no quantity"),
+        (lambda s: s.plot("energy", against=3), "3.* is not a quantity"),
     ],
 )
 def test_wrong_wishes(solution, call, message):

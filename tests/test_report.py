@@ -272,7 +272,7 @@ def test_chosen_curves(solution):
         solution.report(curves="energy")
     with pytest.raises(ValueError, match="quantity 'speed' is unknown"):
         solution.report(curves=["speed"])
-    with pytest.raises(ValueError, match="report: title 3 is no text"):
+    with pytest.raises(ValueError, match="report: title 3 is not a text"):
         solution.report(title=3)
     with pytest.raises(ValueError, match="cannot be written"):
         solution.report("/nowhere/at/all.html", curves=[], dark=True)

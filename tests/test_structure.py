@@ -11,7 +11,7 @@ from mbsd3d import extend
 ROOT = Path(__file__).parent.parent
 STACK = (
     "base", "kernels", "mechanism", "integrators", "equations", "constraints", "results", "run", "linear", "files",
-    "plotting", "report", "view", "api", "sweeps", "demos", "cli",
+    "plotting", "view", "report", "api", "sweeps", "demos", "cli",
 )  # fmt: skip
 PUBLIC_MODULES = ("inertia", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")  # facades and commands import what is heavy when it is called

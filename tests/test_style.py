@@ -88,7 +88,7 @@ def test_colours_of_figures_stand_in_one_place():
     assert len(files) > 100 and not [path.name for path in files if literal.search(path.read_text())]
     hexes = re.compile(r"[\"']#[0-9a-fA-F]{6}[\"']")
     mixing = [path.name for path in files if hexes.search(path.read_text())]
-    assert sorted(mixing) == ["pictures.py", "style.py"]  # the pictures of the README have steel of their own
+    assert mixing == ["style.py"]
 
 
 def test_settings_of_the_user_change_nothing_and_are_kept(tmp_path):

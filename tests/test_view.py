@@ -1,11 +1,13 @@
 """Pages of systems and runs: what they hold is what was computed, and nothing in them can break or leave them."""
 
+import base64
 import json
 import os
 import re
 import subprocess
 import sys
 import threading
+import zlib
 
 import numpy as np
 import pytest
@@ -16,18 +18,28 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism.shapes.surfaces import ball, block, capsule, cylinder, normals, torus
 from mbsd3d.view.page import html as page
 from mbsd3d.view.page import show
-from mbsd3d.view.page.content import ARROW, LENGTH, TURN, VALUE, pack, unpack
+from mbsd3d.view.page.content import ARROW, LENGTH, MISSING, TURN, VALUE, pack
 from mbsd3d.view.page.recorder import Recording, import_viser
-from mbsd3d.view.page.stage import LONGEST, build_stage
+from mbsd3d.view.page.stage import LONGEST, Stage
 from mbsd3d.view.scene.artist import draw_system
-from mbsd3d.view.scene.curves import curves_of
+from mbsd3d.view.scene.camera import length_text, round_down, round_up
 from mbsd3d.view.scene.frames import frames_of, sensible_speed
-from mbsd3d.view.scene.grid import length_text, round_down, round_up
-from mbsd3d.view.scene.meshes import flat_normals
-from mbsd3d.view.scene.motion import arrows_of
-from mbsd3d.view.scene.sticks import arrow, laid
+from mbsd3d.view.scene.meshes import arrow, flat_normals, laid
+from mbsd3d.view.scene.motion import arrows_of, curves_of
 
 EVIL = "</script><script>alert(1)</script> <img src=x onerror=alert(2)> \"'\\ /a//b {{ 7 }} \u2028 ü 😀 \ud800"
+
+
+def unpack(packed):
+    """What `pack` was given, to half a step; NaN where a value was not finite."""
+    raw = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), np.uint8)
+    zigzag = np.ascontiguousarray(raw.reshape(4, -1).T).view("<u4").astype(np.uint32).ravel()
+    frames = packed["shape"][0]
+    rows = ((zigzag >> 1) ^ (-(zigzag & 1).astype(np.int32)).view(np.uint32)).view(np.int32).reshape(-1, frames)
+    for _ in range(2):
+        rows = np.cumsum(rows, axis=1, dtype=np.int32)
+    values = np.where(rows == MISSING, np.nan, rows * packed["step"])
+    return np.ascontiguousarray(values.T).reshape(packed["shape"])
 
 
 def chain(count: int = 2, size: float = 1.0, first: str = EVIL) -> System:
@@ -190,7 +202,7 @@ def test_a_mode_is_animated():
         ({"dark": "yes"}, "dark = 'yes'; give True, False"),
         ({"curves": ["angles"]}, "quantity 'angles' is unknown"),
         ({"hidden": 3}, "hidden = 3; give a list of layers"),
-        ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' stands in both"),
+        ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' is in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
         ({"path": 5}, "path = 5 names no file"),
         (
@@ -232,7 +244,7 @@ def test_the_grid_of_a_long_flight_is_seen():
     stone = Body("stone", 1.0, (0.01, 0.02, 0.03), velocity=(70, 10, 70), omega=(1, 5, 2))
     drawing, frames = draw_system(system := System([stone])), frames_of(simulate(system, 14.0))
     recording = Recording("test")
-    build_stage(recording.scene, camera := recording.camera, drawing, frames)
+    Stage(recording.scene, camera := recording.camera, drawing, frames)
     away = np.linalg.norm(np.subtract(camera.position, camera.look_at))
     assert away > 1000.0 and recording.scene._handle_from_node_name["/grid"].fade_distance > 2.0 * away
 
@@ -280,7 +292,7 @@ def test_packed_arrays_come_back(frames):
 def test_scenes_are_some_units_large(size):
     run = simulate(chain(size=size), 0.02)
     drawing, frames, recording = draw_system(run.system), frames_of(run, 3), Recording("show")
-    stage = build_stage(recording.scene, recording.camera, drawing, frames, arrows_of(run, frames))
+    stage = Stage(recording.scene, recording.camera, drawing, frames, arrows_of(run, frames))
     assert 0.5 <= drawing.size * stage.scale < 5.0 and np.isclose(np.log10(stage.scale) % 1.0, 0.0)
     assert np.allclose([node.position for node in stage.bodies], frames.r[0] * stage.scale)
     assert np.allclose(matrix(np.array([node.wxyz for node in stage.bodies])), matrix(frames.e[0]))

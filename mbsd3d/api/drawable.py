@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..mechanism.state import State
 from .viewable import Layers
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ class Drawable:
         self,
         path: str | Path | None = None,
         *,
-        state: Any = None,
+        state: State | None = None,
         shown: Layers = (),
         hidden: Layers = (),
         title: str | None = None,
@@ -59,7 +60,7 @@ class Drawable:
 
     def picture(
         self,
-        state: Any = None,
+        state: State | None = None,
         *,
         shown: Layers = (),
         hidden: Layers = (),
@@ -91,7 +92,7 @@ class Drawable:
         Raises
         ------
         ValueError
-            If the state is one of another system, a shape cannot be drawn, or an option is none.
+            If the state is one of another system, a shape cannot be drawn, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_system
 

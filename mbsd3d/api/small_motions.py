@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
@@ -14,6 +14,9 @@ from .viewable import Viewable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from ..view.page.html import View
+    from ..view.page.live import LiveView
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +49,7 @@ class Mode(modes.Mode):
 
     motion.__doc__ = modes.Mode.motion.__doc__
 
-    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: Any) -> Any:
+    def animate(self, amplitude: float = 0.2, cycles: float = 2.0, **options: object) -> "View | LiveView":
         """A page that shows `motion`; options as in `Solution.animate`; a period takes 2 s without ``speed``."""
         moved = self.motion(amplitude, cycles, samples=int(50 * max(cycles, 1.0)) + 1)
         seconds, title = 2.0 * cycles, f"{self.label}, {self.frequency:.4g} Hz"

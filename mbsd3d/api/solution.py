@@ -1,9 +1,9 @@
 """The public `Solution`: the result of a run, and what can be done with it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,13 @@ from ..mechanism.state import State
 from ..results.certificate import Certificate, estimate
 from ..results.run_result import RunResult
 from .viewable import Viewable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..plotting.panels import Part, Wanted
+    from ..report.page import Report
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,13 +66,13 @@ class Solution(RunResult, Viewable):
 
     def plot(
         self,
-        quantity: Any = "energy",
-        *parts: Any,
-        against: Any = None,
+        quantity: "str | Wanted" = "energy",
+        *parts: "Part",
+        against: str | tuple | None = None,
         degrees: bool = False,
         dark: bool = False,
-        axes: Any = None,
-    ) -> Any:
+        axes: "Axes | Sequence[Axes] | None" = None,
+    ) -> "Figure":
         """Figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plotting.plots.plot_quantity`."""
         from ..plotting.plots import plot_quantity
 
@@ -76,11 +83,11 @@ class Solution(RunResult, Viewable):
         path: str | Path | None = None,
         *,
         title: str | None = None,
-        curves: Any = None,
+        curves: "Wanted | None" = None,
         dark: bool | None = None,
-    ) -> Any:
-        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.make_report`."""
-        from ..report import make_report
+    ) -> "Report":
+        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.page.make_report`."""
+        from ..report.page import make_report
 
         return make_report(self, path, title=title, curves=curves, dark=dark)
 

@@ -8,13 +8,16 @@ few: "bodies", "body names", "joints", "joint names", "springs and rods", "trace
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..mechanism.bodies import Body
+    from ..plotting.panels import Wanted
     from ..view.page.html import View
     from ..view.page.live import LiveView
+    from ..view.scene.motion import Points
 
 Layers = str | Sequence[str]
 
@@ -26,8 +29,8 @@ class Viewable:
         self,
         path: str | Path | None = None,
         *,
-        curves: Any = None,
-        traces: Any = None,
+        curves: "Wanted | None" = None,
+        traces: "Points | None" = None,
         shown: Layers = (),
         hidden: Layers = (),
         frames: int | None = None,
@@ -35,7 +38,7 @@ class Viewable:
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
-        follow: Any = None,
+        follow: "Body | str | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -84,7 +87,7 @@ class Viewable:
         self,
         t: float | Sequence[float] | None = None,
         *,
-        traces: Any = None,
+        traces: "Points | None" = None,
         shown: Layers = (),
         hidden: Layers = (),
         view: Sequence[float] | None = None,
@@ -115,7 +118,7 @@ class Viewable:
         Raises
         ------
         ValueError
-            If a time is outside the run, a part or a layer is unknown, or an option is none.
+            If a time is outside the run, a part or a layer is unknown, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_solution
 
@@ -130,8 +133,8 @@ class Viewable:
         speed: float | None = None,
         width: int = 480,
         height: int | None = None,
-        curves: Any = (),
-        traces: Any = None,
+        curves: "Wanted | None" = (),
+        traces: "Points | None" = None,
         shown: Layers = (),
         hidden: Layers = (),
         view: Sequence[float] | None = None,
@@ -162,7 +165,7 @@ class Viewable:
         Raises
         ------
         ValueError
-            If an option or the folder is none, or nothing moves because the run has one moment only.
+            If an option is invalid, the folder does not exist, or the run has a single moment.
         """
         from ..view.film.film import export_gif
 
@@ -177,8 +180,8 @@ class Viewable:
         speed: float | None = None,
         width: int = 960,
         height: int | None = None,
-        curves: Any = (),
-        traces: Any = None,
+        curves: "Wanted | None" = (),
+        traces: "Points | None" = None,
         shown: Layers = (),
         hidden: Layers = (),
         view: Sequence[float] | None = None,
@@ -214,7 +217,7 @@ class Viewable:
         options = {"curves": curves, "traces": traces, "shown": shown, "hidden": hidden, "view": view, "dark": dark}
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
-    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: Any = None) -> Path:
+    def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:
         """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
 
         One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres

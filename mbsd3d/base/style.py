@@ -7,9 +7,12 @@ neither the settings of the user nor those of the machine change a figure, and i
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FONT = "DejaVu Sans"  # comes with matplotlib, so it is the same on every machine
 LINE, THIN = 1.5, 0.6  # [pt] of data, and of grid and frame
@@ -113,7 +116,7 @@ def house(look: Theme = LIGHT) -> Iterator[None]:
         yield
 
 
-def dress(axes: Any, look: Theme = LIGHT) -> None:
+def dress(axes: "Axes", look: Theme = LIGHT) -> None:
     """Colours of axes, a light grid below the data and no frame at the top and the right."""
     axes.set_facecolor(look.paper)
     axes.title.set_color(look.ink)

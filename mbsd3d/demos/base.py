@@ -5,26 +5,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module, metadata
 from math import inf, isfinite
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..api.solution import Solution
 
 GROUP = "mbsd3d.demos"
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Row:
     """One line of a demo's table: a computed number beside its theory.
-
-    Parameters
-    ----------
-    quantity : str
-        What is compared.
-    computed, theory : float
-        In ``unit``.
-    tolerance : float
-        Largest accepted |computed - theory|, in ``unit``.
-    unit : str
-        E.g. "N m"; "" for a pure number.
 
     Examples
     --------
@@ -35,8 +29,8 @@ class Row:
     quantity: str
     computed: float
     theory: float
-    tolerance: float
-    unit: str = ""
+    tolerance: float  # largest accepted |computed - theory|
+    unit: str = ""  # e.g. "N m"; "" for a pure number
 
     @property
     def error(self) -> float:
@@ -53,8 +47,8 @@ class Row:
 class Show(NamedTuple):
     """A run as it is shown in space: options are those of `Solution.animate`."""
 
-    solution: Any
-    options: Mapping[str, Any] = MappingProxyType({})
+    solution: "Solution"
+    options: Mapping[str, object] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +56,10 @@ class Outcome:
     """What a demo gives: the table, a figure, runs and views by the names of their files, and lines to print below."""
 
     rows: tuple[Row, ...]
-    figure: Any
-    solutions: Mapping[str, Any]
+    figure: "Figure"
+    solutions: Mapping[str, "Solution"]
     notes: tuple[str, ...] = ()
-    views: Mapping[str, Show] = field(default_factory=lambda: MappingProxyType({}))
+    views: Mapping[str, Show] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
@@ -75,30 +69,14 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Demo:
-    """One effect with its theory.
+    """One effect with its theory; without changes every row of ``run(**changes)`` passes."""
 
-    Parameters
-    ----------
-    name : str
-        For the command line and the files.
-    title : str
-        A few words.
-    why : str
-        One sentence: why the effect exists only in space.
-    source : str
-        Where the theory stands.
-    run : callable
-        ``run(**changes) -> Outcome``; without changes every row passes.
-    ablation : mapping
-        Changes under which the demo's own check fails, by at least 100 times a row's tolerance.
-    """
-
-    name: str
-    title: str
-    why: str
-    source: str
+    name: str  # for the command line and the files
+    title: str  # a few words
+    why: str  # one sentence: why the effect exists only in space
+    source: str  # of the theory
     run: Callable[..., Outcome]
-    ablation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    ablation: Mapping[str, object] = field(default_factory=dict)  # changes that put a row off by 100 tolerances
 
 
 class Demos(dict[str, Demo]):
@@ -109,25 +87,10 @@ class Demos(dict[str, Demo]):
         self.broken = dict(broken)
 
 
-def load_entry(entry: metadata.EntryPoint, kind: type) -> Any:
-    """The object of an entry point.
+def load_entry(entry: metadata.EntryPoint, kind: type[T]) -> T:
+    """The object of an entry point, an instance of ``kind``.
 
-    Parameters
-    ----------
-    entry : EntryPoint
-        Of any package.
-    kind : type
-        What the object must be an instance of.
-
-    Returns
-    -------
-    object
-        An instance of ``kind``.
-
-    Raises
-    ------
-    ValueError
-        One line: the package, and the error of its import or the type found; a SystemExit of the package included.
+    A ValueError of one line names the package, and the error of its import (SystemExit included) or the type found.
     """
     package = f"package '{entry.dist.name}'" if entry.dist else f"'{entry.value}'"
     try:
@@ -141,15 +104,11 @@ def load_entry(entry: metadata.EntryPoint, kind: type) -> Any:
 
 
 def discover() -> Demos:
-    """All demos: every module of this folder with a ``demo``, and the entry points of the group ``mbsd3d.demos``.
+    """All demos by name: every module of this folder with a ``demo``, then the entry points of "mbsd3d.demos".
 
-    Returns
-    -------
-    Demos
-        By name, own ones first; entry points that cannot be loaded, or whose name is taken, are in ``broken``.
+    Entry points that cannot be loaded, or whose name is taken, are in ``broken``.
     """
-    found = own_demos()
-    broken = {}
+    found, broken = own_demos(), {}
     for entry in metadata.entry_points(group=GROUP):
         try:
             demo = load_entry(entry, Demo)

@@ -1,9 +1,7 @@
 """Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import (
     GROUND,
@@ -47,11 +45,13 @@ def motor_torque(angle: np.ndarray, bend: float) -> np.ndarray:
     return INERTIA[0] * RATE**2 * n * slope
 
 
-def shaft(outer: float | None, *forks: tuple[float, str]) -> list[Any]:
+def shaft(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]:
     """Shape of a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
     ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
     ends += [-ends[0]] if len(ends) == 1 else []
-    made: list[Any] = [shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))]
+    made: list[shapes.Shape] = [
+        shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))
+    ]
     if outer is not None:
         made.append(shapes.Disc(0.18, 0.04, "x", at=(outer, 0, 0)))
     for end, pin in forks:
@@ -70,7 +70,7 @@ def direction(angle: float) -> np.ndarray:
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
-def input_shaft() -> tuple[Body, list[Any]]:
+def input_shaft() -> tuple[Body, list[shapes.Shape]]:
     """The driven input along x, ending at the origin."""
     drive = Body("drive", 1.0, INERTIA, position=(-0.5, 0, 0), shape=shaft(-0.5, (0.5, "y")))
     bearing = Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing")
@@ -142,7 +142,7 @@ def run(*, bend_factor: float = 1.0) -> Outcome:
     return Outcome(tuple(rows), draw(single, double), solutions, views=views)
 
 
-def draw(single: Solution, double: Solution) -> Any:
+def draw(single: Solution, double: Solution) -> Figure:
     """Ratio over one turn, harmonics, motor torque."""
     titles = ("the output runs unevenly", "harmonics of the output rate", "torque that an even input takes")
     figure, (rate, bars, torque) = new_figure("Cardan joint, shafts at 30°", titles)
@@ -173,5 +173,5 @@ demo = Demo(
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",
     run=run,
-    ablation=MappingProxyType({"bend_factor": 1.01}),
+    ablation={"bend_factor": 1.01},
 )

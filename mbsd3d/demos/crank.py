@@ -1,9 +1,7 @@
 """Crank, rod and piston: the force on the block, to which the offset of the crank's centre of mass adds a tenth."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import (
     GROUND,
@@ -120,7 +118,7 @@ def shaking(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.cos(np.multiply.outer(angle, ORDERS)) @ harmonics(), ACROSS * np.sin(angle)
 
 
-def draw(true: Solution, without: Solution) -> Any:
+def draw(true: Solution, without: Solution) -> Figure:
     """Force along the bore, its harmonics, and the moment the block feels about axes in the mechanism's plane."""
     titles = ("force on the block along the bore", "its harmonics", "moment on the block about the bearing")
     figure, (along, bars, rocking) = new_figure("Crank with an offset centre of mass, 10 rpm", titles)
@@ -152,5 +150,5 @@ demo = Demo(
     source="slider-crank by Newton's second law: the block takes the mass times acceleration of crank, rod and piston; "
     "Fourier series of sqrt(1 - (R/L)^2 sin^2 q)",
     run=run,
-    ablation=MappingProxyType({"centripetal": False}),
+    ablation={"centripetal": False},
 )

@@ -1,9 +1,7 @@
 """A door on two hinges: ten rows of rank five, a motion that is certain and shares of the load that are not."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.special import ellipj, ellipk
 
 from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, rotation, simulate
@@ -95,7 +93,7 @@ def run(*, lean_factor: float = 1.0) -> Outcome:
     return Outcome(tuple(rows), draw(built, cured), solutions, notes, views)
 
 
-def draw(built: Solution, cured: Solution) -> Any:
+def draw(built: Solution, cured: Solution) -> Figure:
     """Swing, net force of the hinges, and who carries the weight."""
     titles = ("the motion is certain", "so is the force of both hinges together", "what one hinge carries is not")
     figure, (motion, force, shares) = new_figure("A door on two hinges: 10 rows of rank 5", titles)
@@ -127,5 +125,5 @@ demo = Demo(
     "second hinge on the same axis takes the same five again, so counting says -4 where the door turns.",
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
     run=run,
-    ablation=MappingProxyType({"lean_factor": 1.01}),
+    ablation={"lean_factor": 1.01},
 )

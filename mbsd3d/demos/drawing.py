@@ -1,32 +1,19 @@
 """The look the demos' figures share."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import ArrayLike
 
 from ..base.style import COLOURS, LIGHT, dress, house
 
 
-def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Any]]:
-    """A figure with panels side by side.
-
-    Parameters
-    ----------
-    title : str
-        Above all panels.
-    panels : sequence of str
-        Titles of the panels; one that starts with "3d:" is drawn in space.
-    widths : sequence of float or None
-        Relative widths.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    axes : list of Axes
-    """
+def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
+    """A figure with titled panels side by side, of relative widths; one whose title starts with "3d:" is in space."""
     count = len(panels)
     with house():
         figure = Figure(figsize=(4.6 * count + 0.4, 4.4), layout="constrained")
@@ -43,13 +30,13 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
     return figure, axes
 
 
-def theory_dots(axes: Any, x: Any, y: Any, label: str | None = "theory", **options: Any) -> None:
+def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: object) -> None:
     """Theory as open circles, so that the computed line stays visible through them."""
     style = {"linestyle": "none", "marker": "o", "markersize": 5.5, "markerfacecolor": LIGHT.paper}
     axes.plot(x, y, **{**style, "markeredgecolor": LIGHT.ink, "markeredgewidth": 1.0, "label": label, **options})
 
 
-def legend_below(axes: Any, columns: int, twin: Any = None) -> None:
+def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
     """The legend under the panel, never on the data; with the lines of its twin."""
     found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
     handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
@@ -57,7 +44,7 @@ def legend_below(axes: Any, columns: int, twin: Any = None) -> None:
     axes.legend(handles, labels, ncols=columns, **style)
 
 
-def sphere_net(axes: Any, lowest: float = -1.0, highest: float = 1.0) -> None:
+def sphere_net(axes: Axes3D, lowest: float = -1.0, highest: float = 1.0) -> None:
     """Parallels and meridians of the unit sphere between two heights."""
     turn = np.linspace(0, 2 * np.pi, 73)
     for z in np.sin(np.radians(np.arange(-60, 61, 30))):
@@ -69,7 +56,7 @@ def sphere_net(axes: Any, lowest: float = -1.0, highest: float = 1.0) -> None:
         axes.plot(np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise), color=LIGHT.grid, linewidth=0.7)
 
 
-def space(axes: Any, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:
+def space(axes: Axes3D, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:
     """Few ticks and labels with units for a panel in space."""
     axes.set_box_aspect(box, zoom=1.15)
     for axis, label in zip((axes.xaxis, axes.yaxis, axes.zaxis), labels, strict=True):
@@ -85,7 +72,9 @@ def every(count: int, wanted: int) -> np.ndarray:
     return np.unique(np.linspace(0, count - 1, min(count, wanted)).round().astype(int))
 
 
-def spectrum_bars(axes: Any, orders: Sequence[int], groups: Sequence[tuple[str, Any]], theory: Any) -> None:
+def spectrum_bars(
+    axes: Axes, orders: Sequence[int], groups: Sequence[tuple[str, ArrayLike]], theory: ArrayLike
+) -> None:
     """Amplitudes per harmonic as bars on a logarithmic axis, with theory on the bars of the first group."""
     width = 0.85 / max(len(groups), 2)
     place = np.arange(len(orders))
@@ -100,7 +89,7 @@ def spectrum_bars(axes: Any, orders: Sequence[int], groups: Sequence[tuple[str, 
     axes.set_xticks(place, [f"{order}x" for order in orders])
 
 
-def plain_decades(axes: Any, form: str) -> None:
+def plain_decades(axes: Axes, form: str) -> None:
     """Numbers on a logarithmic axis as plain text, whole decades only: raised exponents take long to typeset."""
     axes.yaxis.set_major_formatter(f"{{x{form}}}")
     axes.yaxis.set_minor_formatter(NullFormatter())

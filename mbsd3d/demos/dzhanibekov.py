@@ -1,9 +1,8 @@
 """A free body spun about its middle axis turns over, again and again, at the interval the elliptic integral gives."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
@@ -92,7 +91,7 @@ def run(*, gyroscopic: bool = True) -> Outcome:
 
 
 def in_space() -> Show:
-    """Three handles side by side, each spun about another axis that stands upright, at rest on the whole."""
+    """Three handles side by side, each spun about another axis, which is upright, at rest on the whole."""
     bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
     upright = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
     bodies = [
@@ -122,25 +121,25 @@ def polhodes() -> list[np.ndarray]:
     return paths
 
 
-def view_of(axes: Any) -> np.ndarray:
+def view_of(axes: Axes3D) -> np.ndarray:
     """Unit vector towards the eye."""
     up, turn = np.radians(axes.elev), np.radians(axes.azim)
     return np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
 
 
-def in_front(axes: Any, path: np.ndarray) -> np.ndarray:
+def in_front(axes: Axes3D, path: np.ndarray) -> np.ndarray:
     """The path with the far side of the sphere left out."""
     return np.where((path @ view_of(axes) > 0.0)[:, None], path, np.nan)
 
 
-def rim(axes: Any) -> np.ndarray:
+def rim(axes: Axes3D) -> np.ndarray:
     """(73, 3) the sphere's outline."""
     view, turn = view_of(axes), np.linspace(0, 2 * np.pi, 73)
     side = np.cross([0.0, 0.0, 1.0], view) / np.hypot(*view[:2])
     return np.outer(np.cos(turn), side) + np.outer(np.sin(turn), np.cross(view, side))
 
 
-def draw(runs: list[Solution], times: np.ndarray) -> Any:
+def draw(runs: list[Solution], times: np.ndarray) -> Figure:
     """Angular velocity, its path on the sphere of constant angular momentum, and the tilt for all three axes."""
     titles = ("spun about the middle axis", "3d:angular momentum seen from the body", "only the middle axis turns over")
     figure, (spin, sphere, tilts) = new_figure("Dzhanibekov effect: a free body, no torque at all", titles)
@@ -177,5 +176,5 @@ demo = Demo(
     "spin through the body, and about the middle axis the smallest error grows.",
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
     run=run,
-    ablation=MappingProxyType({"gyroscopic": False}),
+    ablation={"gyroscopic": False},
 )

@@ -1,9 +1,7 @@
 """The fast heavy top of the literature: it falls, turns aside, and comes back up."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
@@ -78,7 +76,7 @@ def azimuth(solution: Solution) -> np.ndarray:
 
 def run(*, gyroscopic: bool = True) -> Outcome:
     """Two seconds of the falling top and of both steady precessions."""
-    settings: dict[str, Any] = {"rtol": 1e-12, "gyroscopic": gyroscopic}
+    settings = {"rtol": 1e-12, "gyroscopic": gyroscopic}
     falling = simulate(falling_top(), 2.0, output=801, **settings)
     body = falling.system.bodies[0]
     rising = measures.velocity(body, axis=(0, 0, 1)) > 0.0
@@ -105,7 +103,7 @@ def in_space(falling: Solution) -> Show:
     return Show(falling, {"curves": curves, "traces": [tip], "shown": ["angular momentum"], "speed": 0.1})
 
 
-def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) -> Any:
+def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) -> Figure:
     """Path of the centre of mass, its height, and the azimuth of the steady precessions."""
     titles = ("3d:path of the centre of mass, 2 s", "it falls, and comes back up", "steady precession, axis at 75°")
     figure, (path, rise, turn) = new_figure("Heavy top, 150 rad/s", titles, (1.1, 1.0, 1.0))
@@ -139,5 +137,5 @@ demo = Demo(
     source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137, values at 2 s by Taylor series in 80 "
     "bits; fall: energy and two momenta, elliptic functions; steady: A W^2 cos(tilt) - C w3 W + m g l = 0",
     run=run,
-    ablation=MappingProxyType({"gyroscopic": False}),
+    ablation={"gyroscopic": False},
 )

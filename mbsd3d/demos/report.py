@@ -3,6 +3,7 @@
 import textwrap
 from pathlib import Path
 
+from ..plotting.plots import save_figure
 from .base import Demo, Outcome, Row
 
 WIDTH = 100
@@ -37,18 +38,8 @@ def report(demo: Demo, outcome: Outcome) -> str:
 def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True) -> list[Path]:
     """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
 
-    Parameters
-    ----------
-    pages : bool
-        Whether the views are written, which takes the package viser.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be written.
+    The views, written if ``pages``, need the package viser.
     """
-    from ..plotting.plots import save_figure
-
     outcome.figure.get_layout_engine().execute(outcome.figure)
     outcome.figure.set_layout_engine("none")  # placed once, not again for each format
     written = save_figure(outcome.figure, folder / demo.name)

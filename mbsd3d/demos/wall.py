@@ -1,9 +1,8 @@
 """The wall of shame: what is lost with each term one may forget, in numbers."""
 
-from types import MappingProxyType
-from typing import Any
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from mbsd3d import GROUND, Body, Revolute, Solution, Spherical, State, System, simulate
@@ -26,7 +25,7 @@ WHEEL = (
 GAP = 1e-3  # m, opened on purpose
 A, B = 20.0, 100.0  # Baumgarte's factors [1/s, 1/s^2]: both roots at -10/s
 STEPS = 200  # of the quaternion's integration
-SWITCHES: dict[str, dict[str, Any]] = {
+SWITCHES: dict[str, dict] = {
     "all terms": {},
     "gyroscopic": {"gyroscopic": False},
     "centripetal": {"centripetal": False},
@@ -146,7 +145,7 @@ def run(*, gyroscopic: bool = False, centripetal: bool = False, gamma: bool = Fa
     return Outcome(tuple(rows), draw(tops, flying, opened_by, e), files, views=views)
 
 
-def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solution], e: np.ndarray) -> Any:
+def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solution], e: np.ndarray) -> Figure:
     """Which check sees which loss, gaps of the hinge, and the quaternion without H_dot."""
     titles = ("which check of the certificate sees it", "gap of a hinge at one turn per second", "quaternion, one turn")
     figure, (table, gaps, turn) = new_figure("The wall: what each dropped term breaks", titles, (1.25, 1.0, 1.0))
@@ -178,7 +177,7 @@ def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solut
     return figure
 
 
-def draw_table(axes: Any, tops: dict[str, Solution]) -> None:
+def draw_table(axes: Axes, tops: dict[str, Solution]) -> None:
     """Errors of the checks (columns) under each switch (rows), orange where the check fails."""
     certificates = {name: solution.certificate for name, solution in tops.items()}
     names = [check.name for check in certificates["all terms"].checks]
@@ -206,5 +205,5 @@ demo = Demo(
     "dropped looks right to some check and is caught by another.",
     source="closed forms for constant w, in the docstrings of this file",
     run=run,
-    ablation=MappingProxyType({"gyroscopic": True, "centripetal": True, "gamma": True, "h_dot": True}),
+    ablation={"gyroscopic": True, "centripetal": True, "gamma": True, "h_dot": True},
 )

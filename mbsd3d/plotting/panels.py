@@ -1,13 +1,19 @@
 """What a plot shows: every quantity of a solution as panels of named lines with a label and a unit; no plotting."""
 
 import textwrap
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from ..mechanism.bodies import Body
+from ..mechanism.force_element import ForceElement
+from ..mechanism.joints import Joint
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
+from ..results.run_result import RunResult
 
+Part = Body | Joint | ForceElement | str
+Wanted = Iterable[str | tuple[str | Part, ...]]  # quantities, each with or without parts
 WORDS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
@@ -40,7 +46,7 @@ def unit_of(quantity: str) -> str:
 
 
 def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
-    """One part: its components in one panel. Several: a panel per component."""
+    """The components of one part in one panel; of several parts a panel per component."""
     if len(parts) == 1:
         part, values = next(iter(parts.items()))
         owner = f" of {part}" if part else ""
@@ -51,7 +57,7 @@ def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, 
     ]
 
 
-def body_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def body_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """A quantity of bodies; none given = all."""
     bodies = [solution.system.part(part) for part in parts] or solution.system.bodies
     names = QUATERNION_NAMES if quantity == "orientation" else AXIS_NAMES
@@ -59,7 +65,7 @@ def body_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     return vector_panels(WORDS.get(quantity, quantity), unit_of(quantity), names, found)
 
 
-def joint_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Angle, slide or rate of joints; none given = all that have one."""
     system = solution.system
     joints = [system.part(part, "joints") for part in parts]
@@ -80,7 +86,7 @@ def scalar_panel(label: str, unit: str, lines: list[tuple[str, np.ndarray]]) -> 
     return Panel(f"{label} of {lines[0][0]}" if len(lines) == 1 else label, unit, lines)
 
 
-def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def effort_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Torques and forces of drivers; none given = all."""
     drivers = [solution.system.part(part, "joints") for part in parts]
     drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
@@ -89,7 +95,7 @@ def effort_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
 
 
-def state_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Own states of forces; none given = all."""
     forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
     found = [column for force in forces for column in columns_of_states(solution, force)]
@@ -106,7 +112,7 @@ def panels_by_unit(label: str, found: Sequence[Column]) -> list[Panel]:
     return [scalar_panel(label, f"[{unit}]", lines) for unit, lines in groups.items()]
 
 
-def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Force and moment: components of one joint, magnitudes of several; none given = all."""
     system = solution.system
     joints = [system.part(part, "joints") for part in parts] or system.joints
@@ -126,12 +132,12 @@ def reaction_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     return panels
 
 
-def energy_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Kinetic, potential and total energy, and work."""
     return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
 
 
-def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def momentum_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Momentum, and angular momentum about the world origin."""
     panels = []
     for kind, values in vars(solution.momentum()).items():
@@ -139,7 +145,7 @@ def momentum_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     return panels
 
 
-def drift_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
+def drift_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Constraint residuals."""
     return [
         Panel(f"{kind} drift", unit_of(f"{kind}_drift"), [("largest", values)], log=True)
@@ -147,7 +153,7 @@ def drift_panels(solution: Any, quantity: str, parts: tuple) -> list[Panel]:
     ]
 
 
-PANELS: dict[str, Callable[[Any, str, tuple], list[Panel]]] = {
+PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
     "energy": energy_panels,
     **dict.fromkeys(BODY_QUANTITIES, body_panels),
     **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
@@ -160,22 +166,8 @@ PANELS: dict[str, Callable[[Any, str, tuple], list[Panel]]] = {
 OF_THE_SYSTEM = ("energy", "momentum", "drift")
 
 
-def panels_of(solution: Any, quantity: Any, parts: tuple = ()) -> list[Panel]:
-    """Panels of a quantity of some parts, or of several quantities.
-
-    Parameters
-    ----------
-    solution : Solution
-    quantity : str, or sequence of str and (str, part, ...)
-        See `mbsd3d.plotting.plots.plot_quantity`.
-    parts : tuple
-        Whose, where one quantity is asked for; none = all that have it.
-
-    Raises
-    ------
-    ValueError
-        For an unknown quantity or part, or a part without the quantity.
-    """
+def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
+    """Panels of a quantity of some parts (none = all that have it), or of several quantities; see `plot_quantity`."""
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
@@ -185,15 +177,15 @@ def panels_of(solution: Any, quantity: Any, parts: tuple = ()) -> list[Panel]:
     return PANELS[quantity](solution, quantity, parts)
 
 
-def panels_of_several(solution: Any, wanted: Any, parts: tuple) -> list[Panel]:
+def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ...]) -> list[Panel]:
     """Panels of a list of quantities, each with or without parts."""
     example = "e.g. ['energy', ('angle', 'hinge')]"
     if parts:
-        raise ValueError(f"curves: parts of several quantities stand beside them; give {example}")
+        raise ValueError(f"curves: with several quantities each has its own parts; give {example}")
     try:
         entries = [(entry,) if isinstance(entry, str) else tuple(entry) for entry in wanted]
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str) for entry in entries):
-        raise ValueError(f"{wanted!r} is no quantity; give a name, or a list of names and tuples, {example}")
+        raise ValueError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

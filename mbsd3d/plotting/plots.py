@@ -5,18 +5,20 @@ Lines differ in colour, and in their dashes too once the colours are used up; se
 
 import io
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from cycler import cycler
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
 from ..base.paths import write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
-from .panels import Panel, panels_of
+from ..results.run_result import RunResult
+from .panels import Panel, Part, Wanted, panels_of
 
 DASHES = ("-", "--", ":", "-.")
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
@@ -25,13 +27,13 @@ DECADE = -18  # smallest residual shown; what is below is chance
 
 
 def plot_quantity(
-    solution: Any,
-    quantity: Any = "energy",
-    *parts: Any,
-    against: Any = None,
+    solution: RunResult,
+    quantity: str | Wanted = "energy",
+    *parts: Part,
+    against: str | tuple | None = None,
     degrees: bool = False,
     dark: bool = False,
-    axes: Any = None,
+    axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
     """A quantity over time, or over another one.
 
@@ -42,7 +44,7 @@ def plot_quantity(
     quantity : str, or sequence of str and (str, part, ...)
         "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
         "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
-        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, stand one below the other.
+        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
     *parts : Body, Joint, ForceElement or str
         Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
         component (reactions: by magnitude).
@@ -85,7 +87,7 @@ def plot_quantity(
             raise ValueError(
                 f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
             )
-        before: Any = None
+        before: tuple | None = None
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
             draw_panel(target, solution.t, panel, across, look, legend=legend != before)
@@ -107,14 +109,17 @@ def new_axes(count: int) -> np.ndarray:
     return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
 
 
-def panel_across(solution: Any, against: Any, quantity: Any, parts: tuple, degrees: bool) -> Panel:
+def panel_across(
+    solution: RunResult, against: str | tuple, quantity: str | Wanted, parts: tuple[Part, ...], degrees: bool
+) -> Panel:
     """What is on the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):
         found = panels_of(solution, against, parts)
     else:
         found = panels_of(solution, [against])
     if len(found) != 1:
-        raise ValueError(f"plot: against {against!r} is no single axis; give a scalar, e.g. against=('angle', 'hinge')")
+        example = "against=('angle', 'hinge')"
+        raise ValueError(f"plot: against {against!r} is not a single axis; give a scalar, e.g. {example}")
     return found[0].in_degrees() if degrees else found[0]
 
 
@@ -132,14 +137,14 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
     return [values[name] for name, _ in panel.lines]
 
 
-def label_across(targets: Any, across: Panel | None, every: bool) -> None:
+def label_across(targets: np.ndarray, across: Panel | None, every: bool) -> None:
     """The label of the horizontal axis, at the lowest axes or at all."""
     text = "time [s]" if across is None else f"{across.label} {across.unit}"
     for target in targets if every else targets[-1:]:
         target.set_xlabel(text, parse_math=False)
 
 
-def draw_panel(axes: Any, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
+def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
     """Lines, grid, label and legend of a panel."""
     dress(axes, look)
     axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=look.lines))
@@ -159,7 +164,7 @@ def draw_panel(axes: Any, t: np.ndarray, panel: Panel, across: Panel | None, loo
         write_legend(axes, drawn, panel.note, look)
 
 
-def write_legend(axes: Any, drawn: list[Line2D], note: str, look: Theme) -> None:
+def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> None:
     """The legend beside the data, never on it; names are written as they are, whatever signs they hold."""
     shown = drawn if len(drawn) <= MOST else drawn[: MOST - 1]
     names = [str(line.get_label()) for line in shown]
@@ -182,7 +187,7 @@ def largest(panels: list[Panel], unit: str) -> float:
     return max((float(np.nanmax(np.abs(x), initial=0.0)) for x in alike), default=0.0)
 
 
-def set_range(axes: Any, panel: Panel, size: float) -> None:
+def set_range(axes: Axes, panel: Panel, size: float) -> None:
     """Whole decades on a logarithmic axis; rounding is not blown up: ``size`` is the largest value of this unit."""
     values = np.concatenate([values for _, values in panel.lines])
     values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]

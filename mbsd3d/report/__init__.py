@@ -1,9 +1,7 @@
-"""The report of a run: one page, for a reader who must be convinced, that needs neither a network nor this package.
+"""The report of a run: one page for a reader who must be convinced; it needs neither a network nor this package.
 
 - `page`: the page, from the template in mbsd3d/templates
 - `facts`: what it says in numbers: facts, tables and sentences
 - `exhibits`: which figures and pictures it shows
 - `wording`: numbers and counts as a person writes them
 """
-
-from .page import Report, make_report

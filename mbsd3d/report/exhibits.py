@@ -3,12 +3,17 @@
 import base64
 import io
 import re
-from typing import Any
 
 import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
 
 from ..base.style import LIGHT, house
 from ..mechanism.drivers import Driver
+from ..plotting.panels import Wanted
+from ..plotting.plots import plot_quantity
+from ..results.run_result import RunResult
+from ..view.picture.picture import picture_of_solution, picture_of_system
 from .facts import loaded_joints
 
 LINES = 6  # of a figure that is chosen here
@@ -16,7 +21,9 @@ DRAWN = 200  # bodies of a picture
 PICTURE = (7.2, 3.8)  # [inch]
 
 
-def wanted_curves(solution: Any, few: Any, curves: Any) -> list[tuple[Any, Any, str]]:
+def wanted_curves(
+    solution: RunResult, few: RunResult, curves: Wanted | None
+) -> list[tuple[RunResult, str | tuple, str]]:
     """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
@@ -54,19 +61,15 @@ def most(parts: list, sizes: dict[int, float]) -> list:
     return [part for part in parts if part in kept]
 
 
-def figure_of(number: int, solution: Any, entry: Any, caption: str) -> dict[str, Any]:
+def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str) -> dict[str, str]:
     """A figure as inline SVG, with a caption and a text for those who do not see it."""
-    from markupsafe import Markup
-
-    from ..plotting.plots import plot_quantity
-
     figure = plot_quantity(solution, [entry])
     figure.set_size_inches(7.5, 0.7 + 1.55 * len(figure.axes))  # four panels go on an A4 page
     labels = ", ".join(axes.get_ylabel().replace("\n", " ") for axes in figure.axes)
     return {"svg": Markup(inline_svg(figure, f"f{number}-")), "caption": caption, "label": f"{labels} over time"}
 
 
-def inline_svg(figure: Any, prefix: str) -> str:
+def inline_svg(figure: Figure, prefix: str) -> str:
     """A figure as an SVG element for a page: ids of its own, colours as variables of the page (see report.html)."""
     buffer = io.StringIO()
     with house():
@@ -84,16 +87,16 @@ def inline_svg(figure: Any, prefix: str) -> str:
     return re.sub(r"\n\s*", "\n", text)
 
 
-def picture_of(solution: Any, dark: bool | None) -> list[dict[str, str]]:
+def picture_of(solution: RunResult, dark: bool | None) -> list[dict[str, str]]:
     """The mechanism at the last sample as images for light and dark paper; none of more bodies than one can tell."""
     if len(solution.system.bodies) > DRAWN:
         return []
     images = []
     for sheet in (False, True) if dark is None else (bool(dark),):
         if solution.t.size > 1:
-            figure = solution.picture(float(solution.t[-1]), size=PICTURE, dark=sheet)
+            figure = picture_of_solution(solution, float(solution.t[-1]), size=PICTURE, dark=sheet)
         else:
-            figure = solution.system.picture(solution.state(0), size=PICTURE, dark=sheet)
+            figure = picture_of_system(solution.system, solution.state(0), size=PICTURE, dark=sheet)
         buffer = io.BytesIO()
         with house():
             figure.savefig(buffer, format="webp", dpi=150, pil_kwargs={"quality": 80})

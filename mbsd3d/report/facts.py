@@ -1,13 +1,16 @@
 """What a report says in numbers: facts, tables and sentences about a run as plain text; no layout."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
 
+from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
+from ..mechanism.joints import Joint
 from ..results.certificate import scales_of
 from ..results.columns import columns_of_effort
+from ..results.run_result import RunResult
 from .wording import counted, digits, triple
 
 MOST = 40  # rows of a table
@@ -17,7 +20,7 @@ BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts under a head; ``words`` leading columns are words, the others numbers; ``note`` stands below."""
+    """Rows of texts under a head, with a note below; the first ``words`` columns are words, the others numbers."""
 
     caption: str
     head: tuple[str, ...]
@@ -26,7 +29,7 @@ class Table:
     note: str = ""
 
 
-def shortened(parts: Any, what: str, count: int = MOST) -> tuple[list, str]:
+def shortened(parts: Iterable, what: str, count: int = MOST) -> tuple[list, str]:
     """The first parts of a long list, and the sentence that says so."""
     parts = list(parts)
     if len(parts) <= count:
@@ -34,7 +37,7 @@ def shortened(parts: Any, what: str, count: int = MOST) -> tuple[list, str]:
     return parts[:count], f"The first {count} of {len(parts)} {what}, and {len(parts) - count} more."
 
 
-def run_facts(solution: Any) -> list[tuple[str, str]]:
+def run_facts(solution: RunResult) -> list[tuple[str, str]]:
     """What was run and how; without the time it took, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
     adaptive = not getattr(record.method, "dt", None) and not record.kinematic
@@ -57,13 +60,13 @@ def run_facts(solution: Any) -> list[tuple[str, str]]:
     return [*facts, ("stabilisation", record.switches.stabilisation)]
 
 
-def method_text(method: Any) -> str:
+def method_text(method: object) -> str:
     """A method with what was set."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
 
 
-def warnings(solution: Any) -> list[str]:
+def warnings(solution: RunResult) -> list[str]:
     """What a reader must know before he trusts the numbers, as sentences."""
     record, found = solution.record, []
     terms = {
@@ -88,13 +91,11 @@ def warnings(solution: Any) -> list[str]:
     return found
 
 
-def body_table(solution: Any) -> Table:
+def body_table(solution: RunResult) -> Table:
     """Mass properties of the bodies and how fast they became."""
     bodies, note = shortened(solution.system.bodies, "bodies")
-    length, v = (
-        solution.compiled.model.length,
-        np.linalg.norm(solution.arrays["v"].reshape(*solution.arrays["v"].shape[:2], 2, 3), axis=3),
-    )
+    length, v = solution.compiled.model.length, solution.arrays["v"]
+    v = np.linalg.norm(v.reshape(*v.shape[:2], 2, 3), axis=3)
     fastest, rows = v.max(axis=(0, 1)), []
     for body in bodies:
         reached = v[:, solution.system.bodies.index(body)].max(axis=0)
@@ -102,12 +103,15 @@ def body_table(solution: Any) -> Table:
         moments = triple(np.linalg.eigvalsh(body.inertia))
         rows.append((body.name, digits(body.mass), triple(body.com, length), moments, speed, spin))
     head = ("body", "mass [kg]", "centre of mass [m]", "principal moments [kg m²]", "speed [m/s]", "turning [rad/s]")
-    text = "Centre of mass from the reference point, body axes; moments about it. Largest speed of that "
-    return Table("Bodies", head, rows, note=" ".join(filter(None, [text + "point and rate of turning.", note])))
+    text = (
+        "Centre of mass from the reference point, body axes; moments about it. Largest speed of that point and rate of "
+        f"turning. {note}"
+    )
+    return Table("Bodies", head, rows, note=text.strip())
 
 
-def loaded_joints(solution: Any) -> tuple[list, str]:
-    """All joints that are no drivers, or of many those with the largest multipliers; and the sentence that says so."""
+def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
+    """All joints but drivers, or of many those with the largest multipliers, and a sentence that says so."""
     joints = [joint for joint in solution.system.joints if not isinstance(joint, Driver)]
     if len(joints) <= MOST:
         return joints, ""
@@ -118,8 +122,8 @@ def loaded_joints(solution: Any) -> tuple[list, str]:
     return [joints[k] for k in sorted(chosen)], text
 
 
-def thinned(solution: Any) -> tuple[Any, str]:
-    """The solution with so few samples that its reactions are had in seconds, and the sentence that says so.
+def thinned(solution: RunResult) -> tuple[RunResult, str]:
+    """The solution with so few samples that its reactions take seconds, and a sentence that says so.
 
     Where constraints leave shares open, the rows are decomposed at every sample.
     """
@@ -142,7 +146,7 @@ def largest_load(values: np.ndarray, t: np.ndarray, size: float) -> tuple[str, s
     return text, digits(float(t[k])) if text != "0" else "–"
 
 
-def joint_table(solution: Any, few: Any, diagnosis: Any) -> Table:
+def joint_table(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> Table:
     """Joints, which of their rows repeat others, and their largest reactions."""
     joints, cut = loaded_joints(solution)
     scale, system, rows = scales_of(solution), solution.system, []
@@ -157,24 +161,15 @@ def joint_table(solution: Any, few: Any, diagnosis: Any) -> Table:
         known = "determined" if reaction.unique else "indeterminate"
         between = " – ".join("ground" if body is None else body.name for body in (joint.a, joint.b))
         rows.append((name, type(joint).__name__, between, known, repeated, *force, *moment))
-    head = (
-        "joint",
-        "type",
-        "between",
-        "reaction",
-        "redundant rows",
-        "force [N]",
-        "at [s]",
-        "moment [N\u00a0m]",
-        "at [s]",
-    )
+    loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")
+    head = ("joint", "type", "between", "reaction", "redundant rows", *loads)
     text = "Largest reactions on the second body, at the joint's point."
     if any(row[3] == "indeterminate" for row in rows):
         text += " Indeterminate ones are shares of least norm: the stiffness of the parts decides, not the model."
     return Table("Joints and their largest reactions", head, rows, words=4, note=" ".join(filter(None, [text, cut])))
 
 
-def driver_table(solution: Any, few: Any) -> Table:
+def driver_table(solution: RunResult, few: RunResult) -> Table:
     """Drivers: the work they did and the largest effort."""
     drivers, note = shortened((joint for joint in solution.system.joints if isinstance(joint, Driver)), "drivers")
     scale, rows = scales_of(solution), []
@@ -188,7 +183,7 @@ def driver_table(solution: Any, few: Any) -> Table:
     return Table("Drivers", head, rows, words=2, note=note)
 
 
-def force_table(solution: Any) -> Table:
+def force_table(solution: RunResult) -> Table:
     """Force elements: the energy they stored and the work they did."""
     forces, note = shortened(solution.system.forces, "forces")
     size, rows = scales_of(solution).energy, []
@@ -202,7 +197,13 @@ def force_table(solution: Any) -> Table:
     return Table("Forces", head, rows, words=3, note=note)
 
 
-def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
+def tables(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> list[Table]:
+    """Of all parts; ``few`` has the samples with reactions."""
+    parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution)]
+    return [table for table in (body_table(solution), *parts) if table.rows]
+
+
+def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Counts and rank of `System.check`."""
     d = diagnosis
     facts = [
@@ -216,7 +217,7 @@ def freedom_facts(diagnosis: Any) -> list[tuple[str, str]]:
     return [*facts, *(("note", text) for text in d.notes)]
 
 
-def drift_facts(solution: Any) -> list[tuple[str, str]]:
+def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
     """Largest residuals of the joints, and what the energy balance says in joules."""
     drift, energy = solution.drift(), solution.energy()
     facts = []

@@ -4,31 +4,25 @@ Its figures are vector graphics whose colours follow the reader's light or dark 
 took is left out, so the same run gives the same bytes.
 """
 
-import html
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..base.concurrency import on_one_thread
-from ..base.paths import package_version, with_suffix, write_atomically
+from ..base.paths import package_version
 from ..base.style import DARK, LIGHT, theme
+from ..base.templates import HtmlPage, page_template
+from ..constraints.redundancy import diagnose
+from ..plotting.panels import Wanted
+from ..results.certificate import Check
+from ..results.run_result import RunResult
+from ..view.scene.drawing import title_of
+from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
-from .facts import (
-    body_table,
-    drift_facts,
-    driver_table,
-    force_table,
-    freedom_facts,
-    joint_table,
-    run_facts,
-    thinned,
-    warnings,
-)
-from .wording import digits, title_of
+from .wording import digits
 
+AS_BUILT = 1e-5  # [m] play of real parts, as `System.check` takes it
 DECADES = 16.0  # of the certificate's bars, from 1e-16 to 1
 MEANING = {
     "joint gaps": "the joints stay closed",
@@ -42,7 +36,7 @@ MEANING = {
 
 
 @dataclass(frozen=True, repr=False)
-class Report:
+class Report(HtmlPage):
     """One offline HTML page about a run.
 
     Attributes
@@ -62,28 +56,14 @@ class Report:
         verdict, size = "passed" if self.passed else "FAILED", len(self.html.encode()) / 1000
         return f"<report '{self.title}': {verdict}, {size:.0f} kB; .save(path) writes it, a browser shows it>"
 
-    def _repr_html_(self) -> str:
-        """In a notebook: a frame of its own, so that its style stays its own."""
-        return f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:60em;border:0"></iframe>'
-
-    def save(self, path: str | Path) -> Path:
-        """Write the page; ".html" is appended if it is missing, an older file is replaced in one go.
-
-        Raises
-        ------
-        ValueError
-            If the folder cannot be written.
-        """
-        return write_atomically(with_suffix(path, ".html"), self.html.encode())
-
 
 @on_one_thread  # many small decompositions, for which threads cost more than they save
 def make_report(
-    solution: Any,
+    solution: RunResult,
     path: str | Path | None = None,
     *,
     title: str | None = None,
-    curves: Any = None,
+    curves: Wanted | None = None,
     dark: bool | None = None,
 ) -> Report:
     """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
@@ -113,31 +93,27 @@ def make_report(
     if not solution.t.size:
         raise ValueError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):
-        raise ValueError(f"report: title {title!r} is no text; give one, or None")
+        raise ValueError(f"report: title {title!r} is not a text; give one, or None")
     if dark is not None:
         theme(dark)
     record, certificate = solution.record, solution.certificate
-    as_built = {"as_built": record.tolerance * solution.compiled.model.length} if record.tolerance else {}
-    diagnosis = solution.system.check(**as_built)
+    diagnosis = diagnose(solution.system, record.tolerance * solution.compiled.model.length or AS_BUILT)
     title = title if title is not None else title_of(solution.system)
-    few, thin = thinned(solution)
+    few, thin = facts.thinned(solution)
     figures = [figure_of(k, *wanted) for k, wanted in enumerate(wanted_curves(solution, few, curves))]
-    tables = [
-        body_table(solution), joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution),
-    ]  # fmt: skip
-    page = template().render(
+    page = page_template("report.html").render(
         title=title,
         solution=solution,
         version=package_version(),
         certificate=certificate,
         checks=[check_row(check) for check in certificate.checks],
-        warnings=[*warnings(solution), *([f"Reactions and efforts: {thin}"] if thin else [])],
+        warnings=[*facts.warnings(solution), *([f"Reactions and efforts: {thin}"] if thin else [])],
         picture=picture_of(solution, dark),
-        run=run_facts(solution),
-        drift=drift_facts(solution),
-        freedoms=freedom_facts(diagnosis),
+        run=facts.run_facts(solution),
+        drift=facts.drift_facts(solution),
+        freedoms=facts.freedom_facts(diagnosis),
         figures=figures,
-        tables=[table for table in tables if table.rows],
+        tables=facts.tables(solution, few, diagnosis),
         digits=digits,
         light=LIGHT,
         dark=DARK,
@@ -149,17 +125,7 @@ def make_report(
     return report
 
 
-@cache
-def template() -> Any:
-    """The page; every text that is put into it is escaped."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folder = Path(__file__).parent.parent / "templates"
-    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
-    return Environment(loader=FileSystemLoader(folder), **options).get_template("report.html")
-
-
-def check_row(check: Any) -> dict[str, Any]:
+def check_row(check: Check) -> dict[str, str | bool | float]:
     """A check with the places of error and limit on a logarithmic bar [%]."""
 
     def place(value: float) -> float:

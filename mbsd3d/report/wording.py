@@ -1,6 +1,6 @@
 """Numbers and counts as a person writes them."""
 
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def digits(value: float, size: float = 0.0, count: int = 4) -> str:
     return text.replace("-", "−")
 
 
-def triple(values: Any, size: float = 0.0) -> str:
+def triple(values: Iterable[float], size: float = 0.0) -> str:
     """Components of a vector; those that are rounding beside its largest are 0."""
     size = max(size, float(np.abs(values).max()))
     return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
@@ -31,13 +31,3 @@ def counted(number: int, word: str) -> str:
     if number != 1:
         word = word[:-1] + "ies" if word.endswith("y") else word + "s"
     return f"{number} {word}"
-
-
-def title_of(system: Any) -> str:
-    """The names of the bodies, the first ones of many."""
-    names = [body.name for body in system.bodies]
-    if len(names) == 1:
-        return names[0]
-    if len(names) <= 4:
-        return f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"

@@ -1,30 +1,24 @@
 """Every run can be seen: pages, live views, pictures, films and glTF files.
 
-What users call:
+Users call methods of systems, solutions and modes; `mbsd3d.api.drawable` and `mbsd3d.api.viewable` give the options.
 
-- `drawable`, `viewable`: the methods of systems, and of solutions and modes; all options and their meaning
-- `layers`: what is shown and hidden together, by one set of names
+`scene`: what is drawn, in every medium; no plotting library
 
-What is drawn, in every medium; no plotting library:
-
-- `drawing`: triangles, wires, links and names of a system, each fixed in a body
+- `drawing`: triangles, wires, links and names of a system, each fixed in a body, and the layers that show them
 - `artist`: makes the drawing of a system; `glyphs`: what its joints look like
-- `frames`: poses in equal steps of time; `motion`: arrows and traces; `curves`: lines over time
-- `camera`: from where one looks, and perspective; `grid`: round lengths
-- `meshes`: normals and edges of triangles; `sticks`: coils, rods and arrows, and how they are laid along vectors
+- `frames`: poses in equal steps of time; `motion`: arrows, traces and curves over these frames
+- `camera`: from where one looks, perspective, round lengths; `meshes`: normals and edges; coils, rods and arrows
 
-Pages and live views, by viser:
+`page`: pages and live views, by viser
 
-- `show`: from what is asked for to a `View` (`page`) or a `LiveView` (`live`, with the widgets of `panel`)
+- `show`: from what is asked for to a `View` (`html`) or a `LiveView` (`live`, with the widgets of `panel`)
 - `content`: what a page holds, as numbers; assets/ has the player that reads them
-- `stage`: the scene of viser; `copies`: its arrows and links; `recorder`: all that is no public part of viser
+- `stage`: the scene of viser; `recorder`: all uses of private parts of viser
 
-Pictures and films, by matplotlib:
+`picture` and `film`, by matplotlib
 
-- `picture`: a figure of one moment or several; `reel`: the frames of a film; `film`: GIF and MP4 files
-- `painter`: paints poses from far to near; `shading`: its triangles, `pointers`: its arrows, `labels`: its names
+- `picture`: a figure of one moment or several; `painter`: paints poses from far to near; `shading`: their triangles
+- `film`: GIF and MP4 files; `frames`: the images of a film
 
-glTF, by pygltflib:
-
-- `gltf`: a run as a file; `gltf_asset`: arrays, materials, nodes and bytes
+`gltf`: `export`: a run as a file; `asset`: arrays, materials, nodes and bytes, by pygltflib
 """

@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,7 @@ class Shape:
         Naming shape, value and remedy.
     """
 
+    sizes: ClassVar[tuple[str, ...]] = ()  # fields that are lengths > 0 [m]
     at: Any = field(default=None, kw_only=True)
     orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
     colour: str | None = field(default=None, kw_only=True)
@@ -49,16 +50,12 @@ class Shape:
 
     def check(self, what: str) -> None:
         """Validate and convert the fields of one kind; errors start with ``what``."""
-        raise NotImplementedError
+        self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in self.sizes})
 
     def set(self, **values: Any) -> None:
         """Write converted values into the frozen fields."""
         for key, value in values.items():
             object.__setattr__(self, key, value)
-
-    def set_sizes(self, what: str, *names: str) -> None:
-        """Convert fields that are lengths > 0 [m]."""
-        self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in names})
 
     def origin(self, body: Any) -> np.ndarray:
         """Centre of the shape from O, body axes [m]."""
@@ -73,18 +70,7 @@ class Solid(Shape):
         raise NotImplementedError
 
     def mesh(self, body: Any) -> Mesh:
-        """Triangles in body axes from O.
-
-        Parameters
-        ----------
-        body : Body
-            Whose centre of mass is the centre of the shape unless ``at`` is given.
-
-        Returns
-        -------
-        Mesh
-            [m]
-        """
+        """Triangles in the axes of the body from O [m]."""
         return moved(self.surface(), matrix(self.orientation), self.origin(body))
 
 
@@ -98,6 +84,7 @@ class Round(Solid):
         if (axis not in AXES) if isinstance(axis, str) else not axis.any():
             raise ValueError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
         self.set(axis=axis)
+        super().check(what)
 
     def about_z(self) -> Mesh:
         """Triangles about z."""

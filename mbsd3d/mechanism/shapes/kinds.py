@@ -3,7 +3,7 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -59,10 +59,8 @@ class Sphere(Solid):
     0.5
     """
 
+    sizes: ClassVar = ("radius",)
     radius: float
-
-    def check(self, what: str) -> None:
-        self.set_sizes(what, "radius")
 
     def surface(self) -> Mesh:
         return moved(ball(), self.radius * np.eye(3), np.zeros(3))
@@ -76,13 +74,10 @@ class Cylinder(Round):
     array([1. , 0.5, 0.5])
     """
 
+    sizes: ClassVar = ("radius", "length")
     radius: float
     length: float
     axis: str | Sequence[float] = "z"
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set_sizes(what, "radius", "length")
 
     def about_z(self) -> Mesh:
         return moved(cylinder(), np.diag((self.radius, self.radius, self.length)), np.zeros(3))
@@ -96,15 +91,15 @@ class Disc(Round):
     0.05
     """
 
+    sizes: ClassVar = ("radius", "thickness")
     radius: float
     thickness: float | None = None
     axis: str | Sequence[float] = "z"
 
     def check(self, what: str) -> None:
+        if self.thickness is None:
+            self.set(thickness=0.1 * number(self.radius, f"{what}: radius", positive=True))
         super().check(what)
-        self.set_sizes(what, "radius")
-        self.set(thickness=0.1 * self.radius if self.thickness is None else self.thickness)
-        self.set_sizes(what, "thickness")
 
     def about_z(self) -> Mesh:
         return moved(cylinder(), np.diag((self.radius, self.radius, self.thickness)), np.zeros(3))
@@ -118,13 +113,13 @@ class Torus(Round):
     array([0.32 , 0.017, 0.32 ])
     """
 
+    sizes: ClassVar = ("radius", "tube")
     radius: float
     tube: float
     axis: str | Sequence[float] = "z"
 
     def check(self, what: str) -> None:
         super().check(what)
-        self.set_sizes(what, "radius", "tube")
         if self.tube >= self.radius:
             raise ValueError(
                 f"{what}: tube {self.tube} is not below radius {self.radius}; give that of its centre line"
@@ -142,13 +137,10 @@ class Capsule(Round):
     1.5
     """
 
+    sizes: ClassVar = ("radius", "length")
     radius: float
     length: float
     axis: str | Sequence[float] = "z"
-
-    def check(self, what: str) -> None:
-        super().check(what)
-        self.set_sizes(what, "radius", "length")
 
     def about_z(self) -> Mesh:
         return capsule(self.radius, self.length)

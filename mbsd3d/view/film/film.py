@@ -8,15 +8,16 @@ import shutil
 import subprocess
 import uuid
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from ...base.checks import number
 from ...base.paths import ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
-from .reel import Reel
+from ...results.body_motion import Poses
+from .frames import FilmFrames
 
 GIF_USUAL = 6.0, 4.0  # [s] the longest run that is shown in real time, and the length of other films
 GIF_FASTEST = 50.0  # frames per second; viewers show more of them slower
@@ -27,22 +28,20 @@ NO_FFMPEG = (
 )
 
 
-def export_gif(solution: Any, path: str | Path, *, fps: float, **options: Any) -> Path:
-    """See `Solution.export_gif`; ``options`` are those of `Reel`."""
-    from PIL import Image
-
+def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
+    """See `Solution.export_gif`; ``options`` are those of `FilmFrames`."""
     if number(fps, "fps", positive=True) > GIF_FASTEST:
         raise ValueError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
     path = ready_path(path, ".gif")
-    reel = Reel(solution, fps=fps, usual=GIF_USUAL, **options)
-    probes = np.unique(np.linspace(0, len(reel) - 1, PROBES).astype(int))
-    sample = Image.fromarray(np.concatenate([reel.frame(k) for k in probes]))
+    film = FilmFrames(motion, fps=fps, usual=GIF_USUAL, **options)
+    probes = np.unique(np.linspace(0, len(film) - 1, PROBES).astype(int))
+    sample = Image.fromarray(np.concatenate([film.frame(k) for k in probes]))
     palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
-    tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), reel.sheet.paper)
-    ends = np.rint(np.arange(len(reel) + 1) * 100.0 / reel.fps).astype(int)  # GIF counts in 1/100 s
-    with Progress(f"making {path.name}", 0, len(reel)) as bar:
+    tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), film.sheet.paper)
+    ends = np.rint(np.arange(len(film) + 1) * 100.0 / film.fps).astype(int)  # GIF counts in 1/100 s
+    with Progress(f"making {path.name}", 0, len(film)) as bar:
         images = []
-        for k, frame in enumerate(reel):
+        for k, frame in enumerate(film):
             images.append(Image.fromarray(nearest_tones(frame, tones)))
             images[-1].putpalette(tones.ravel().tolist())
             bar.update(k + 1)
@@ -52,31 +51,31 @@ def export_gif(solution: Any, path: str | Path, *, fps: float, **options: Any) -
     return write_atomically(path, buffer.getvalue())
 
 
-def export_mp4(solution: Any, path: str | Path, **options: Any) -> Path:
-    """See `Solution.export_mp4`; ``options`` are those of `Reel`."""
+def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
+    """See `Solution.export_mp4`; ``options`` are those of `FilmFrames`."""
     command, path = ffmpeg(), ready_path(path, ".mp4")
-    reel = Reel(solution, **options)
-    for side, length in (("width", reel.width), ("height", reel.height)):
+    film = FilmFrames(motion, **options)
+    for side, length in (("width", film.width), ("height", film.height)):
         if length % 2:
             raise ValueError(f"{side} = {length} is odd; give an even one")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
-    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{reel.width}x{reel.height}", "-r", f"{reel.fps:g}", "-i", "-"]
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{film.width}x{film.height}", "-r", f"{film.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
     exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4"]
     try:
-        pour([command, "-loglevel", "error", "-y", *raw, *coded, *exact, str(part)], reel, path)
+        pour([command, "-loglevel", "error", "-y", *raw, *coded, *exact, str(part)], film, path)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
     return path
 
 
-def pour(command: list[str], reel: Reel, path: Path) -> None:
+def pour(command: list[str], film: FilmFrames, path: Path) -> None:
     """Send all frames to a process; on Ctrl-C or an error it is ended, and its complaint is raised."""
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
-            with Progress(f"making {path.name}", 0, len(reel)) as bar, contextlib.suppress(BrokenPipeError):
-                for k, frame in enumerate(reel):
+            with Progress(f"making {path.name}", 0, len(film)) as bar, contextlib.suppress(BrokenPipeError):
+                for k, frame in enumerate(film):
                     process.stdin.write(np.ascontiguousarray(frame).tobytes())
                     bar.update(k + 1)
             _, complaint = process.communicate()

@@ -4,7 +4,8 @@ Equal arrays, materials and meshes are stored once. The binary chunk has three p
 vertices, indices and the arrays of the animation.
 """
 
-from typing import Any
+from collections.abc import Callable, Hashable
+from types import ModuleType
 
 import numpy as np
 
@@ -33,15 +34,15 @@ def short(values: np.ndarray) -> list[float]:
 class Asset:
     """The parts so far; ``library`` is the module pygltflib."""
 
-    def __init__(self, library: Any, about: dict[str, Any], generator: str) -> None:
+    def __init__(self, library: ModuleType, about: dict[str, str | float], generator: str) -> None:
         self.library, self.gltf = library, library.GLTF2(scene=0, scenes=[library.Scene()])
         self.gltf.asset = library.Asset(generator=generator, extras=about)
         self.animation = library.Animation(name="motion")
         self.chunks: dict[str, bytearray] = {}
-        self.known: dict[Any, int] = {}
-        self.skins: dict[Any, Skin] = {}
+        self.known: dict[Hashable, int] = {}
+        self.skins: dict[Hashable, Skin] = {}
 
-    def once(self, key: Any, kind: str, make: Any) -> int:
+    def once(self, key: Hashable, kind: str, make: Callable[[], object]) -> int:
         """Place of a thing in the list ``kind``; made if there is none with this key."""
         things = getattr(self.gltf, kind)
         if (kind, key) not in self.known:
@@ -53,7 +54,7 @@ class Asset:
         """Accessor of an array, with its lowest and highest values where glTF wants them."""
         values = np.ascontiguousarray(values)
 
-        def make() -> Any:
+        def make() -> object:
             chunk = self.chunks.setdefault(view, bytearray())
             chunk += bytes(-len(chunk) % 4)
             offset = len(chunk)
@@ -77,7 +78,7 @@ class Asset:
         """A matt paint."""
         factor = [*linear(brightness * channels(colour) / 255.0).round(6).tolist(), 1.0]
 
-        def make() -> Any:
+        def make() -> object:
             paint = self.library.PbrMetallicRoughness(
                 baseColorFactor=factor, metallicFactor=METALLIC, roughnessFactor=ROUGHNESS
             )
@@ -105,7 +106,7 @@ class Asset:
     def mesh(self, name: str, primitives: list[tuple]) -> int:
         """A mesh of primitives; one with the same primitives keeps the name of the first."""
 
-        def make() -> Any:
+        def make() -> object:
             parts = [
                 self.library.Primitive(
                     attributes=self.library.Attributes(POSITION=points, NORMAL=normals),
@@ -125,7 +126,7 @@ class Asset:
         return index
 
     def moving(self, name: str, parent: int, t: np.ndarray, mesh: int | None = None, **places: np.ndarray) -> int:
-        """A node with places (frames, 3 or 4) at times (frames,) [s]; what stands still gets no channel."""
+        """A node with places (frames, 3 or 4) at times (frames,) [s]; what does not move gets no channel."""
         node = self.node(name, parent, mesh, **{key: values[0] for key, values in places.items()})
         for path, places_of in places.items():
             values = np.asarray(places_of, "<f4")

@@ -6,19 +6,21 @@ glTF is y up: the root node turns the world, z up, by -90 degrees about x. Time 
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
 from ...base.paths import package_version, with_suffix, write_atomically
 from ...base.rotations import rotation
 from ...base.style import GREY, SHADED
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
+from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.drawing import Drawing, Piece, Wire, poses_of
+from ..scene.drawing import Drawing, Piece, Wire, poses_of, title_of
 from ..scene.frames import Frames, frames_of
-from ..scene.motion import Trace, moved, traces_of
-from ..scene.sticks import ROD, SLENDER, rolled, unit_coil, unit_rod
+from ..scene.meshes import ROD, SLENDER, rolled, unit_coil, unit_rod
+from ..scene.motion import Points, Trace, moved, traces_of
 from .asset import LINE_STRIP, LINES, TRIANGLES, Asset
 
 LAYERS = ("bodies", "joints")  # marks of centres and reference points belong to switches, which glTF does not have
@@ -26,22 +28,22 @@ SHORTEST = 1e-6  # length that is drawn of a spring pressed to a point, in sizes
 UPRIGHT = rotation("x", -90, degrees=True)
 
 
-def export_run(solution: Any, path: str | Path, frames: int | None = None, traces: Any = None) -> Path:
+def export_run(motion: Poses, path: str | Path, frames: int | None = None, traces: Points | None = None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
     library = gltf_library()
-    shown = frames_of(solution, frames)
-    content = glb(library, solution.system, shown, traces_of(solution, shown, traces))
+    shown = frames_of(motion, frames)
+    content = glb(library, motion.system, shown, traces_of(motion, shown, traces))
     return write_atomically(with_suffix(path, ".glb"), content)
 
 
-def export_pose(system: Any, path: str | Path) -> Path:
+def export_pose(system: Mechanism, path: str | Path) -> Path:
     """Write the file of a system at its reference pose; see `System.export_glb`."""
     library, (r, e) = gltf_library(), poses_of(system)
     content = glb(library, system, Frames(np.zeros(1), r[None], e[None]), [])
     return write_atomically(with_suffix(path, ".glb"), content)
 
 
-def gltf_library() -> Any:
+def gltf_library() -> ModuleType:
     """The module pygltflib."""
     try:
         import pygltflib
@@ -50,13 +52,12 @@ def gltf_library() -> Any:
     return pygltflib
 
 
-def glb(library: Any, system: Any, frames: Frames, traces: list[Trace]) -> bytes:
+def glb(library: ModuleType, system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
     """The bytes of the file."""
     drawing = draw_system(system)
     names = [body.name for body in system.bodies]
-    title = ", ".join(names[:3]) + (f" and {len(names) - 3} more bodies" if len(names) > 3 else "")
     about = {
-        "title": title,
+        "title": title_of(system),
         "length": "m",
         "time": "s",
         "start": float(frames.t[0]),
@@ -87,7 +88,7 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
     clock = frames.t - frames.t[0]
     for i, name in enumerate(names):
         if i == len(names) - 1 and not shown[i]:
-            continue  # nothing stands on the ground
+            continue  # nothing is fixed to the ground
         places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
         node = asset.moving(name, root, clock, **places)
         for (layer, part), items in shown[i].items():

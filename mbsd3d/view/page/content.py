@@ -7,25 +7,22 @@ ones. Sums of 32-bit integers wrap around and are exact: no error grows.
 
 import base64
 import zlib
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 
 from ...base.style import CELLS, DARK, LIGHT
-from ..scene.curves import Curve
-from ..scene.drawing import Drawing
+from ..scene.camera import length_text
+from ..scene.drawing import MARKS, USUAL, Drawing
 from ..scene.frames import Frames
-from ..scene.grid import length_text
-from ..scene.layers import MARKS, USUAL
-from ..scene.motion import Arrows, Trace
-from .copies import Links
+from ..scene.motion import Arrows, Curve, Trace
 from .recorder import Recording
-from .stage import Stage, build_stage
+from .stage import Links, Stage
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
 ARROW = 2e-4  # of arrows, in units of the longest
-MISSING = -(2**31)  # stands for a value that is not finite
+MISSING = -(2**31)  # a value that is not finite
 VALUE = 1e-6  # of curves, in units of their range
 TRACE = 10  # characters a number of a trace takes, whose points are in the scene four times
 
@@ -45,6 +42,14 @@ class Content(NamedTuple):
     followed: int = -1  # body that the camera goes along with
 
 
+class Packed(TypedDict):
+    """An array as the player reads it."""
+
+    shape: list[int]
+    step: float  # of the whole numbers
+    data: str  # base64
+
+
 def weight_of(content: Content) -> int:
     """Characters that what moves takes in a page, all but the curves."""
     frames, size = content.frames, content.drawing.size
@@ -55,23 +60,14 @@ def weight_of(content: Content) -> int:
     return sum(len(pack(values, step)["data"]) for values, step in arrays) + TRACE * traces
 
 
-def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, Any]]:
+def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
-    stage = build_stage(
-        recording.scene,
-        recording.camera,
-        content.drawing,
-        content.frames,
-        content.arrows,
-        content.traces,
-        content.shown,
-        near=content.followed >= 0,
-    )
+    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0)
     return recording.data(), player_data(content, stage)
 
 
-def player_data(content: Content, stage: Stage) -> dict[str, Any]:
+def player_data(content: Content, stage: Stage) -> dict[str, object]:
     """Numbers and names for player.js; lengths in metres."""
     drawing, frames = content.drawing, content.frames
     t, size = frames.t, drawing.size
@@ -99,13 +95,13 @@ def player_data(content: Content, stage: Stage) -> dict[str, Any]:
     }
 
 
-def links_data(links: Links) -> dict[str, Any]:
+def links_data(links: Links) -> dict[str, object]:
     """Springs or rods: ends in body axes, radii, and the directions from which they turn."""
     ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
     return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
 
 
-def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, Any]:
+def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, object]:
     """Arrows of one kind: where, how large, and what the legend says."""
     return {
         "kind": kind.kind,
@@ -121,7 +117,7 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, An
     }
 
 
-def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
+def layers_data(content: Content, stage: Stage) -> list[dict[str, object]]:
     """Switches: name, nodes, whether they are shown first, and the mark of arrows."""
     marks = {kind.kind: {"colour": kind.colour, "heads": kind.heads} for kind in content.arrows}
     inner = (*marks, *MARKS)
@@ -138,7 +134,7 @@ def layers_data(content: Content, stage: Stage) -> list[dict[str, Any]]:
     ]
 
 
-def curve_data(curve: Curve) -> dict[str, Any]:
+def curve_data(curve: Curve) -> dict[str, object]:
     """One pair of axes."""
     lines = []
     for name, values in curve.lines:
@@ -149,7 +145,7 @@ def curve_data(curve: Curve) -> dict[str, Any]:
     return {"label": curve.label, "unit": curve.unit.replace("^2", "²"), "lines": lines}
 
 
-def pack(values: np.ndarray, step: float) -> dict[str, Any]:
+def pack(values: np.ndarray, step: float) -> Packed:
     """Values (frames, ...) rounded to multiples of ``step``, wider where they would not fit into 30 bits."""
     values = np.asarray(values, float)
     finite = np.isfinite(values)
@@ -163,15 +159,3 @@ def pack(values: np.ndarray, step: float) -> dict[str, Any]:
     planes = zigzag.reshape(-1, 1).view(np.uint8).T
     data = base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
     return {"shape": list(values.shape), "step": step, "data": data}
-
-
-def unpack(packed: dict[str, Any]) -> np.ndarray:
-    """What `pack` was given, to half a step; NaN where a value was not finite."""
-    raw = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), np.uint8)
-    zigzag = np.ascontiguousarray(raw.reshape(4, -1).T).view("<u4").astype(np.uint32).ravel()
-    frames = packed["shape"][0]
-    rows = ((zigzag >> 1) ^ (-(zigzag & 1).astype(np.int32)).view(np.uint32)).view(np.int32).reshape(-1, frames)
-    for _ in range(2):
-        rows = np.cumsum(rows, axis=1, dtype=np.int32)
-    values = np.where(rows == MISSING, np.nan, rows * packed["step"])
-    return np.ascontiguousarray(values.T).reshape(packed["shape"])

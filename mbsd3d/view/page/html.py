@@ -1,24 +1,27 @@
 """One HTML file that needs nothing else: the scene of viser, a player, switches, and curves beside it."""
 
-import html
 import json
+import os
 import re
+import sys
+import tempfile
+import webbrowser
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files as resources
 from pathlib import Path
-from typing import Any
 
-from ...base.paths import with_suffix, write_atomically
-from .browser import has_browser, printable
+from markupsafe import Markup
+
+from ...base.templates import HtmlPage, page_template
 from .content import Content, scene_and_data
-from .recorder import client_head
+from .recorder import client_head, printable
 
 SCRIPTS = ("unpack.js", "scene.js", "curves.js", "player.js")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class View:
+class View(HtmlPage):
     """A page that shows a mechanism; one HTML text that works from a file, without a network.
 
     Examples
@@ -38,21 +41,6 @@ class View:
         motion = f"{self.frames} frames of {self.seconds:g} s, " if self.frames > 1 else ""
         return f"<view: {bodies}, {motion}{len(self.html.encode()) / 1e6:.2f} MB; .save(path) or .open()>"
 
-    def _repr_html_(self) -> str:
-        """A frame in a notebook."""
-        style = "width:100%;height:560px;border:1px solid #ccc"
-        return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="mechanism"></iframe>'
-
-    def save(self, path: str | Path) -> Path:
-        """Write the page whole or not at all; ".html" is appended if it is missing, an older file is replaced.
-
-        Raises
-        ------
-        ValueError
-            If the folder does not exist or cannot be written.
-        """
-        return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8"))
-
     def open(self) -> Path:
         """Write the page to a folder for temporary files and show it in the browser; returns the file.
 
@@ -61,13 +49,21 @@ class View:
         ValueError
             If no browser can be started.
         """
-        import tempfile
-        import webbrowser
-
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
         if not has_browser() or not webbrowser.open(path.as_uri()):
             raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
         return path
+
+
+def has_browser() -> bool:
+    """Whether a browser with windows can be opened here."""
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    try:
+        webbrowser.get()
+    except webbrowser.Error:
+        return False
+    return True
 
 
 @cache
@@ -78,9 +74,6 @@ def asset(name: str) -> str:
 
 def make_page(content: Content, dark: bool | None, user: str) -> str:
     """The whole page."""
-    from jinja2 import Environment
-    from markupsafe import Markup
-
     scene, data = scene_and_data(content, user)
     texts = {
         "style": asset("player.css"),
@@ -90,8 +83,7 @@ def make_page(content: Content, dark: bool | None, user: str) -> str:
         "script": "\n".join(asset(name) for name in SCRIPTS),
         "dark": json.dumps(dark),
     }
-    template = Environment(autoescape=True, keep_trailing_newline=True).from_string(asset("page.html"))
-    return template.render(
+    return page_template("player.html").render(
         title=printable(content.title),
         moving=content.frames.t.size > 1,
         timed=content.timed,
@@ -100,7 +92,7 @@ def make_page(content: Content, dark: bool | None, user: str) -> str:
     )
 
 
-def as_script(data: dict[str, Any]) -> str:
-    """JSON that cannot end the script element it stands in, whatever names are in it."""
+def as_script(data: dict[str, object]) -> str:
+    """JSON that cannot end the script element around it, whatever names it holds."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return printable(re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text))

@@ -1,20 +1,23 @@
 """A view served on this machine: the same scene as the page's, moved from Python, with viser's own panel.
 
-`LiveView` holds the server and the thread that moves the scene; what stands in the panel says `mbsd3d.view.page.panel`.
+`LiveView` holds the server and the thread that moves the scene; `mbsd3d.view.page.panel` makes its panel.
 """
 
 import threading
 import time
 import webbrowser
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .browser import has_browser, printable
 from .content import Content
+from .html import has_browser
 from .panel import Panel
-from .recorder import import_viser
-from .stage import build_stage
+from .recorder import import_viser, printable
+from .stage import Stage
+
+if TYPE_CHECKING:
+    from viser import ViserServer
 
 PERIOD = 1.0 / 30.0  # [s] from one picture to the next
 HOST = "127.0.0.1"  # nobody else on the network sees it
@@ -48,9 +51,7 @@ class LiveView:
         self._server = quiet_server()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
-            self._stage = build_stage(
-                scene, camera, content.drawing, frames, content.arrows, content.traces, content.shown
-            )
+            self._stage = Stage(scene, camera, *content[:4], content.shown)
             self._paths = [(node, node.points) for node in self._stage.traces]
             gui.set_panel_label(printable(content.title))
             gui.configure_theme(dark_mode=bool(dark), show_logo=False, show_share_button=False)
@@ -67,7 +68,7 @@ class LiveView:
     def __enter__(self) -> "LiveView":
         return self
 
-    def __exit__(self, *_: Any) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     @property
@@ -80,7 +81,7 @@ class LiveView:
         return has_browser()
 
     def open(self) -> None:
-        """Show it in the default browser; raises ValueError where there is none."""
+        """Show it in the default browser; raises ValueError if there is no browser."""
         if not self.can_open() or not webbrowser.open(self.url):
             raise ValueError(f"no browser was found on this machine; open {self.url} in one")
 
@@ -137,11 +138,6 @@ class LiveView:
         self._panel.show(t)
 
 
-def serve(content: Content, *, dark: bool | None = None) -> LiveView:
-    """Start a live view of what a page would show; raises ValueError if viser is missing."""
-    return LiveView(content, dark)
-
-
 def place(t: np.ndarray, now: float) -> tuple[int, float]:
     """The frame before a time, and the share of the way to the next."""
     k = int(np.clip(np.searchsorted(t, now, side="right") - 1, 0, max(t.size - 2, 0)))
@@ -153,10 +149,10 @@ def mixed(values: np.ndarray, k: int, share: float) -> np.ndarray:
     return (1.0 - share) * values[k] + share * values[k + 1] if share else values[k]
 
 
-def quiet_server() -> Any:
+def quiet_server() -> "ViserServer":
     """A server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
     viser = import_viser("a live view")
-    import rich
+    import rich  # which viser brings
 
     console = rich.get_console()
     with console.capture():

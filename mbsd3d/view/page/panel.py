@@ -1,26 +1,40 @@
 """The panel of a live view: play and pause, time, speed, switches and curves, made of viser's widgets."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ...base.style import Theme, theme
-from ..scene.curves import Curve
 from ..scene.frames import Frames
-from ..scene.motion import Arrows
-from .browser import printable
+from ..scene.motion import Arrows, Curve
 from .content import Content
+from .recorder import printable
+from .stage import Stage
+
+if TYPE_CHECKING:
+    from viser import GuiApi, GuiCheckboxHandle, GuiEvent, GuiSliderHandle
 
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS = 300  # of a line: the whole curve is sent again whenever its cursor moves
 CURSOR = 3  # pictures from one move of the cursors to the next
 
 
-class Panel:
-    """Widgets that read and write ``player`` (playing, speed, time) and the layers of a stage."""
+class Player(Protocol):
+    """What the widgets read and write."""
 
-    def __init__(self, gui: Any, player: Any, stage: Any, content: Content, dark: bool) -> None:
+    playing: bool
+    speed: float  # seconds of the run per second
+    time: float  # [s]
+
+    def refresh(self) -> None:
+        """Make the picture anew."""
+
+
+class Panel:
+    """Widgets for a player and the layers of a stage."""
+
+    def __init__(self, gui: "GuiApi", player: Player, stage: Stage, content: Content, dark: bool) -> None:
         frames = content.frames
         self.gui, self.player, self.stage, self.pictures = gui, player, stage, 0
         gui.main_panel.dock_right()
@@ -30,7 +44,7 @@ class Panel:
             self.switches = self.add_switches(content.arrows)
         self.plots = [Plot(gui, frames.t, curve, theme(dark)) for curve in content.curves]
 
-    def add_player(self, frames: Frames) -> Any:
+    def add_player(self, frames: Frames) -> "GuiSliderHandle[float]":
         """Button, slider and speeds; returns the slider."""
         player, gui = self.player, self.gui
         button = gui.add_button("Pause", icon="player-pause")
@@ -40,22 +54,22 @@ class Panel:
         speed = gui.add_dropdown("speed", [f"{x:g}x" for x in speeds], initial_value=f"{player.speed:g}x")
 
         @button.on_click
-        def _(_: Any) -> None:
+        def _(_: object) -> None:
             player.playing = not player.playing
             button.label, button.icon = ("Pause", "player-pause") if player.playing else ("Play", "player-play")
 
         @slider.on_update
-        def _(event: Any) -> None:
+        def _(event: "GuiEvent") -> None:
             if event.client_id is not None:  # moved by a reader, not by the player
                 player.time = float(slider.value)
 
         @speed.on_update
-        def _(_: Any) -> None:
+        def _(_: object) -> None:
             player.speed = float(speed.value.removesuffix("x"))
 
         return slider
 
-    def add_switches(self, arrows: Sequence[Arrows]) -> dict[str, Any]:
+    def add_switches(self, arrows: Sequence[Arrows]) -> dict[str, "GuiCheckboxHandle"]:
         """A check box for every layer that holds something."""
         longest = {x.kind: x.longest for x in arrows}
         unit = {x.kind: x.unit for x in arrows}
@@ -92,13 +106,13 @@ class Panel:
 class Plot:
     """A curve with a cursor: a line of two points at the time, the last series."""
 
-    def __init__(self, gui: Any, t: np.ndarray, curve: Curve, look: Theme) -> None:
+    def __init__(self, gui: "GuiApi", t: np.ndarray, curve: Curve, look: Theme) -> None:
         self.t = np.linspace(t[0], t[-1], min(POINTS, t.size))
         self.lines = [np.interp(self.t, t, values) for _, values in curve.lines]
         low, high = min(map(np.min, self.lines)), max(map(np.max, self.lines))
         margin = 0.05 * float(high - low) or 0.05 * abs(float(high)) or 1.0
         self.range = (float(low) - margin, float(high) + margin)
-        series: list[dict[str, Any]] = [{"label": "time [s]"}]
+        series: list[dict] = [{"label": "time [s]"}]
         series += [
             {"label": printable(name), "stroke": look.colour(i), "width": 2} for i, (name, _) in enumerate(curve.lines)
         ]

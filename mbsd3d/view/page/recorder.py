@@ -1,20 +1,25 @@
 """A scene of viser without a server: no port, no thread, nothing on the terminal; the same calls give the same bytes.
 
 viser's scene writes messages to whatever owns it; here they are kept, and its own serializer turns them into the text
-that its client reads. What is no public part of viser is used here and nowhere else, and the version is checked.
+that its client reads. Private parts of viser are used here and nowhere else, and its version is checked.
 """
 
 import base64
 import threading
 from functools import cache
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, get_type_hints
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from viser._messages import Message
 
 CLIENT = "1.1."  # the client's build this package's player drives
 NEEDED = "{} needs the package viser; install it: pip install 'mbsd3d[view]'"
 
 
-def import_viser(user: str) -> Any:
+def import_viser(user: str) -> "ModuleType":
     """The package viser; a ValueError that starts with ``user`` if it is missing or of another version."""
     try:
         import viser
@@ -47,13 +52,13 @@ class Recorder:
     def __init__(self) -> None:
         self._websock_connection = self._viser_server = self
         self._scene_lifecycle_lock = self._record_lock = threading.RLock()
-        self._record_handles: list[Any] = []
-        self.messages: dict[str, Any] = {}  # by what makes a message replace an older one
+        self._record_handles: list[object] = []
+        self.messages: dict[str, Message] = {}  # by what makes a message replace an older one
 
-    def register_handler(self, *_: Any) -> None:
+    def register_handler(self, *_: object) -> None:
         """Nothing is ever received."""
 
-    def queue_message(self, message: Any) -> None:
+    def queue_message(self, message: "Message") -> None:
         """Keep a message."""
         self.messages[message.redundancy_key()] = message
 
@@ -88,3 +93,8 @@ def client_head() -> str:
     if start < 0 or end < start:
         raise ValueError("the client of viser is built in an unknown way; install it anew: pip install 'viser==1.1.*'")
     return page[start:end]
+
+
+def printable(text: str) -> str:
+    """The text with "?" for what no file can hold (halves of surrogate pairs)."""
+    return text.encode("utf-8", "replace").decode("utf-8")

@@ -1,32 +1,39 @@
-"""What is asked for is gathered and shown: as a page, or by a server on this machine."""
+"""What the user asks for is checked, gathered and shown: as a page, or by a server on this machine."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...base.checks import number
 from ...base.paths import ready_path
 from ...base.progress import Progress
+from ...mechanism.bodies import Body
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
-from ...report.wording import title_of
+from ...plotting.panels import Wanted
+from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.curves import curves_of
-from ..scene.drawing import poses_of
+from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
-from ..scene.layers import USUAL, layers_of
-from ..scene.motion import arrows_of, traces_of
+from ..scene.motion import Points, arrows_of, curves_of, traces_of
 from .content import Content, weight_of
 from .html import View, make_page
+from .live import LiveView
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
 FEW = 12  # bodies whose names do not hide the scene
 
 
 def show_system(
-    system: Any, path: Any, state: Any, shown: Any, hidden: Any, title: str | None, dark: bool | None, live: bool
-) -> Any:
+    system: Mechanism,
+    path: str | Path | None,
+    state: State | None,
+    shown: Layers,
+    hidden: Layers,
+    title: str | None,
+    dark: bool | None,
+    live: bool,
+) -> View | LiveView:
     """See `System.show`."""
     check_options(path, title, dark, live)
     if not (state is None or isinstance(state, State)):
@@ -39,25 +46,45 @@ def show_system(
 
 
 def animate(
-    solution: Any, path: Any, *, curves: Any, traces: Any, shown: Any, hidden: Any, frames: int | None,
-    speed: float | None, title: str | None, dark: bool | None, live: bool, follow: Any,
-) -> Any:  # fmt: skip
+    motion: Poses,
+    path: str | Path | None,
+    *,
+    curves: Wanted | None,
+    traces: Points | None,
+    shown: Layers,
+    hidden: Layers,
+    frames: int | None,
+    speed: float | None,
+    title: str | None,
+    dark: bool | None,
+    live: bool,
+    follow: Body | str | None,
+) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
-    followed = followed_body(solution.system, follow, live)
-    layers = page_layers(solution.system, shown, hidden)
+    followed = followed_body(motion.system, follow, live)
+    layers = page_layers(motion.system, shown, hidden)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
-        drawing = draw_system(solution.system)
+        drawing = draw_system(motion.system)
 
-        content = gather(solution, drawing, frames_of(solution, frames), curves, traces, speed, title, layers, progress)
+        def gathered(at: Frames) -> Content:
+            progress.update(1.0)
+            arrows = arrows_of(motion, at)
+            progress.update(3.0)
+            paths = traces_of(motion, at, traces)
+            lines = curves_of(motion, at, curves) if at.t.size > 1 else []
+            progress.update(4.0)
+            pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
+            return Content(drawing, at, arrows, paths, lines, pace, name, layers, followed=followed)
+
+        content = gathered(frames_of(motion, frames))
         if frames is None and not live and (weight := weight_of(content)) > LARGEST:
-            fewer = frames_of(solution, max(2, int(content.frames.t.size * LARGEST / weight)))
-            content = gather(solution, drawing, fewer, curves, traces, speed, title, layers, progress)
-        return deliver(content._replace(followed=followed), path, dark, live, "solution.animate")
+            content = gathered(frames_of(motion, max(2, int(content.frames.t.size * LARGEST / weight))))
+        return deliver(content, path, dark, live, "solution.animate")
 
 
-def followed_body(system: Any, follow: Any, live: bool) -> int:
+def followed_body(system: Mechanism, follow: Body | str | None, live: bool) -> int:
     """Number of the body that the camera goes along with, or -1."""
     if follow is None:
         return -1
@@ -67,28 +94,12 @@ def followed_body(system: Any, follow: Any, live: bool) -> int:
     return next(i for i, other in enumerate(system.bodies) if other is body)
 
 
-def gather(
-    solution: Any, drawing: Any, frames: Frames, curves: Any, traces: Any, speed: float | None, title: str | None,
-    layers: Sequence[str], progress: Progress,
-) -> Content:  # fmt: skip
-    """All that is shown of a run at these frames."""
-    progress.update(1.0)
-    arrows = arrows_of(solution, frames)
-    progress.update(3.0)
-    paths = traces_of(solution, frames, traces)
-    lines = curves_of(solution, frames, curves) if frames.t.size > 1 else []
-    progress.update(4.0)
-    seconds = float(frames.t[-1] - frames.t[0])
-    title, speed = title or title_of(solution.system), speed or sensible_speed(seconds)
-    return Content(drawing, frames, arrows, paths, lines, speed, title, layers)
-
-
-def page_layers(system: Any, shown: Any, hidden: Any) -> tuple[str, ...]:
+def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:
     """The layers that a page shows first; all have switches."""
     return layers_of(shown, hidden, (*USUAL, "body names") if len(system.bodies) <= FEW else USUAL)
 
 
-def check_options(path: Any, title: Any, dark: Any, live: Any) -> None:
+def check_options(path: str | Path | None, title: str | None, dark: bool | None, live: bool) -> None:
     """ValueError for options of another type, and for a folder that is not there: before the work, not after it."""
     if path is not None:
         ready_path(path, ".html")
@@ -100,13 +111,11 @@ def check_options(path: Any, title: Any, dark: Any, live: Any) -> None:
         raise ValueError(f"live = {live!r}; give True for a server on this machine, or False")
 
 
-def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> Any:
+def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> View | LiveView:
     """The page, written too if a path is given; or the live view."""
     frames = content.frames
     if live:
-        from .live import serve
-
-        return serve(content, dark=dark)
+        return LiveView(content, dark)
     page = make_page(content, None if dark is None else bool(dark), user)
     view = View(page, frames.r.shape[1] - 1, frames.t.size, float(frames.t[-1] - frames.t[0]))
     if path is not None:

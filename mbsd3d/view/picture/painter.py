@@ -4,26 +4,24 @@ Everything is split into small triangles and strokes, which are painted from far
 """
 
 from collections.abc import Collection, Sequence
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
-from ..scene.camera import Lens, window
-from ..scene.drawing import Drawing
-from ..scene.grid import length_text, round_down
-from ..scene.layers import USUAL
+from ..scene.camera import Lens, length_text, round_down, window
+from ..scene.drawing import USUAL, Drawing
 from ..scene.motion import Trace
-from .labels import Name, place, write
-from .pointers import Pointers
-from .shading import SEAM, Items, Solids, join, outlines, split_strokes, strokes_as_items
+from .shading import SEAM, Items, Pointers, Solids, join, outlines, split_strokes, strokes_as_items
 
 POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
+SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
 MANY = 3000  # more triangles and strokes than this go into a vector file as an image
 
 
@@ -39,40 +37,20 @@ def shadow_on(sheet: Theme) -> np.ndarray:
 
 
 class Painter:
-    """Paints poses of one drawing through one lens on sheets of one size; see `Painter.paint`.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        What there is.
-    lens : Lens
-        From where it is seen.
-    r, e : (frames, n + 1, 3), (frames, n + 1, 4) ndarray
-        All poses that must fit on the paper.
-    inches : (float, float)
-        Width and height of the paper.
-    sheet : Theme
-        Colours of the paper and of what is drawn on it.
-    layers : collection of str
-        Which are painted, see `mbsd3d.view.scene.layers`; "ground grid" is the floor with its grid and the shadows.
-    also : (k, 3) ndarray
-        More points that must fit, world [m]: paths, tips of arrows.
-    fine : float
-        Longest triangle or stroke, of the size of all that is seen.
-    """
+    """Paints poses of one drawing through one lens on sheets of one size."""
 
     def __init__(
         self,
         drawing: Drawing,
         lens: Lens,
-        r: np.ndarray,
-        e: np.ndarray,
-        inches: tuple[float, float],
+        r: np.ndarray,  # (frames, n + 1, 3), with e all poses that must fit on the paper
+        e: np.ndarray,  # (frames, n + 1, 4)
+        inches: tuple[float, float],  # width and height of the paper
         *,
         sheet: Theme = LIGHT,
-        layers: Collection[str] = USUAL,
-        also: np.ndarray | None = None,
-        fine: float = FINE,
+        layers: Collection[str] = USUAL,  # "ground grid" is the floor with its grid and the shadows
+        also: np.ndarray | None = None,  # (k, 3) more points that must fit, world [m]: paths, tips of arrows
+        fine: float = FINE,  # longest triangle or stroke, of the size of all that is seen
     ) -> None:
         self.lens, self.sheet, self.inches, self.ground = lens, sheet, inches, "ground grid" in layers
         hues = dict(zip(LIGHT.lines, sheet.lines, strict=True))
@@ -96,7 +74,6 @@ class Painter:
         self.solids = Solids(pieces, self.longest)
         self.corner, opposite = window(lens.project(cloud)[0], inches)
         self.scale = POINT * inches[0] / (opposite - self.corner)[0]  # points of the paper per unit of the projection
-        self.choices: list[int] = []  # where the names stood in the picture before
         self.cell = round_down(0.22 * self.size)
 
     def on_paper(self, points: np.ndarray) -> np.ndarray:
@@ -123,24 +100,15 @@ class Painter:
 
     def paint(
         self,
-        axes: Any,
+        axes: Axes,
         poses: Sequence[tuple[np.ndarray, np.ndarray]],
         *,
         traces: Sequence[Trace] = (),
         arrows: Sequence[Pointers] = (),
     ) -> None:
-        """Paint one pose or several on top of each other.
+        """Paint poses (r, e) on top of each other, paths as far as their points go, and arrows with their legend.
 
-        Parameters
-        ----------
-        axes : matplotlib Axes
-            Empty; it gets the paper's units of 1/72 inch.
-        poses : sequence of (r, e)
-            (n + 1, 3) and (n + 1, 4); names belong to the last one.
-        traces : sequence of Trace
-            Paths, drawn as far as their points go.
-        arrows : sequence of Pointers
-            With their legend.
+        The axes get the paper's units of 1/72 inch; names belong to the last pose.
         """
         width, height = POINT * self.inches[0], POINT * self.inches[1]
         axes.set(xlim=(0, width), ylim=(0, height))
@@ -153,16 +121,15 @@ class Painter:
         for trace in traces:
             strokes = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
             found.append(self.strokes(strokes, trace.colour, PATH))
-        spots = self.paint_items(axes, join(found))
+        self.paint_items(axes, join(found))
         self.paint_directions(axes)
-        if self.tags:
-            self.write_names(axes, poses[-1], spots, (width, height))
+        self.write_names(axes, *poses[-1])
         for k, (legend, colour) in enumerate(dict.fromkeys((arrow.legend, arrow.colour) for arrow in arrows)):
             style = {"ha": "right", "va": "top", "fontsize": 8, "color": self.readable(colour)}
             axes.text(width - 8, height - 8 - 11 * k, legend, **style)
 
-    def paint_items(self, axes: Any, items: Items) -> np.ndarray:
-        """From far to near; returns points of the paper that are painted."""
+    def paint_items(self, axes: Axes, items: Items) -> None:
+        """From far to near."""
         depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
         order = np.argsort(-depth, kind="stable")
         polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
@@ -171,9 +138,8 @@ class Painter:
         drawn.set_antialiased(items.width[order] > 0.0)  # the paper must not shine through between triangles
         drawn.set_rasterized(len(order) > MANY)
         axes.add_collection(drawn, autolim=False)
-        return np.concatenate([polygons, 0.5 * (polygons + np.roll(polygons, 1, axis=1))]).reshape(-1, 2)
 
-    def paint_ground(self, axes: Any, shadows: np.ndarray) -> None:
+    def paint_ground(self, axes: Axes, shadows: np.ndarray) -> None:
         """A grid that fades into the paper, with the size of its cells, and what the bodies shade under a high sun."""
         floor, paper, grid = self.low[2], tone(self.sheet.paper), tone(self.sheet.grid)
         shade = shadow_on(self.sheet)
@@ -199,7 +165,7 @@ class Painter:
         style = {"ha": "right", "va": "bottom", "fontsize": 8, "color": self.sheet.muted}
         axes.text(POINT * self.inches[0] - 8, 7, f"grid {length_text(self.cell)}", **style)
 
-    def paint_directions(self, axes: Any) -> None:
+    def paint_directions(self, axes: Axes) -> None:
         """The world's axes in the corner, as they lie in the middle of the picture."""
         for k, name in enumerate("xyz"):
             tip = 20.0 * self.lens.axes[:2, k]
@@ -207,17 +173,26 @@ class Painter:
             style = {"ha": "center", "va": "center", "fontsize": 7.5, "color": self.sheet.muted, "zorder": 5}
             axes.text(*(1.32 * tip + (26.0, 24.0)), name, **style)
 
-    def write_names(self, axes: Any, pose: tuple, spots: np.ndarray, paper: tuple[float, float]) -> None:
-        """Names of the tags at a pose."""
-        r, R = pose[0], matrix(pose[1])
-        names = [
-            Name(tag.text, self.on_paper(R[tag.body] @ tag.point + r[tag.body]), self.readable(tag.colour))
-            for tag in self.tags
-        ]
-        centres, self.choices = place(names, spots, paper, self.choices)
-        write(axes, names, centres, self.sheet.paper)
+    def write_names(self, axes: Axes, r: np.ndarray, e: np.ndarray) -> None:
+        """Names of bodies above their points and of joints below them; those at one point share a line."""
+        R, lines = matrix(e), []
+        for tag in self.tags:
+            point = self.on_paper(R[tag.body] @ tag.point + r[tag.body])
+            same = [texts for first, at, texts in lines if first.layer == tag.layer and np.abs(at - point).max() < SIZE]
+            if same:
+                same[0].append(tag.text)
+            else:
+                lines.append((tag, point, [tag.text]))
+        halo = [withStroke(linewidth=2.4, foreground=self.sheet.paper)]
+        for tag, (x, y), texts in lines:
+            text = ", ".join(texts)
+            half = min(0.3 * SIZE * len(text), 0.5 * POINT * self.inches[0])  # about that: it stays on the paper
+            x = np.clip(x, half, POINT * self.inches[0] - half)
+            side, va = (1.0, "bottom") if tag.layer == "body names" else (-1.0, "top")
+            style = {"fontsize": SIZE, "ha": "center", "va": va, "path_effects": halo, "zorder": 5}
+            axes.text(x, y + side * GAP, text, color=self.readable(tag.colour), **style)
 
-    def write_note(self, axes: Any, text: str) -> None:
+    def write_note(self, axes: Axes, text: str) -> None:
         """A line in the upper left corner."""
         axes.text(8, POINT * self.inches[1] - 8, text, ha="left", va="top", fontsize=9, color=self.sheet.ink)
 
@@ -226,7 +201,7 @@ class Painter:
         return 0.6 * tone(colour) + 0.4 * tone(self.sheet.ink)
 
 
-def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Any]:
+def new_sheet(inches: tuple[float, float], sheet: Theme) -> tuple[Figure, Axes]:
     """An empty figure and axes that fill it."""
     figure = Figure(figsize=inches, facecolor=sheet.paper)
     return figure, figure.add_axes((0.0, 0.0, 1.0, 1.0))

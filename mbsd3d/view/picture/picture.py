@@ -1,27 +1,37 @@
-"""Pictures of a system and of a solution: matplotlib figures, shaded, in perspective."""
+"""Pictures of a system and of a motion: matplotlib figures, shaded, in perspective."""
 
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ...base.checks import number
 from ...base.style import house, theme
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.state import State
+from ...results.body_motion import Poses
 from ..scene.artist import draw_system
 from ..scene.camera import frame_camera, lens_of, turned
-from ..scene.drawing import bounds, poses_of
+from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
-from ..scene.layers import ARROWS, MARKS, NAMES, USUAL, layers_of
-from ..scene.motion import Arrows, Trace, arrows_of, traces_of
+from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
 from .painter import FINE, Painter, new_sheet
-from .pointers import pointers_of, tips_of
+from .shading import pointers_of, tips_of
 
 LEGIBLE = 14  # names that a picture can hold
 REACH = 0.4  # length of the longest arrow, of the size of what is seen
 
 
-def picture_layers(system: Any, shown: Any, hidden: Any, *, moving: bool) -> tuple[str, ...]:
+@runtime_checkable
+class Continuous(Protocol):
+    """A run, which has a state at any time; a mode has samples only."""
+
+    def at(self, t: float) -> State:
+        """The state at a time [s]."""
+
+
+def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: bool) -> tuple[str, ...]:
     """The layers of a picture: with names where there are few; a system at rest has no arrows."""
     few = len(system.bodies) + len(system.joints) <= LEGIBLE
     layers = layers_of(shown, hidden, (*USUAL, *NAMES) if few else USUAL)
@@ -30,15 +40,15 @@ def picture_layers(system: Any, shown: Any, hidden: Any, *, moving: bool) -> tup
     return layers
 
 
-def pair(value: Any, what: str) -> tuple[float, float]:
+def pair(value: Sequence[float], what: str) -> tuple[float, float]:
     """Two numbers."""
     if np.shape(value) != (2,):
-        raise ValueError(f"{what}: {value!r} is no pair; give two numbers")
+        raise ValueError(f"{what}: {value!r} is not a pair; give two numbers")
     return number(value[0], what), number(value[1], what)
 
 
 def painter_of(
-    system: Any,
+    system: Mechanism,
     r: np.ndarray,
     e: np.ndarray,
     inches: tuple[float, float],
@@ -65,14 +75,21 @@ def painter_of(
     return Painter(drawing, lens_of(camera), r, e, inches, **options), reach
 
 
-def paper_size(size: Any) -> tuple[float, float]:
+def paper_size(size: Sequence[float]) -> tuple[float, float]:
     """Width and height [inch], both positive."""
     width, height = pair(size, "size")
     return number(width, "size", positive=True), number(height, "size", positive=True)
 
 
 def picture_of_system(
-    system: Any, state: Any, *, shown: Any, hidden: Any, view: Any, size: Sequence[float], dark: bool
+    system: Mechanism,
+    state: State | None,
+    *,
+    shown: Layers = (),
+    hidden: Layers = (),
+    view: Sequence[float] | None = None,
+    size: Sequence[float],
+    dark: bool = False,
 ) -> Figure:
     """See `System.picture`."""
     layers, inches = picture_layers(system, shown, hidden, moving=False), paper_size(size)
@@ -85,18 +102,26 @@ def picture_of_system(
 
 
 def picture_of_solution(
-    solution: Any, t: Any, *, traces: Any, shown: Any, hidden: Any, view: Any, size: Sequence[float], dark: bool
+    motion: Poses,
+    t: float | Sequence[float] | None,
+    *,
+    traces: Points | None = None,
+    shown: Layers = (),
+    hidden: Layers = (),
+    view: Sequence[float] | None = None,
+    size: Sequence[float],
+    dark: bool = False,
 ) -> Figure:
     """See `Solution.picture`."""
-    layers, inches = picture_layers(solution.system, shown, hidden, moving=True), paper_size(size)
-    run = frames_of(solution)
-    now = moments(solution, run, t)
-    paths = traces_of(solution, run_until(run, now), traces) if "traces" in layers else []
+    layers, inches = picture_layers(motion.system, shown, hidden, moving=True), paper_size(size)
+    run = frames_of(motion)
+    now = moments(motion, run, t)
+    paths = traces_of(motion, run_until(run, now), traces) if "traces" in layers else []
     kinds = set(ARROWS) & set(layers)
     both = Frames(*(np.concatenate(pair) for pair in zip(run, now, strict=True)))  # one scale for every moment
-    vectors = [x for x in arrows_of(solution, both) if x.kind in kinds] if kinds else []
+    vectors = [x for x in arrows_of(motion, both) if x.kind in kinds] if kinds else []
     painter, reach = painter_of(
-        solution.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark
+        motion.system, now.r, now.e, inches, paths=paths, vectors=vectors, layers=layers, view=view, dark=dark
     )
     with house(painter.sheet):
         figure, axes = new_sheet(inches, painter.sheet)
@@ -108,20 +133,20 @@ def picture_of_solution(
     return figure
 
 
-def moments(solution: Any, run: Frames, t: Any) -> Frames:
-    """The poses at the given times, at the last one for None; of a solution not interpolated but integrated."""
+def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Frames:
+    """The poses at the given times, at the last one for None; those of a run are integrated, not interpolated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
     except (TypeError, ValueError):
         times = np.empty(0)
     if times.ndim != 1 or not times.size:
         raise ValueError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
-    if hasattr(solution, "at"):
-        poses = [poses_of(solution.system, solution.at(float(time))) for time in times]
+    if isinstance(motion, Continuous):
+        poses = [poses_of(motion.system, motion.at(float(time))) for time in times]
         return Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     if not (run.t[0] <= times.min() and times.max() <= run.t[-1]):
         raise ValueError(f"picture: t = {t!r} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
-    return frames_at(solution, times)
+    return frames_at(motion, times)
 
 
 def run_until(run: Frames, shown: Frames) -> Frames:

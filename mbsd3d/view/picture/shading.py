@@ -1,18 +1,22 @@
-"""Solids for the painter: small triangles and outlines of all pieces of a drawing, placed at a pose and shaded.
+"""Solids and arrows for the painter: small triangles and outlines, placed at a pose and shaded.
 
 The painter sorts what it draws by depth, so no triangle and no stroke may be long: both are split beforehand.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ...base.rotations import matrix
 from ...base.style import SHADED, channels
+from ...mechanism.shapes import Mesh
+from ...mechanism.shapes.surfaces import moved
 from ...mechanism.shapes.surfaces import normals as vertex_normals
 from ..scene.camera import Lens
 from ..scene.drawing import Piece
-from ..scene.meshes import edges_of, flat_normals, unit, welded
+from ..scene.meshes import arrow, edges_of, flat_normals, laid, unit, welded
+from ..scene.motion import Arrows
 
 CREASE = np.cos(np.radians(35.0))  # edges with a sharper bend are drawn
 DARK, LIT, GLOSS = 0.48, 1.15, 0.14  # brightness of a face turned away from the light and towards it; highlight
@@ -21,6 +25,8 @@ SEAM = 0.35  # width of the line around each polygon: without it gaps would show
 PALE = 0.12  # share of white in all colours
 OUTLINE = 0.38  # brightness of the outline
 LIGHT = np.array([-0.45, 0.75, -0.55])  # towards the light, from right, up and forward of the eye
+THICK, HEAD = 0.018, 0.14  # radius of the shaft and length of a head, of the longest arrow
+SHORTEST = 0.04  # of the longest arrow: shorter ones are not drawn
 
 
 class Items(NamedTuple):
@@ -38,19 +44,10 @@ def join(parts: Sequence[Items]) -> Items:
 
 
 def split_triangles(triangles: np.ndarray, longest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Halve triangles at their longest edge until none is above its limit; what belongs to the corners is halved too.
+    """Halve triangles (m, 3, k) at their longest edge until none is above its limit (m,).
 
-    Parameters
-    ----------
-    triangles : (m, 3, k) ndarray
-        For each corner its position, then anything that is linear in between.
-    longest : (m,) ndarray
-        Limits of their edges.
-
-    Returns
-    -------
-    (m', 3, k) ndarray, (m',) ndarray
-        The parts, and the places of the triangles they come from.
+    A corner is its position, then anything that is linear in between and is halved too. Also returns the place of the
+    triangle that each part comes from.
     """
     parent = np.arange(len(triangles))
     while True:
@@ -105,26 +102,25 @@ def prepare(piece: Piece, longest: float) -> Prepared:
     split, parent = split_triangles(
         np.concatenate([whole, corners], axis=2), np.where(bent & (thickness > longest), finest, limit)
     )
-    tints = np.where(piece.mesh.shade[:, None] == 1, SHADED, 1.0) * (
-        PALE + (1.0 - PALE) * channels(piece.colour) / 255.0
-    )
+    tint = channels(piece.colour) / 255.0
+    brightness = np.where(piece.mesh.shade[:, None] == 1, SHADED, 1.0)
     edges, sides = edges_of(faces, vertices, normals)
     short, of = split_strokes(edges, limit)
-    fields = {
-        "whole": whole,
-        "whole_body": np.full(len(whole), piece.body),
-        "triangles": split[..., :3],
-        "flat": normals[parent],
-        "round": unit(split[..., 3:].mean(axis=1)),
-        "tints": tints[parent],
-        "body": np.full(len(split), piece.body),
-        "edges": short,
-        "sides": sides[of],
-        "inks": np.full((len(short), 3), OUTLINE) * channels(piece.colour) / 255.0,
-        "owner": np.full(len(short), piece.body),
-        "lifts": np.full(len(short), min(0.6 * limit, 0.15 * float(np.ptp(vertices, axis=0).max()))),
-    }
-    return Prepared(**fields)
+    lift = min(0.6 * limit, 0.15 * float(np.ptp(vertices, axis=0).max()))
+    return Prepared(
+        whole=whole,
+        whole_body=np.full(len(whole), piece.body),
+        triangles=split[..., :3],
+        flat=normals[parent],
+        round=unit(split[..., 3:].mean(axis=1)),
+        tints=(brightness * (PALE + (1.0 - PALE) * tint))[parent],
+        body=np.full(len(split), piece.body),
+        edges=short,
+        sides=sides[of],
+        inks=np.full((len(short), 3), OUTLINE) * tint,
+        owner=np.full(len(short), piece.body),
+        lifts=np.full(len(short), lift),
+    )
 
 
 class Solids:
@@ -163,7 +159,7 @@ class Solids:
         return corners
 
 
-def strokes_as_items(strokes: np.ndarray, ink: Any, pen: float, lift: Any) -> Items:
+def strokes_as_items(strokes: np.ndarray, ink: np.ndarray | tuple, pen: float, lift: np.ndarray | float) -> Items:
     """Strokes (k, 2, 3) as items."""
     k = len(strokes)
     corners = strokes[:, [0, 1, 1]]
@@ -191,3 +187,41 @@ def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
     start, end = start - 0.5 * along, end + 0.5 * along  # where two of them meet at an angle, no notch is left
     polygons[pen] = np.stack([start + aside, end + aside, end - aside, start - aside], axis=1)
     return polygons
+
+
+class Pointers(NamedTuple):
+    """Arrows of one kind at one time, ready to be painted."""
+
+    pieces: list[Piece]
+    legend: str
+    colour: str
+    lens: Lens
+
+    def items(self, longest: float) -> Items:
+        """Shaded triangles and outlines."""
+        here, R = np.zeros((1, 3)), np.eye(3)[None]
+        return Solids(self.pieces, longest).placed(here, R, self.lens, 0.5)
+
+
+def arrow_along(start: np.ndarray, vector: np.ndarray, reach: float, heads: int) -> Mesh:
+    """An arrow that is a short one among arrows of up to ``reach`` [m]: thinner when it is too short for its head."""
+    length = float(np.linalg.norm(vector))
+    head, thin = min(HEAD * reach, 0.8 * length / heads), THICK * reach * min(1.0, length / (2.0 * HEAD * reach))
+    return moved(arrow(heads, length, thin, head), matrix(laid(vector[None])[0]), start)
+
+
+def tips_of(arrows: Arrows, reach: float) -> np.ndarray:
+    """(k, 3) where the arrows of all frames end if the longest has the length ``reach`` [m]."""
+    return (arrows.points + reach / arrows.longest * arrows.vectors).reshape(-1, 3)
+
+
+def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointers:
+    """Arrows of one kind at a frame, the longest of all frames as long as ``reach`` [m]; uncertain ones paler."""
+    longest, pieces = arrows.longest, []
+    for k, name in enumerate(arrows.names):
+        vector = reach / longest * arrows.vectors[frame, k]
+        if np.linalg.norm(vector) > SHORTEST * reach:
+            mesh = arrow_along(arrows.points[frame, k], vector, reach, arrows.heads)
+            pieces.append(Piece(name, arrows.kind, 0, mesh, arrows.tints[k]))
+    unsure = ", pale: not unique" if any(arrows.uncertain) else ""
+    return Pointers(pieces, f"{arrows.kind}, longest {longest:.3g} {arrows.unit}{unsure}", arrows.colour, lens)

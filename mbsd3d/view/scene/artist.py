@@ -1,14 +1,13 @@
 """Makes the drawing of a system."""
 
-from typing import Any
-
 import numpy as np
 
 from ...base.directions import perpendiculars
 from ...base.rotations import quaternion_from_matrix
 from ...base.style import GREY, INNER, MARK, colour
-from ...mechanism.bodies import GROUND
+from ...mechanism.bodies import GROUND, Body
 from ...mechanism.contacts import RollingDisc
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Ellipsoid, Lines, Shape
 from ...mechanism.shapes.guesses import shapes_of
 from ...mechanism.shapes.surfaces import ball, block, joined, moved
@@ -18,30 +17,15 @@ from .glyphs import RIM, anchor, circles, joints_of, scaled, solids, spokes
 LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
-def draw_system(system: Any) -> Drawing:
-    """What is drawn of a system.
-
-    Parameters
-    ----------
-    system : System
-
-    Returns
-    -------
-    Drawing
-        True to scale; only the marks of joints and points have a size of their own.
-
-    Raises
-    ------
-    ValueError
-        Naming body and remedy for a shape that cannot be drawn.
-    """
+def draw_system(system: Mechanism) -> Drawing:
+    """What is drawn of a system, true to scale; only the marks of joints and points have a size of their own."""
     return Artist(system).draw()
 
 
 class Artist:
     """Makes the drawing of a system, step by step: bodies first, since their size gives that of the marks."""
 
-    def __init__(self, system: Any) -> None:
+    def __init__(self, system: Mechanism) -> None:
         self.system = system
         self.place = {id(body): i for i, body in enumerate((*system.bodies, GROUND))}
         self.drawing = Drawing([], [], [], [], 0.0, 0.0)
@@ -60,7 +44,7 @@ class Artist:
                 except ValueError as error:
                     raise ValueError(f"body '{body.name}': {error}") from error
 
-    def shapes(self, body: Any) -> tuple[Shape, ...]:
+    def shapes(self, body: Body) -> tuple[Shape, ...]:
         """Those of a body; a wheel's ellipsoid would reach into the road."""
         disc = self.rolling.get(id(body))
         if body.shape is not None or disc is None or not np.allclose(disc.centre, body.centre, atol=1e-9 * disc.radius):

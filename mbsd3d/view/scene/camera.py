@@ -1,8 +1,4 @@
-"""From where a mechanism is seen, and what of it comes where on paper.
-
-`frame_camera` finds a place from which all is seen; `Lens` brings points of the world to the plane of the paper in
-perspective, and `window` gives the part of that plane that holds all of them.
-"""
+"""From where a mechanism is seen: the place of the eye, perspective, and round lengths for the grid on the ground."""
 
 from typing import NamedTuple
 
@@ -17,6 +13,7 @@ VIEW = np.array([  # towards the camera, right, up
     (-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0),
     (-np.sin(HEIGHT) * np.cos(AZIMUTH), -np.sin(HEIGHT) * np.sin(AZIMUTH), np.cos(HEIGHT)),
 ])  # fmt: skip
+STEPS = np.array([1.0, 2.0, 5.0, 10.0])
 
 
 class Camera(NamedTuple):
@@ -31,19 +28,7 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
     """A camera that sees the whole box at an oblique angle, with a little air, in a picture at least as wide as high.
 
     A corner at w from the middle is seen if its distances across the view are below (d - w . u) tan(fov / 2), with u
-    towards the camera and d the distance.
-
-    Parameters
-    ----------
-    low, high : (3,) ndarray
-        Corners of the box, world [m]; it may be flat, or a point (then it is taken as 1 m wide).
-    fov : float
-        Vertical angle of view [rad].
-
-    Returns
-    -------
-    Camera
-        Looking at the middle of the box.
+    towards the camera, d the distance and fov the vertical angle of view [rad]. A point is taken as a box of 1 m.
     """
     low, high = np.asarray(low, float), np.asarray(high, float)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -53,6 +38,13 @@ def frame_camera(low: np.ndarray, high: np.ndarray, fov: float = 0.7) -> Camera:
     across = AROUND * np.abs(w @ np.column_stack([right, up])).max(axis=1)
     distance = float((w @ towards + across / np.tan(0.5 * fov)).max())
     return Camera(middle + distance * towards, middle, distance)
+
+
+def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
+    """The camera moved about the point it looks at: azimuth from x about z, elevation above the horizon [degrees]."""
+    turn, rise = np.radians(azimuth), np.radians(elevation)
+    towards = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
+    return camera._replace(position=camera.look_at + camera.distance * towards)
 
 
 class Lens(NamedTuple):
@@ -73,18 +65,7 @@ class Lens(NamedTuple):
 
 
 def lens_of(camera: Camera) -> Lens:
-    """The lens of a camera that stands upright: z of the world is up on the paper.
-
-    Parameters
-    ----------
-    camera : Camera
-        Not straight above or below what it looks at.
-
-    Returns
-    -------
-    Lens
-        Rows of ``axes``: right, up, forward.
-    """
+    """The lens of an upright camera, which looks neither straight up nor straight down."""
     forward = np.asarray(camera.look_at, float) - camera.position
     distance = float(np.linalg.norm(forward))
     forward = forward / distance
@@ -93,44 +74,30 @@ def lens_of(camera: Camera) -> Lens:
     return Lens(np.asarray(camera.position, float), np.array([right, np.cross(right, forward), forward]), distance)
 
 
-def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
-    """The same camera moved about the point it looks at.
-
-    Parameters
-    ----------
-    camera : Camera
-        Its distance stays.
-    azimuth, elevation : float
-        Of the eye as seen from that point [degrees]; from the world's x axis about z, and above the horizon.
-
-    Returns
-    -------
-    Camera
-        The new one.
-    """
-    turn, rise = np.radians(azimuth), np.radians(elevation)
-    towards = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
-    return camera._replace(position=camera.look_at + camera.distance * towards)
-
-
 def window(points: np.ndarray, shape: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """The part of the paper that holds all points, with air, in the ratio of a picture.
+    """Lower left and upper right corner of the part of the paper that holds all projected points (k, 2), with air.
 
-    Parameters
-    ----------
-    points : (k, 2) ndarray
-        Projected points.
-    shape : (float, float)
-        Width and height of the picture, any unit.
-
-    Returns
-    -------
-    (2,) ndarray, (2,) ndarray
-        Lower left and upper right corner.
+    ``shape`` is the width and height of the picture in any unit.
     """
     low, high = points.min(axis=0), points.max(axis=0)
-    width, height = shape
-    unit = max((high - low) / (width, height)) / (1.0 - 2.0 * AIR) or 1e-3
-    half = 0.5 * unit * np.array([width, height])
-    middle = 0.5 * (low + high)
+    unit = max((high - low) / shape) / (1.0 - 2.0 * AIR) or 1e-3
+    half, middle = 0.5 * unit * np.array(shape), 0.5 * (low + high)
     return middle - half, middle + half
+
+
+def round_up(length: float) -> float:
+    """1, 2 or 5 times a power of ten, not below ``length``."""
+    steps = STEPS * 10.0 ** np.floor(np.log10(length))
+    return float(f"{steps[steps >= length][0]:.1g}")
+
+
+def round_down(length: float) -> float:
+    """1, 2 or 5 times a power of ten, not above ``length``."""
+    steps = STEPS * 10.0 ** np.floor(np.log10(length))
+    return float(f"{steps[steps <= length * (1.0 + 1e-9)][-1]:.1g}")
+
+
+def length_text(length: float) -> str:
+    """A length with a unit in which it is a usual number."""
+    unit, factor = ("mm", 1e3) if length < 0.01 else ("km", 1e-3) if length >= 1000.0 else ("m", 1.0)
+    return f"{length * factor:g} {unit}"

@@ -1,16 +1,27 @@
-"""What is drawn of a system: triangles, lines and names, each fixed in a body; no plotting library.
+"""What is drawn of a system: triangles, lines and names, each fixed in a body, and the layers that show and hide them.
 
 Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Collection, Iterable
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
+from ...mechanism.state import State
 
+ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction moment")
+NAMES = ("body names", "joint names")
+MARKS = ("centre of mass", "reference point")
+USUAL = ("bodies", "joints", "springs and rods", "traces", "ground grid")
+LAYERS = (
+    "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS,
+)  # fmt: skip
+Layers = str | Iterable[str]
 WORK = 20_000_000  # points times poses that are looked at for the bounds
 
 
@@ -18,7 +29,7 @@ class Piece(NamedTuple):
     """Triangles that move with a body."""
 
     name: str  # of the body or joint they show
-    layer: str  # "bodies", "joints", "centre of mass" or "reference point", see `mbsd3d.view.scene.layers`
+    layer: str  # "bodies", "joints", "centre of mass" or "reference point"
     body: int
     mesh: Mesh  # body axes from O
     colour: str  # "#rrggbb"
@@ -63,14 +74,38 @@ class Drawing(NamedTuple):
     floor: float  # height of the ground grid, world [m]
 
 
-def poses_of(system: Any, state: Any = None) -> tuple[np.ndarray, np.ndarray]:
-    """(n + 1, 3) positions and (n + 1, 4) unit quaternions with the ground last, at a state or the reference pose.
+def title_of(system: Mechanism) -> str:
+    """The names of the bodies, the first ones of many."""
+    names = [body.name for body in system.bodies]
+    if len(names) == 1:
+        return names[0]
+    if len(names) <= 4:
+        return f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{', '.join(names[:3])} and {len(names) - 3} more bodies"
 
-    Raises
-    ------
-    ValueError
-        If the state is one of another system.
-    """
+
+def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> tuple[str, ...]:
+    """The visible layers, in their order: the usual ones and those of ``shown``, without those of ``hidden``."""
+    more, less = known(shown, "shown"), known(hidden, "hidden")
+    for layer in more:
+        if layer in less:
+            raise ValueError(f"shown, hidden: layer {layer!r} is in both; take it out of one")
+    return tuple(layer for layer in LAYERS if (layer in usual or layer in more) and layer not in less)
+
+
+def known(wanted: Layers, option: str) -> tuple[str, ...]:
+    """Names of layers, checked; a text is a single one."""
+    if not isinstance(wanted, Iterable):
+        raise ValueError(f"{option} = {wanted!r}; give a list of layers, e.g. ['angular velocity']")
+    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    for layer in wanted:
+        if layer not in LAYERS:
+            raise ValueError(f"{option}: layer {layer!r} is unknown; give some of {', '.join(LAYERS)}")
+    return wanted
+
+
+def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """(n + 1, 3) positions and (n + 1, 4) unit quaternions with the ground last, at a state or the reference pose."""
     if state is None:
         r = np.array([body.position for body in system.bodies])
         e = np.array([body.orientation for body in system.bodies])
@@ -96,18 +131,9 @@ def corners(drawing: Drawing) -> dict[int, np.ndarray]:
 
 
 def bounds(drawing: Drawing, r: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner over poses; of long runs of large systems only every k-th pose is looked at.
+    """Lowest and highest corner, world [m], over poses r (frames, n + 1, 3), e (frames, n + 1, 4), the ground last.
 
-    Parameters
-    ----------
-    drawing : Drawing
-    r, e : (frames, n + 1, 3), (frames, n + 1, 4) ndarray
-        Positions [m] and unit quaternions, the ground last.
-
-    Returns
-    -------
-    (3,), (3,) ndarray
-        World [m].
+    Of long runs of large systems only every k-th pose is looked at.
     """
     points = corners(drawing)
     step = 1 + len(r) * sum(map(len, points.values())) // WORK

@@ -9,11 +9,13 @@ with ``e_dot = H(e) omega / 2`` for the quaternions, which are normalised afterw
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.quaternions import H
+from ...results.body_motion import Poses
+from ...results.run_result import RunResult
 
 TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
 MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
@@ -29,54 +31,38 @@ class Frames(NamedTuple):
     e: np.ndarray  # (frames, n + 1, 4) unit quaternions of one sheet: neighbours have a positive product
 
 
-def frames_of(solution: Any, count: int | None = None) -> Frames:
-    """Frames in equal steps of time from the first to the last sample.
+def frames_of(motion: Poses, count: int | None = None) -> Frames:
+    """Frames in equal steps of time from the first to the last sample, of a run or a mode.
 
-    Between samples the motion is interpolated; at a sample it is the sample.
-
-    Parameters
-    ----------
-    solution : Solution or Motion
-        n bodies, at least one sample.
-    count : int or None
-        Frames >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at
-        most 1000, and fewer where that makes more than 200 000 poses.
-
-    Returns
-    -------
-    Frames
-
-    Raises
-    ------
-    ValueError
-        If there is no sample, or the count is no whole number >= 2.
+    ``count`` >= 2; None = so many that no body turns by more than 0.2 rad in one and a film has 25 per second, at most
+    1000, and fewer where that makes more than 200 000 poses.
     """
-    t = solution.t
+    t = motion.t
     if not t.size:
         raise ValueError("the solution has no samples, so nothing can be shown; run it to a later time")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
         raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
-    times = np.linspace(t[0], t[-1], (count or enough_frames(solution)) if t[-1] > t[0] else 1)
-    return frames_at(solution, times)
+    times = np.linspace(t[0], t[-1], (count or enough_frames(motion)) if t[-1] > t[0] else 1)
+    return frames_at(motion, times)
 
 
-def frames_at(solution: Any, t: np.ndarray) -> Frames:
+def frames_at(motion: Poses, t: np.ndarray) -> Frames:
     """Frames at the given times [s] of a run."""
-    r, e = poses(solution, between(solution, t))
+    r, e = poses(motion, between(motion, t))
     ground = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (t.size, 1, 4))
     r = np.concatenate([r, np.zeros((t.size, 1, 3))], axis=1)
     return Frames(t, r, one_sheet(np.concatenate([e, ground], axis=1)))
 
 
-def enough_frames(solution: Any) -> int:
+def enough_frames(motion: Poses) -> int:
     """Frames for a smooth picture of a run."""
-    span = float(solution.t[-1] - solution.t[0])
-    if "v" in solution.arrays:
-        fastest = float(np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1).max())
+    span = float(motion.t[-1] - motion.t[0])
+    if isinstance(motion, RunResult):
+        fastest = float(np.linalg.norm(motion.arrays["v"][..., 3:], axis=-1).max())
     else:
-        fastest = float((turns(solution) / np.diff(solution.t)).max())
+        fastest = float((turns(motion) / np.diff(motion.t)).max())
     wanted = 1 + math.ceil(max(fastest * span / TURN, RATE * span / sensible_speed(span)))
-    return max(min(wanted, MOST, ALL_POSES // len(solution.system.bodies)), 2)
+    return max(min(wanted, MOST, ALL_POSES // len(motion.system.bodies)), 2)
 
 
 def sensible_speed(seconds: float, longest: float = LONG, sensible: float = SENSIBLE) -> float:
@@ -109,38 +95,36 @@ class Between(NamedTuple):
         return used, self._replace(left=left, right=right)
 
 
-def between(solution: Any, t: np.ndarray) -> Between:
-    """Places of the times [s] among the samples of a solution or a motion."""
-    samples = solution.t
+def between(motion: Poses, t: np.ndarray) -> Between:
+    """Places of the times [s] among the samples of a run or a mode."""
+    samples = motion.t
     left = np.clip(np.searchsorted(samples, t, side="right") - 1, 0, max(samples.size - 2, 0))
     right = np.minimum(left + 1, samples.size - 1)
     step = samples[right] - samples[left]
     share = np.clip((t - samples[left]) / np.where(step > 0.0, step, 1.0), 0.0, 1.0)
-    far = (turns(solution) > FAR)[left] if samples.size > 1 else np.zeros(t.size, bool)
+    far = (turns(motion) > FAR)[left] if samples.size > 1 else np.zeros(t.size, bool)
     return Between(left, right, np.where(far, np.round(share), share), step)
 
 
-def turns(solution: Any) -> np.ndarray:
+def turns(motion: Poses) -> np.ndarray:
     """(samples - 1,) the largest angle [rad] a body turns by from each sample to the next."""
-    e = unit(solution.arrays["q"][..., 3:])
+    e = unit(motion.arrays["q"][..., 3:])
     half = 0.5 * np.linalg.norm(e[1:] - same_sheet(e[:-1], e[1:]), axis=-1)
     angle = 4.0 * np.arcsin(np.minimum(half, 1.0))
-    if "v" in solution.arrays:  # more than half a turn is seen by the velocities only
-        w = np.linalg.norm(solution.arrays["v"][..., 3:], axis=-1)
-        angle = np.maximum(angle, 0.5 * (w[1:] + w[:-1]) * np.diff(solution.t)[:, None])
+    if isinstance(motion, RunResult):  # more than half a turn is seen by the velocities only
+        w = np.linalg.norm(motion.arrays["v"][..., 3:], axis=-1)
+        angle = np.maximum(angle, 0.5 * (w[1:] + w[:-1]) * np.diff(motion.t)[:, None])
     return angle.max(axis=1)
 
 
-def poses(solution: Any, where: Between) -> tuple[np.ndarray, np.ndarray]:
+def poses(motion: Poses, where: Between) -> tuple[np.ndarray, np.ndarray]:
     """Positions (times, n, 3) [m] and unit quaternions (times, n, 4)."""
-    q, s = solution.arrays["q"], where.share[:, None, None]
-    (r0, e0), (r1, e1) = (
-        (part[..., :3], unit(part[..., 3:])) for part in (q[where.left], q[where.right])
-    )  # fmt: skip
+    q, s = motion.arrays["q"], where.share[:, None, None]
+    (r0, e0), (r1, e1) = ((part[..., :3], unit(part[..., 3:])) for part in (q[where.left], q[where.right]))
     e1 = same_sheet(e1, e0)
-    if "v" not in solution.arrays:
+    if not isinstance(motion, RunResult):
         return (1.0 - s) * r0 + s * r1, unit((1.0 - s) * e0 + s * e1)
-    v0, v1 = (solution.arrays["v"][k] * where.step[:, None, None] for k in (where.left, where.right))
+    v0, v1 = (motion.arrays["v"][k] * where.step[:, None, None] for k in (where.left, where.right))
     a0, b0, a1, b1 = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)
     r = a0 * r0 + b0 * v0[..., :3] + a1 * r1 + b1 * v1[..., :3]
     e = a0 * e0 + b0 * e_dot(e0, v0[..., 3:]) + a1 * e1 + b1 * e_dot(e1, v1[..., 3:])

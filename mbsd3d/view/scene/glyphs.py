@@ -4,15 +4,18 @@ An angle is a barrel about its axis, a slide a rail along it, a plane a plate, w
 a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.directions import perpendiculars
+from ...mechanism.bodies import Body, Ground
 from ...mechanism.contacts import RollingDisc
 from ...mechanism.couplings import GearMesh
+from ...mechanism.force_element import ForceElement
 from ...mechanism.joints import Joint
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
+from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
 LOCKED = 5  # rows from which a joint without an angle cannot turn
@@ -22,11 +25,11 @@ RIM = 0.015  # tube of a rolling circle in parts of its radius
 class Glyph(NamedTuple):
     """Triangles fixed in a body: in its axes, from O [m]."""
 
-    body: Any
+    body: Body | Ground
     mesh: Mesh
 
 
-def placed(mesh: Mesh, body: Any, point: np.ndarray, axis: np.ndarray) -> Glyph:
+def placed(mesh: Mesh, body: Body | Ground, point: np.ndarray, axis: np.ndarray) -> Glyph:
     """A mesh whose z lies along an axis and whose origin is a point, both world at the reference pose."""
     frame = np.column_stack([body.local_axis(x) for x in (*perpendiculars(axis), axis)])
     return Glyph(body, moved(mesh, frame, body.local_point(point)))
@@ -37,7 +40,7 @@ def scaled(mesh: Mesh, *sizes: float) -> Mesh:
     return moved(mesh, np.diag(sizes), np.zeros(3))
 
 
-def anchor(joint: Joint) -> tuple[Any, np.ndarray]:
+def anchor(joint: Joint) -> tuple[Body | Ground, np.ndarray]:
     """The body and the world point at the reference pose where the joint and its name are drawn."""
     if isinstance(joint, RollingDisc):
         return joint.b, joint.centre  # the contact travels over both bodies
@@ -75,7 +78,7 @@ def guides(joint: Joint, size: float) -> list[Glyph]:
     return found
 
 
-def ends(joint: Joint, body: Any, point: np.ndarray, size: float) -> list[Glyph]:
+def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> list[Glyph]:
     """What shows the point of a joint without an angle; a ball at the other end of a rod too."""
     if joint.angle() is not None:
         return []
@@ -89,12 +92,12 @@ def ends(joint: Joint, body: Any, point: np.ndarray, size: float) -> list[Glyph]
     return [placed(scaled(ball(), *3 * (0.42 * size,)), end, place, up) for end, place in both]
 
 
-def circle(body: Any, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
+def circle(body: Body | Ground, centre: np.ndarray, axis: np.ndarray, radius: float) -> Glyph:
     """A thin ring that turns with a body, with the outer radius in its true size."""
     return placed(torus((1.0 - RIM) * radius, RIM * radius, 60, 4), body, centre, axis)
 
 
-def pitch_circle(gear: Any, axle: Any, at: np.ndarray) -> Glyph:
+def pitch_circle(gear: Body | Ground, axle: Axle, at: np.ndarray) -> Glyph:
     """The circle about the axis of a gear through the pitch point."""
     arm = axle.arm(at)
     return circle(gear, at - arm, axle.axis, float(np.linalg.norm(arm)))
@@ -106,7 +109,7 @@ def ring(partner: Joint, size: float) -> Glyph:
     return placed(torus(0.62 * size, 0.1 * size), partner.b, partner.point(), coordinate.axis_b)
 
 
-def spokes(joint: Joint, length: float) -> list[tuple[Any, np.ndarray]]:
+def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
     """(body, (2, 3) ends in its axes from O [m]) of the axes of a joint."""
     own = {name: joint.a for name in AXES_OF_A} | {name: joint.b for name in AXES_OF_B}
     _, at = anchor(joint)
@@ -124,7 +127,7 @@ def spokes(joint: Joint, length: float) -> list[tuple[Any, np.ndarray]]:
     return found
 
 
-def joints_of(part: Any) -> list[tuple[Any, np.ndarray]]:
+def joints_of(part: Joint | ForceElement) -> list[tuple[Body | Ground, np.ndarray]]:
     """(body, world point at the reference pose) of the points of a part to which its bodies reach out."""
     found = []
     if hasattr(part, "at_b"):

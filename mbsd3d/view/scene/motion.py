@@ -1,21 +1,27 @@
-"""What is shown of a motion besides the bodies: arrows and traces; no plotting library."""
+"""What is shown of a motion besides the bodies: arrows, traces, and curves over time; no plotting library."""
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.checks import vector
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
-from ...mechanism.bodies import GROUND
+from ...mechanism.bodies import GROUND, Body
+from ...mechanism.mechanism import Mechanism
+from ...plotting.panels import Panel, Wanted, panels_of
+from ...results.body_motion import Poses
 from ...results.certificate import scales_of
 from ...results.reactions import every_reaction
+from ...results.run_result import RunResult
+from .drawing import ARROWS
 from .frames import Between, Frames, between
-from .layers import ARROWS
 
-TRACES = 12  # drawn at most, unless asked for
+TRACES, LINES = 12, 6  # traces, and lines of one curve, at most, unless asked for
 NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
+STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
+Points = Iterable[tuple[Body | str, Iterable[float]]]
 
 
 class Arrows(NamedTuple):
@@ -45,6 +51,15 @@ class Arrows(NamedTuple):
         return [paler(self.colour) if unsure else self.colour for unsure in self.uncertain]
 
 
+class Vectors(NamedTuple):
+    """One vector on its way to be an arrow."""
+
+    name: str
+    points: np.ndarray  # (frames, 3) world [m]
+    values: np.ndarray  # (samples, 3)
+    uncertain: bool = False
+
+
 class Trace(NamedTuple):
     """The path of a point."""
 
@@ -53,64 +68,50 @@ class Trace(NamedTuple):
     points: np.ndarray  # (frames, 3) world [m]
 
 
-def arrows_of(solution: Any, frames: Frames) -> list[Arrows]:
-    """The four kinds, those that are zero throughout or cannot be had (a mode has no forces) left out.
+class Curve(NamedTuple):
+    """One pair of axes: lines (frames,) over time."""
 
-    Angular velocities and angular momenta ``R I R' w`` stand at the centres of mass, reactions at the points at which
-    `Solution.reaction` gives them; between samples vectors change along straight lines.
+    label: str  # "angle of hinge"
+    unit: str  # "rad"
+    lines: list[tuple[str, np.ndarray]]
 
-    Parameters
-    ----------
-    solution : Solution or Motion
-    frames : Frames
-        Of the same run, see `frames_of`.
 
-    Returns
-    -------
-    list of Arrows
+def arrows_of(motion: Poses, frames: Frames) -> list[Arrows]:
+    """The four kinds, without those that are zero throughout; a mode has none.
+
+    Angular velocities and angular momenta ``R I R' w`` are drawn at the centres of mass, reactions at the points at
+    which `Solution.reaction` gives them; between samples vectors change along straight lines.
     """
-    if "v" not in solution.arrays:
+    if not isinstance(motion, RunResult):
         return []
-    scale = scales_of(solution)
-    used, where = between(solution, frames.t).compact()
+    scale = scales_of(motion)
+    used, where = between(motion, frames.t).compact()
     spins, momenta, forces, moments = [], [], [], []
-    for i, body in enumerate(solution.system.bodies):
-        centre, w = moved(frames, i, body.com), solution.omega(body)
-        L = np.einsum("tij,tj->ti", solution.rotation(body), solution.omega_body(body) @ body.inertia)
-        spins.append((body.name, centre, w[used], False))
-        momenta.append((body.name, centre, L[used], False))
-    for joint, found in zip(solution.system.joints, every_reaction(solution, used), strict=True):
-        name = solution.system.name(joint)
-        point = carried(solution, frames, used, where, joint.b, found.point)
-        forces.append((name, point, found.force, not found.unique))
-        moments.append((name, point, found.moment, not found.unique))
-    fastest = max(1.0, *(float(np.abs(w).max()) for _, _, w, _ in spins))
+    for i, body in enumerate(motion.system.bodies):
+        centre, w = moved(frames, i, body.com), motion.omega(body)
+        L = np.einsum("tij,tj->ti", motion.rotation(body), motion.omega_body(body) @ body.inertia)
+        spins.append(Vectors(body.name, centre, w[used]))
+        momenta.append(Vectors(body.name, centre, L[used]))
+    for joint, found in zip(motion.system.joints, every_reaction(motion, used), strict=True):
+        name = motion.system.name(joint)
+        point = carried(motion, frames, used, where, joint.b, found.point)
+        forces.append(Vectors(name, point, found.force, not found.unique))
+        moments.append(Vectors(name, point, found.moment, not found.unique))
+    fastest = max(1.0, *(float(np.abs(spin.values).max()) for spin in spins))
     kinds = (
         ("rad/s", spins, fastest, COLOURS[2]),
         ("kg m^2/s", momenta, scale.angular_momentum, COLOURS[5]),
         ("N", forces, scale.force, COLOURS[1]),
         ("N m", moments, scale.moment, COLOURS[3]),
     )
-    made = [
-        gather(kind, unit, tint, where, [x for x in found if np.abs(x[2]).max() > NOTHING * size])
-        for kind, (unit, found, size, tint) in zip(ARROWS, kinds, strict=True)
-    ]
-    return [arrows for arrows in made if arrows.names]
-
-
-def gather(kind: str, unit: str, colour: str, where: Between, found: list[tuple[str, Any, Any, bool]]) -> Arrows:
-    """Arrows of (name, points at the frames, vectors at the samples, uncertain)."""
-    names, points, vectors, uncertain = zip(*found, strict=True) if found else ((), (), (), ())
-    empty = np.zeros((where.left.size, 0, 3))
-    return Arrows(
-        kind,
-        unit,
-        list(names),
-        colour,
-        np.stack(points, axis=1) if found else empty,
-        np.stack([where.blend(x) for x in vectors], axis=1) if found else empty,
-        tuple(uncertain),
-    )
+    made = []
+    for kind, (unit, found, size, tint) in zip(ARROWS, kinds, strict=True):
+        if seen := [x for x in found if np.abs(x.values).max() > NOTHING * size]:
+            points = np.stack([x.points for x in seen], axis=1)
+            vectors = np.stack([where.blend(x.values) for x in seen], axis=1)
+            unsure = tuple(x.uncertain for x in seen)
+            made.append(Arrows(kind, unit, [x.name for x in seen], tint, points, vectors, unsure))
+    return made
 
 
 def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
@@ -120,38 +121,22 @@ def moved(frames: Frames, body: int, local: np.ndarray) -> np.ndarray:
 
 
 def carried(
-    solution: Any, frames: Frames, used: np.ndarray, where: Between, body: Any, points: np.ndarray
+    run: RunResult, frames: Frames, used: np.ndarray, where: Between, body: Body, points: np.ndarray
 ) -> np.ndarray:
     """(frames, 3) a point given at the used samples, interpolated as the body sees it: it stays on its circle."""
     if body is GROUND:
         return where.blend(points)
-    local = np.einsum("tji,tj->ti", solution.rotation(body)[used], points - solution.position(body)[used])
-    return moved(frames, solution.compiled.body_index[id(body)], where.blend(local))
+    local = np.einsum("tji,tj->ti", run.rotation(body)[used], points - run.position(body)[used])
+    return moved(frames, run.compiled.body_index[id(body)], where.blend(local))
 
 
-def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
-    """Paths of points of bodies.
+def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:
+    """Paths of points of bodies, in the colours of the bodies.
 
-    Parameters
-    ----------
-    solution : Solution or Motion
-    frames : Frames
-        Of the same run, see `frames_of`.
-    points : sequence of (body, point) or None
-        A body or its name, and a world point at the reference pose, carried by the body [m]; None = the centres of
-        mass that move by more than 1 % of the mechanism's size, at most 12, those that move most.
-
-    Returns
-    -------
-    list of Trace
-        In the colours of their bodies.
-
-    Raises
-    ------
-    ValueError
-        Naming the entry, for an unknown body or a point that is none.
+    ``points``: pairs of a body or its name, and a world point at the reference pose [m], carried by the body; None =
+    the centres of mass that move by more than 1 % of the mechanism's size, at most 12, those that move most.
     """
-    system = solution.system
+    system = motion.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
     if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
         raise ValueError(f"traces = {points!r}; give a list of (body, (x, y, z))")
@@ -160,16 +145,58 @@ def traces_of(solution: Any, frames: Frames, points: Any = None) -> list[Trace]:
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
-    size = max(solution.compiled.model.length, float(np.ptp(np.concatenate(paths), axis=0).max()))
-    most = set(np.argsort(-ways, kind="stable")[:TRACES].tolist())
-    shown = [i for i in range(len(paths)) if i in most and ways[i] > 0.01 * size]
-    return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in shown]
+    size = max(motion.compiled.model.length, float(np.ptp(np.concatenate(paths), axis=0).max()))
+    most = sorted(np.argsort(-ways, kind="stable")[:TRACES].tolist())
+    return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in most if ways[i] > 0.01 * size]
 
 
-def trace_point(system: Any, entry: Any) -> tuple[Any, np.ndarray]:
+def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) -> tuple[Body, np.ndarray]:
     """Body and point in its axes, of an entry (body or name, world point at the reference pose)."""
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise ValueError(f"trace {entry!r} is no pair; give (body, (x, y, z))")
+        raise ValueError(f"trace {entry!r} is not a pair; give (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
+
+
+def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
+    """The panels of `Solution.plot` over the time of the frames, with their labels and units; a mode has none.
+
+    Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
+    what tells most: angles or slides of at most 6 joints that move (else the angular velocity of the first body), the
+    energies, and the reactions of at most 6 joints.
+    """
+    if not isinstance(motion, RunResult):
+        return []
+    if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
+        raise ValueError(f"curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
+    scale = scales_of(motion)
+    least = {
+        "[N]": scale.force,
+        "[N m]": scale.moment,
+        "[kg m/s]": scale.momentum,
+        "[kg m²/s]": scale.angular_momentum,
+    }
+    panels: list[Panel] = []
+    for entry in telling(motion) if wanted is None else wanted:
+        found = panels_of(motion, [entry])
+        seen = [x for x in found if max(np.abs(y).max() for _, y in x.lines) > STILL * least.get(x.unit, 0.0)]
+        panels += seen or found[:1]
+    return [curve(motion.t, frames.t, panel) for panel in panels]
+
+
+def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
+    """A panel read at the times [s], between samples along straight lines."""
+    label = f"{panel.label} ({' '.join(panel.note.split())})" if panel.note else panel.label
+    lines = [(name, np.interp(t, samples, values)) for name, values in panel.lines]
+    return Curve(label, panel.unit.strip("[]"), lines)
+
+
+def telling(run: RunResult) -> list:
+    """The curves that are shown if none are asked for."""
+    system, first = run.system, ("omega_body", run.system.bodies[0])
+    for kind in ("slide", "angle"):
+        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
+        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
+            first = (kind, *moving[:LINES])
+    return [first, "energy", *([("reaction", *system.joints[:LINES])] if system.joints else [])]

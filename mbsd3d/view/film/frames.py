@@ -2,7 +2,6 @@
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -11,13 +10,14 @@ from matplotlib.figure import Figure
 
 from ...base.checks import number
 from ...base.style import Theme, dress, house, theme
+from ...plotting.panels import Wanted
+from ...results.body_motion import Poses
 from ..picture.painter import new_sheet
 from ..picture.picture import painter_of, picture_layers
-from ..picture.pointers import pointers_of
-from ..scene.curves import Curve, curves_of
+from ..picture.shading import pointers_of
+from ..scene.drawing import ARROWS, Layers
 from ..scene.frames import LONG, SENSIBLE, frames_of, sensible_speed
-from ..scene.layers import ARROWS
-from ..scene.motion import arrows_of, traces_of
+from ..scene.motion import Curve, Points, arrows_of, curves_of, traces_of
 
 WIDEST = 7.2  # [inch] of the paper: a film of more than 720 pixels has finer lines, not smaller letters
 STRIP = 0.27  # height of a pair of axes below the scene, of the width
@@ -28,58 +28,39 @@ PATH = 400  # points of a path at least
 FEW = 60  # poses that say how far the motion reaches
 
 
-def whole(value: Any, what: str, least: int, most: int) -> int:
+def whole(value: int, what: str, least: int, most: int) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
         raise ValueError(f"{what} = {value!r}; give a whole number from {least} to {most}")
     return int(value)
 
 
-class Reel:
-    """All that a film shows; iterating gives its frames as (height, width, 3) uint8.
+class FilmFrames:
+    """The frames of a film, (height, width, 3) uint8, and its size; options are those of `Solution.export_mp4`.
 
-    Parameters
-    ----------
-    solution : Solution or Motion
-        What moves.
-    fps : float
-        Frames per second of the film.
-    speed : float or None
-        Seconds of the run per second of the film; None = real time, or a round factor for a run that is too short or
-        too long for that.
-    width : int
-        [pixel]
-    height : int or None
-        Of the scene without the curves [pixel]; None = 3/4 of the width.
-    curves : sequence or None
-        Below the scene: quantities, or (quantity, part, ...) as `Solution.plot` takes them; None = a few that tell
-        most, () = none.
-    traces, shown, hidden, view, dark
-        See `Solution.picture`.
-    usual : (float, float)
-        If the speed is not given: the longest run shown in real time, and the length of the film of any other [s].
+    ``usual``: if the speed is not given, the longest run shown in real time, and the length of any other film [s].
     """
 
     def __init__(
         self,
-        solution: Any,
+        motion: Poses,
         *,
         fps: float = 25,
         speed: float | None = None,
         width: int = 480,
         height: int | None = None,
-        curves: Sequence[Any] | None = (),
-        traces: Any = None,
-        shown: Any = (),
-        hidden: Any = (),
+        curves: Wanted | None = (),
+        traces: Points | None = None,
+        shown: Layers = (),
+        hidden: Layers = (),
         view: Sequence[float] | None = None,
         dark: bool = False,
         usual: tuple[float, float] = (LONG, SENSIBLE),
     ) -> None:
         self.fps = number(fps, "fps", positive=True)
-        if solution.t.size < 2 or solution.t[-1] <= solution.t[0]:
+        if motion.t.size < 2 or motion.t[-1] <= motion.t[0]:
             raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
-        span = float(solution.t[-1] - solution.t[0])
+        span = float(motion.t[-1] - motion.t[0])
         self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
         count = round(span * self.fps / self.speed) + 1
         if not 2 <= count <= MOST:
@@ -91,21 +72,21 @@ class Reel:
         rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
         self.dpi = max(100.0, self.width / WIDEST)
         self.sheet = theme(dark)
-        layers = picture_layers(solution.system, shown, hidden, moving=True)
+        layers = picture_layers(motion.system, shown, hidden, moving=True)
         kinds = set(ARROWS) & set(layers)
-        self.frames = frames_of(solution, count)
+        self.frames = frames_of(motion, count)
         self.finer = -(-PATH // (count - 1))  # points of a path per frame, so that few frames leave it round
-        fine = frames_of(solution, self.finer * (count - 1) + 1)
-        self.traces = traces_of(solution, fine, traces) if "traces" in layers else []
-        self.vectors = [x for x in arrows_of(solution, self.frames) if x.kind in kinds] if kinds else []
+        fine = frames_of(motion, self.finer * (count - 1) + 1)
+        self.traces = traces_of(motion, fine, traces) if "traces" in layers else []
+        self.vectors = [x for x in arrows_of(motion, self.frames) if x.kind in kinds] if kinds else []
         some = np.unique(np.linspace(0, count - 1, FEW).astype(int))
         r, e = self.frames.r[some], self.frames.e[some]
         inches = (self.width / self.dpi, rows / self.dpi)
         self.painter, self.reach = painter_of(
-            solution.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
+            motion.system, r, e, inches, paths=self.traces, vectors=self.vectors, layers=layers, view=view, dark=dark,
             fine=max(0.03, COARSE / self.width),
         )  # fmt: skip
-        found = curves_of(solution, self.frames, curves)
+        found = curves_of(motion, self.frames, curves)
         if found and self.width < LEGIBLE:
             raise ValueError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None

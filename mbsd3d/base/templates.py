@@ -1,0 +1,39 @@
+"""HTML pages: what all of them can do, and their templates, which other packages may extend."""
+
+import html
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+
+from .paths import with_suffix, write_atomically
+
+FOLDER = Path(__file__).parent.parent / "templates"
+
+
+class HtmlPage:
+    """One HTML text that works from a file, without a network."""
+
+    html: str
+
+    def _repr_html_(self) -> str:
+        """In a notebook: a frame of its own, so that its style stays its own."""
+        style = "width:100%;height:560px;border:1px solid #ccc"
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="mbsd3d"></iframe>'
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page; ".html" is appended if it is missing, an older file is replaced in one go.
+
+        Raises
+        ------
+        ValueError
+            If the folder does not exist or cannot be written.
+        """
+        return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8"))
+
+
+@cache
+def page_template(name: str, *folders: Path) -> Template:
+    """A template from the folders, or of this package; every text that is put into it is escaped."""
+    options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    return Environment(loader=FileSystemLoader([*folders, FOLDER]), **options).get_template(name)
