@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from models import direction, random_body, random_orientation
 from scipy.integrate import solve_ivp
-from validation.suite.trials.references import PASSES
 
 from mbsd3d import (
     DOP853,
@@ -31,6 +30,7 @@ from mbsd3d.integrators import dop853
 from mbsd3d.integrators.generalized_alpha import GeneralizedAlpha
 from mbsd3d.run.stiffness import force_rate
 from validation import cases
+from validation.suite.trials.references import PASSES
 
 # the IFToMM benchmark A05, stiff flyball governor
 K, C, L0 = 8e5, 4e4, 0.5  # N/m, N s/m, m

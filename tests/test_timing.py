@@ -14,14 +14,14 @@ import test_importers as importers
 import test_model_files as model_files
 from models import revolute_chain
 from sweep_models import ratio, shafts
-from validation.cases.inline_four import RATE, SAMPLES, inline_four, orders
-from validation.cases.mechanisms import ladder
 
 from mbsd3d import Kinematic
 from mbsd3d.sweeps.sweep import sweep
 from mbsd3d.view.scene.artist import draw_system
 from validation.benchmark.precision import measure
 from validation.benchmark.problems import PROBLEMS
+from validation.cases.inline_four import RATE, SAMPLES, inline_four, orders
+from validation.cases.mechanisms import ladder
 
 pytestmark = pytest.mark.timing
 
