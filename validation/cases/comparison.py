@@ -191,7 +191,7 @@ EXTRAS: dict[str, Callable[[_Sample], Array]] = {
 def condition(name: str) -> float:
     """Stored condition of a case: change of its outputs per relative change of the mechanism.
 
-    ``name``: name of the case. Returns as measured by :func:`measure_condition` [-]. ValueError if none is stored.
+    It was measured by `measure_condition` [-]. ValueError if none is stored.
     """
     path = REFERENCES / "conditions.json"
     stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}

@@ -74,29 +74,11 @@ def block_load(
 ) -> Phasors:  # fmt: skip
     """Load of all moving parts on the block, and the torque that keeps the crank at constant speed.
 
-    Parameters
-    ----------
-    engine : Engine
-        Identical cylinders without offset.
-    orders : int
-        Highest harmonic.
-    article : bool
-        True leaves out m_c w^2 r_c, the centripetal force of the crank, as the published figures did.
-    across : bool
-        False leaves out the force at right angles to the bore, as the published figures of V engines did.
-    gravity : (2,) array_like
-        Components along x and y [m/s^2].
-    dyno : bool
-        True: the driving torque reacts outside of the block.
-
-    Returns
-    -------
-    Phasors
-
-    Raises
-    ------
-    ValueError
-        If cylinders differ or have an offset (the closed form is that of identical, centred ones), or at rpm 0.
+    ``engine``: identical cylinders without offset; ``orders``: highest harmonic; ``article``: true leaves out m_c w^2
+    r_c, the centripetal force of the crank, as the published figures did; ``across``: false leaves out the force at
+    right angles to the bore, as the published figures of V engines did; ``gravity`` (2,): components along x and y
+    [m/s^2]; ``dyno``: the driving torque reacts outside of the block. ValueError if cylinders differ or have an
+    offset (the closed form is that of identical, centred ones), or at rpm 0.
     """
     check_lemma(engine)
     w, g = engine.rate, np.asarray(gravity, dtype=float)

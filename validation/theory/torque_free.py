@@ -39,7 +39,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     largest moment if ``L^2 >= 2 T I_m``, else that of the smallest.
 
     ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
-    at t = 0, body axes [rad/s]. Returns none if ``w x I w = 0``: the body then turns steadily. ValueError if a moment
+    at t = 0, body axes [rad/s]. Returns None if ``w x I w = 0``: the body then turns steadily. ValueError if a moment
     is not positive.
     """
     inertia, omega = np.asarray(inertia, dtype=EXTENDED), np.asarray(omega, dtype=EXTENDED)
