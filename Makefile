@@ -31,7 +31,7 @@ warm: $(READY)
 .PHONY: test-generic test-perturbed
 NOT_NUMBERS := browser camera cli demos drawing engine_drawings engine_pages errors film files gltf importers live \
   model_files mujoco_refusals pictures player plots precision report shape_files style sweep_losses view
-NUMBERS := -m "not slow and not timing" $(NOT_NUMBERS:%=--ignore=tests/test_%.py)
+NUMBERS := -m "not slow and not timing" $(NOT_NUMBERS:%=--ignore-glob='*/test_%.py')
 # No fused multiply-add, no vectors, the BLAS of an old processor; kernels compiled so have a folder of their own.
 GENERIC := NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= OPENBLAS_CORETYPE=Nehalem \
   MBSD3D_CACHE="$${XDG_CACHE_HOME:-$$HOME/.cache}/mbsd3d-generic"
@@ -43,7 +43,7 @@ test-generic: $(READY)
 # Masses and inertias differ by a few units in the last place from what the tests give: tests/noise.py. The workers of
 # sweeps are processes of their own and have no noise.
 test-perturbed: $(READY)
-	MBSD3D_TEST_NOISE=1e-15 $(BIN)/python -m pytest $(SPREAD) $(NUMBERS) --ignore=tests/test_sweep.py
+	MBSD3D_TEST_NOISE=1e-15 $(BIN)/python -m pytest $(SPREAD) $(NUMBERS) --ignore-glob='*/test_sweep.py'
 
 pictures: $(READY)
 	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures

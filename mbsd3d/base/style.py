@@ -45,7 +45,7 @@ LIGHT = Theme(
     good="#CFE5F2",
     bad="#F6C6A8",
 )
-# The same hues, of such lightness that they stand out from dark paper and from each other (tests/test_style.py).
+# The same hues, of such lightness that they stand out from dark paper and from each other (tests/base/test_style.py).
 DARK = Theme(
     paper="#15181c",
     ink="#e8e8e8",

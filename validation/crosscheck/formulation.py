@@ -24,7 +24,7 @@ before the last; a motion has hardly more phases than nine."""
 FEWEST = 2
 """States that are looked at whatever they cost: the start and the end."""
 LIMIT = 1e-9
-"""Relative; where the condition of J M^-1 J' times rounding is more, that counts (see tests/test_random.py)."""
+"""Relative; where the condition of J M^-1 J' times rounding is more, that counts (tests/validation/test_random.py)."""
 EPS = 1e-14
 
 

@@ -438,9 +438,8 @@ def test_the_whole_is_plain_data_and_a_figure():
 
 def mutated(*arguments):
     """Outcomes of tests/mutations.py: kernel, mistake, {engine: quantities}."""
-    here = Path(__file__).parent
-    paths = os.pathsep.join([str(here.parent), str(here)])
-    command = [sys.executable, str(here / "mutations.py"), *arguments]
+    paths = os.pathsep.join(sys.path)
+    command = [sys.executable, str(Path(__file__).parents[1] / "mutations.py"), *arguments]
     done = subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, check=True)
     return [json.loads(line) for line in done.stdout.splitlines()]
 

@@ -21,7 +21,7 @@ from mbsd3d.demos.report import report, table, write
 from validation import theory
 
 NAMES = ["cardan", "crank", "door", "dzhanibekov", "heavy_top", "wall"]
-REFERENCES = Path(__file__).parent.parent / "validation" / "references"
+REFERENCES = Path(__file__).parents[2] / "validation" / "references"
 
 
 @cache

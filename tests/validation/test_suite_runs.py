@@ -1,6 +1,7 @@
 """Runs of the suite: exit codes, what is kept of a run that was killed, and the files it writes."""
 
 import json
+import os
 import re
 import shutil
 import signal
@@ -8,7 +9,6 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from browser import visit
@@ -203,7 +203,7 @@ MISTAKEN = """
 import mutations
 from mbsd3d.cli import main
 from mbsd3d.kernels import rows
-from validation.suite import references
+from validation.suite.trials import references
 
 references.LONG["exudyn_rollingCoinTest"] = "without the compiler it takes minutes"
 mutations.put("roll", mutations.wrong_rows(rows.roll, mutations.one_per_cent_of_gamma))
@@ -215,6 +215,7 @@ main(["validate", "--case", "exudyn_rollingCoinTest", "--quick", "--out", {out!r
 def test_a_wrong_row_kernel_makes_the_run_fail(tmp_path):
     """One per cent of J_dot v of a rolling disc, in a process without the compiler."""
     command = [sys.executable, "-c", MISTAKEN.format(out=str(tmp_path))]
-    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "exudyn_rollingCoinTest differ" in done.stderr and "reference: 10 columns" in done.stdout

@@ -31,7 +31,7 @@ from mbsd3d.base.errors import SweepError
 from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.sweep import sweep
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from mbsd3d.sweeps.grids import Samples, samples
 from mbsd3d.sweeps.sweep import sweep
 from validation.cases.inline_four import inline_four, one_turn, orders
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 ENGINE = json.loads((ROOT / "validation" / "references" / "engine.json").read_text())
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from validation import theory
 
-REFERENCES = Path(__file__).parent.parent / "validation" / "references"
+REFERENCES = Path(__file__).parents[2] / "validation" / "references"
 
 
 def read(name):

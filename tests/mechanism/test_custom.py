@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numba
 import numpy as np
@@ -341,8 +340,7 @@ print(json.dumps(accelerations(two_bodies(12, as_custom)).arrays["acceleration"]
 @pytest.mark.slow
 @WITH_COMPILER
 def test_the_same_without_the_compiler():
-    tests = Path(__file__).parent
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{tests}{os.pathsep}{tests.parent}"}
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True)
     plain = json.loads(done.stdout)
     compiled = accelerations(two_bodies(12, as_custom)).arrays["acceleration"].ravel()
