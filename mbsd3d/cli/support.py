@@ -6,11 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base.errors import Mbsd3dError
+
+if TYPE_CHECKING:
+    from ..api.solution import Solution
 
 GROUP = "mbsd3d.commands"
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
@@ -134,7 +137,7 @@ def watch(view: Any) -> None:
         view.wait()
 
 
-def keep(solution: Any, target: Path) -> None:
+def keep(solution: "Solution | None", target: Path) -> None:
     """Save an unfinished run, if it has samples, whatever keys are pressed meanwhile."""
     if solution is None or not solution.t.size:
         click.echo("nothing was computed")

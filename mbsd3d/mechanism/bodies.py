@@ -9,6 +9,7 @@ import numpy as np
 from ..base.checks import number, vector
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
+from .shapes.guesses import as_shape
 
 
 class Ground:
@@ -104,8 +105,6 @@ class Body:
             if getattr(self, name) is not None:
                 set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
         if self.shape is not None:
-            from .shapes.guesses import as_shape
-
             set_field(self, "shape", as_shape(self))
 
     def __repr__(self) -> str:

@@ -40,7 +40,7 @@ def shortened(parts: Iterable, what: str, count: int = MOST) -> tuple[list, str]
 def run_facts(solution: RunResult) -> list[tuple[str, str]]:
     """What was run and how; without the time it took, so that the same run gives the same report."""
     record, system, t = solution.record, solution.system, solution.t
-    adaptive = not getattr(record.method, "dt", None) and not record.kinematic
+    adaptive = record.method.dt is None and not record.kinematic
     first, last = digits(t[0], count=6), digits(t[-1], count=6)
     span = first if t.size == 1 else f"{first} … {last}"
     facts = [
