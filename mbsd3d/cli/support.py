@@ -36,7 +36,7 @@ class Failure(click.ClickException):
 
 
 class Commands(click.Group):
-    """The own commands and those of other packages (entry points ``mbsd3d.cli.support``), with errors in one line."""
+    """The own commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Own commands, then those of other packages."""
