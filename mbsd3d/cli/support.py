@@ -88,7 +88,7 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
 
 def load(file: str, drop: tuple[str, ...]) -> Any:
     """The System of a file of any kind; what an import did with it goes to stderr."""
-    from ..api.sources import load_model
+    from ..api.model_input import load_model
 
     system, notes = load_model(file, drop)
     for note in notes:

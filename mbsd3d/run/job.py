@@ -1,4 +1,4 @@
-"""One run: the compiled time loop in chunks, the choice of rows between them, and what came out."""
+"""One run: the compiled time loop in chunks, the choice of rows between them, and its samples."""
 
 import time
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from ..base.concurrency import taking_turns
 from ..base.errors import SweepError
-from .cells import Outcome
+from .experiment import Outcome
 
 DIED = (
     "WorkerDied: the process of this cell ended twice without a word (killed, out of memory, or os._exit); "

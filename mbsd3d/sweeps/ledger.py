@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base.paths import package_version
-from .cells import Experiment, Outcome
+from .experiment import Experiment, Outcome
 from .grids import Grid
 
 FORMAT = 1  # rises when an older ledger cannot be read any more

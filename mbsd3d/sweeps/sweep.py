@@ -12,8 +12,8 @@ from ..base.concurrency import one_thread
 from ..base.errors import SweepError
 from ..base.paths import package_version
 from ..base.progress import Progress
-from .cells import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .executors import check_executor, outcomes
+from .experiment import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .grids import Grid, Samples, make_grid
 from .ledger import Ledger, LedgerError, identity
 

@@ -1,4 +1,4 @@
-"""One cell of a sweep: build, simulate, measure; what comes out is plain numbers and text."""
+"""One cell of a sweep: build, simulate, measure; the outcome is plain numbers and text."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ class MisuseError(ValueError):
 
 
 class Outcome(NamedTuple):
-    """What came out of a cell: numbers, or the text of its error."""
+    """The result of a cell: numbers, or the text of its error."""
 
     values: dict[str, float | list[float]]
     error: str = ""

@@ -1,4 +1,4 @@
-"""Where a command takes its system from: model files, models of other programs, Python files with ``build()``."""
+"""Models a command is given: model files, models of other programs, Python files with ``build()``."""
 
 import sys
 from collections.abc import Callable, Iterator
