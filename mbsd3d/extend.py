@@ -30,7 +30,7 @@ NAMES = {
     "view.scene.camera": ("VIEW",),
     # commands of the command line, and demos
     "cli": ("main",),
-    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load", "ready_folder"),
+    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder"),
     "demos.base": ("discover",),
     # the mechanism as data: what joints lower to, what forces and signals are made of
     "mechanism.couplings": ("Coupling",),

@@ -2,7 +2,7 @@
 
 import click
 
-from .support import drop_option, load
+from .support import drop_option, load_system
 
 
 @click.command()
@@ -14,7 +14,7 @@ def check(file: str, drop: tuple[str, ...]) -> None:
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. The exit code is 1 if it is locked or cannot close.
     """
-    diagnosis = load(file, drop).check()
+    diagnosis = load_system(file, drop).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
         raise click.exceptions.Exit(1)

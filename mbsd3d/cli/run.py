@@ -2,7 +2,7 @@
 
 import click
 
-from .support import INTERRUPTED, can_view, drop_option, keep, load, ready_target
+from .support import INTERRUPTED, can_view, drop_option, keep, load_system, ready_target
 
 
 @click.command()
@@ -33,7 +33,7 @@ def run(
     keeps what was computed. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
-    system = load(file, drop)
+    system = load_system(file, drop)
     target = ready_target(file, out, ".npz")
     from ..api.simulation import simulate
     from ..base.errors import IntegrationError

@@ -2,7 +2,7 @@
 
 import click
 
-from .support import can_view, drop_option, load, ready_target
+from .support import can_view, drop_option, load_system, ready_target
 
 
 @click.command()
@@ -16,6 +16,6 @@ def show(file: str, drop: tuple[str, ...], out: str) -> None:
     returns a System. Writes one page (.html) that needs no network.
     """
     can_view(needed=True)
-    system = load(file, drop)
+    system = load_system(file, drop)
     target = ready_target(file, out, ".html")
     click.echo(str(system.show(title=target.name).save(target)))

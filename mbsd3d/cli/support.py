@@ -86,7 +86,7 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
     return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
 
 
-def load(file: str, drop: tuple[str, ...]) -> Any:
+def load_system(file: str, drop: tuple[str, ...]) -> Any:
     """The System of a file of any kind; what an import did with it goes to stderr."""
     from ..api.model_input import load_model
 

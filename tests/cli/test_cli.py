@@ -87,7 +87,8 @@ def test_help_names_the_commands():
 
 
 def test_help_needs_click_only():
-    code = "import sys; from mbsd3d.cli import main; main(['--help'], standalone_mode=False); print(*sys.modules)"
+    code = "import sys; before = set(sys.modules); from mbsd3d.cli import main; main(['--help'], standalone_mode=False)"
+    code += "; print(*(set(sys.modules) - before))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     help_text, _, modules = done.stdout.rstrip().rpartition("\n")
     loaded = {name.partition(".")[0] for name in modules.split()}

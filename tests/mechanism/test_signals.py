@@ -8,8 +8,19 @@ import pytest
 
 from mbsd3d.equations.compiled import Signals
 from mbsd3d.kernels import signals as kernels
-from mbsd3d.mechanism import signals
-from mbsd3d.mechanism.signals import Constant, Polynomial, Pulse, Ramp, Sine, Sum, Table, as_signal, check_interval
+from mbsd3d.mechanism.signals import (
+    Constant,
+    Polynomial,
+    Pulse,
+    Ramp,
+    Sine,
+    Sum,
+    Table,
+    as_signal,
+    check_interval,
+    curves,
+    signal,
+)
 from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
@@ -34,8 +45,9 @@ def signal(request):
 
 
 def test_examples():
-    result = doctest.testmod(signals)
-    assert result.attempted and not result.failed
+    for module in (curves, signal):
+        result = doctest.testmod(module)
+        assert result.attempted and not result.failed
 
 
 def test_derivatives_are_those_of_the_value(signal):

@@ -114,7 +114,7 @@ def test_bevel_differential_shares_torque_and_averages_rates():
 def test_a_mesh_survives_its_description_and_a_table():
     frame, bodies, joints = planetary(True)
     system = System(bodies, joints, [torque(bodies[0], frame.z, 3.0)])
-    again = rebuild(json.loads(json.dumps(describe(system))))
+    again = System.of(rebuild(json.loads(json.dumps(describe(system)))))
     first, second = (accelerations(x).arrays for x in (system, again))
     assert np.array_equal(first["acceleration"], second["acceleration"])
     assert again.joints[-1].carrier is again.bodies[1]

@@ -140,7 +140,7 @@ BAD = {
 @pytest.mark.parametrize("name", BAD)
 def test_bad_input_is_named_before_anything_runs(monkeypatch, name):
     call, words = BAD[name]
-    monkeypatch.setattr("mbsd3d.sweeps.outcomes", lambda *cells: pytest.fail("something runs"))
+    monkeypatch.setattr("mbsd3d.sweeps.sweep.outcomes", lambda *cells: pytest.fail("something runs"))
     with pytest.raises(ValueError, match=words):
         call()
 

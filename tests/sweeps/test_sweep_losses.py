@@ -167,7 +167,7 @@ def test_the_ledger_of_another_sweep_is_refused_by_name(tmp_path, change, word):
 
 def test_the_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
     sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
-    monkeypatch.setattr("mbsd3d.ledger.package_version", lambda: "0.0.1")
+    monkeypatch.setattr("mbsd3d.sweeps.ledger.package_version", lambda: "0.0.1")
     with pytest.raises(ValueError, match="belongs to another sweep, it differs in mbsd3d; give another file"):
         sweep(wheel, GRID, speed, run=RUN, ledger=tmp_path / "sweep.db")
 

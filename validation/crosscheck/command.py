@@ -5,8 +5,7 @@ from pathlib import Path
 
 import click
 
-from mbsd3d import load
-from mbsd3d.extend import INTERRUPTED, ready_folder, write_atomically
+from mbsd3d.extend import INTERRUPTED, load_system, ready_folder, write_atomically
 from validation.crosscheck.check import BUDGET, ENGINES, cross_check
 
 
@@ -27,7 +26,7 @@ def validate_model(
             ready_folder(str(Path(target).parent), option)
             if Path(target).is_dir():
                 raise ValueError(f"{option} '{target}' is a folder; give a file in it")
-    check = cross_check(load(model, drop), t_end, engines=engines, tolerance=tolerance, budget=budget)
+    check = cross_check(load_system(model, drop), t_end, engines=engines, tolerance=tolerance, budget=budget)
     click.echo(check.table())
     if json_file:
         text = json.dumps({"model": Path(model).name, **check.to_dict()}, indent=1, ensure_ascii=False, allow_nan=False)
