@@ -19,8 +19,8 @@ from mbsd3d.mechanism.signals import (
     as_signal,
     check_interval,
     curves,
-    signal,
 )
+from mbsd3d.mechanism.signals import signal as bases
 from mbsd3d.mechanism.signals.terms import POLYNOMIAL, SINE, SPLINE, evaluate
 
 TIMES = np.array([0.0, 0.4, 0.7, 1.3, 1.9, 2.2])
@@ -45,7 +45,7 @@ def signal(request):
 
 
 def test_examples():
-    for module in (curves, signal):
+    for module in (curves, bases):
         result = doctest.testmod(module)
         assert result.attempted and not result.failed
 
