@@ -157,6 +157,7 @@ def test_torques_are_drawn_as_a_smooth_line_through_the_turns():
     assert abs(np.interp(12.5, *line.get_xydata().T) - middle) < 0.5 * abs(straight - middle)
 
 
+@pytest.mark.slow
 def test_pivoting_about_the_rear_contact():
     turn = circles.pivot(BENCHMARK, 1.5)
     known = by_hand(BENCHMARK, turn.lean, turn.steer)

@@ -154,6 +154,7 @@ def test_bicycle_that_falls_stops_at_the_tilt(side):
     assert "fallen at t = " in str(found)
 
 
+@pytest.mark.slow
 def test_two_mass_skate_rides_on_massless_wheels():
     """Point masses and massless wheels: it follows its linear equations, and comes back upright without a gyro."""
     skate, start = named("Tms"), 1e-5

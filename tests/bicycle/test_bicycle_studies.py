@@ -386,6 +386,7 @@ def test_impossible_maps_are_refused(axes, message):
 # --- why --------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_ablations_of_the_benchmark_are_confirmed_by_the_general_model(tmp_path):
     found = why.ablations(BENCHMARK)
     rows = {row.name: row for row in found.rows}

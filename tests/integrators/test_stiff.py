@@ -100,6 +100,7 @@ def slider_height():
     return times, solve_ivp(reduced, (0, 2), start, "Radau", times, rtol=1e-10, atol=1e-12).y[0]
 
 
+@pytest.mark.slow
 def test_dop853_meets_the_governor_by_hand():
     times, expected = slider_height()
     run = simulate(governor(), 2.0, rtol=1e-9, output=times)

@@ -35,6 +35,7 @@ def test_filtered_feedback():
         linearize(system, system.assemble(angles={hinge: 0.1}))
 
 
+@pytest.mark.slow
 def test_custom_force_with_a_state():
     def coil(t, bodies, z, parameters, loads, z_dot):
         turn = bodies[0].w[1]

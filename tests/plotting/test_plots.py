@@ -185,6 +185,7 @@ def test_files_are_the_same_bytes_in_another_process(tmp_path):
         assert first == second and len(first) > 1000
 
 
+@pytest.mark.slow
 def test_files_are_the_same_bytes_twice(solution, tmp_path):
     first, second = (save_figure(solution.plot("reaction"), tmp_path / f"{name}.v1") for name in "ab")
     assert [path.name for path in first] == ["a.v1.png", "a.v1.svg"]

@@ -241,6 +241,7 @@ def test_same_run_same_bytes(tmp_path):
     assert (tmp_path / "one.html").read_bytes() == (tmp_path / "other.html").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_run_read_from_a_file_gives_the_same_report(tmp_path):
     run = simulate(pendulum(), 0.1, output=9)
     options = {"curves": ["energy"], "dark": False}
@@ -264,6 +265,7 @@ def test_paper(solution):
     assert "var(--line0)" in auto and "#0072b2" not in auto.split("</style>")[1].lower()
 
 
+@pytest.mark.slow
 def test_chosen_curves(solution):
     text = solution.report(curves=[("position", UPPER_ARM), "drift"]).html
     assert text.count("<svg") == 2 and 'aria-label="position of upper arm [m] over time"' in text

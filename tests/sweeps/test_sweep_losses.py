@@ -110,7 +110,8 @@ def wait_for(mark, count, process):
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("how", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGINT])
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
 def test_a_ledger_goes_on_where_a_sweep_was_stopped(tmp_path, monkeypatch, how):
     ledger, mark = tmp_path / "sweep.db", tmp_path / "mark"
     process = start(ledger, mark, fast=30)  # then it cannot come to its end before the signal

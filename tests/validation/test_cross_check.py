@@ -150,6 +150,7 @@ def test_redundant_rows_leave_indeterminate_reactions_out_and_say_so():
     assert ("Exudyn", "reaction force") not in check.verdict and check.verdict["Exudyn", "position"] == AGREES
 
 
+@pytest.mark.slow
 def test_a_chaotic_motion_is_compared_as_long_as_it_can_be():
     """Four hinges at large angles: neighbours part a million times within 6 s, so limits are known only before."""
     check = cross_check(chain(4), 6.0, engines=["mujoco"], budget=2.0)

@@ -135,6 +135,7 @@ def test_names_are_escaped_and_no_template(folder):
     ).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_same_bytes_twice(folder, tmp_path):
     pages.write_pages(tmp_path, engines(), progress=False)
     files = sorted(p.relative_to(folder) for p in folder.rglob("*.html"))

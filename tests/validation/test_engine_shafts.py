@@ -131,6 +131,7 @@ def test_errors_of_shafts(wrong, message):
         wrong()
 
 
+@pytest.mark.slow
 def test_studies_on_the_command_line():
     found = CliRunner().invoke(cli.main, ["I4", "--gas", "10000", "--shafts", "--sweep"])
     assert found.exit_code == 0

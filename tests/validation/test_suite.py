@@ -127,6 +127,7 @@ def test_forty_four_bars_with_605_rows_of_rank_485():
     assert found.verdict == AGREES and "rows 605, rank 485" in found.of(FREEDOMS)[0].note
 
 
+@pytest.mark.slow
 def test_random_mechanisms_move_and_keep_their_seed():
     for seed in range(4):
         first, second = (randoms.started(seed) for _ in range(2))
@@ -134,6 +135,7 @@ def test_random_mechanisms_move_and_keep_their_seed():
         assert np.array_equal(first.solution.arrays["q"], second.solution.arrays["q"])
 
 
+@pytest.mark.slow
 def test_reactions_of_a_gear_whose_hinges_stand_on_one_body():
     """Its body b bears the torques of both hinges; seed 10 has such a gear, and MuJoCo can express it."""
     found = examined(randoms.trial_of(10), 2.0)  # s: three halvings of the step take a fraction of it

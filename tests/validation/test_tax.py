@@ -133,6 +133,7 @@ def test_command_line_gives_json(small, monkeypatch):
     assert data["verdicts"][0]["goal"] == tax.RATIO_GOAL and data["sweep"] == small.sweep
 
 
+@pytest.mark.slow
 def test_runs_without_the_engines_it_does_not_measure():
     """In a process of its own: nothing of MuJoCo is imported, not even by the line about the machine."""
     code = (

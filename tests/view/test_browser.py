@@ -84,6 +84,7 @@ def test_the_scene_is_not_blank_and_moves(page):
     assert differing(first, scene(page)) == 0  # the same time is the same picture
 
 
+@pytest.mark.slow
 def test_poses_of_the_scene_are_those_of_the_solution(page, motion):
     size, scale = draw_system(motion.system).size, page.run("mbsd3d.data.scale")
     read = """() => Object.fromEntries(Object.entries(__viserMutable.nodeRefFromName).filter(

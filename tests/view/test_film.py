@@ -39,6 +39,7 @@ def frames_of_gif(path) -> tuple[list[np.ndarray], list[int]]:
     return images, durations
 
 
+@pytest.mark.slow
 def test_every_frame_of_the_gif_is_another_picture(solution, tmp_path):
     path = solution.export_gif(tmp_path / "motion", speed=0.25, fps=30, **SMALL)
     images, durations = frames_of_gif(path)

@@ -260,6 +260,7 @@ def chain(n):
     return System(bodies, joints)
 
 
+@pytest.mark.slow
 def test_large_files_stay_small(tmp_path):
     path = simulate(chain(10), 0.5, output=41).export_glb(tmp_path / "ten", frames=1000)
     assert path.stat().st_size < 2e6 and len(File(path).channels("link 9", "rotation")[0]) == 1000

@@ -6,8 +6,9 @@ from pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene,
 
 from mbsd3d.view.page.html import asset
 
+pytestmark = pytest.mark.slow
 
-@pytest.mark.slow
+
 def test_play_goes_at_the_chosen_speed_and_pause_holds(page):
     page.page.locator("#speed").select_option("0.1")
     page.run("""() => { window.log = []; const note = (now) => {
@@ -66,7 +67,6 @@ def test_the_slider_scrubs(page):
     assert page.page.locator("#time").text_content() == f"t = {page.run('mbsd3d.time'):.3f} s"
 
 
-@pytest.mark.slow
 def test_the_camera_goes_along_with_a_body(page):
     """The eye is shifted by what the body has moved, and stays as it was turned and zoomed."""
     eye = "() => __viserMutable.camera.matrixWorld.elements.slice()"
@@ -91,7 +91,6 @@ def test_the_camera_goes_along_with_a_body(page):
     page.page.locator("#camera").click()
 
 
-@pytest.mark.slow
 def test_a_page_goes_along_with_a_body_from_the_start(chromium, motion, folder):
     """Seen from near; the view that is reset is where the body is now."""
     eye = "() => __viserMutable.camera.matrixWorld.elements.slice()"
@@ -112,7 +111,6 @@ def test_a_page_goes_along_with_a_body_from_the_start(chromium, motion, folder):
         assert np.abs(np.array(seen.run(eye))[12:15] - eyes[1]).max() < 1e-4
 
 
-@pytest.mark.slow
 def test_loop(page):
     page.page.locator("#speed").select_option("0.5")
     loop = page.page.locator("#loop")
@@ -131,7 +129,6 @@ def test_loop(page):
     loop.check()
 
 
-@pytest.mark.slow
 def test_every_switch_changes_the_picture_and_back(page):
     page.page.set_viewport_size({"width": 800, "height": 340})  # small pictures are drawn quickly
     legend = page.page.locator("#legend")
@@ -170,7 +167,6 @@ def cursor(seen):
     return float((near * sums[near]).sum() / sums[near].sum())
 
 
-@pytest.mark.slow
 def test_curves_follow_the_time_and_scrub_it(page, motion):
     columns = {}
     for k in (0, 15, 44, COUNT - 1):
@@ -196,7 +192,6 @@ def test_curves_follow_the_time_and_scrub_it(page, motion):
     page.page.locator("#show-curves").check()
 
 
-@pytest.mark.slow
 def test_dragging_turns_the_view_and_reset_brings_it_back(page):
     first = scene(page)
     box = page.page.locator("#scene").bounding_box()
@@ -213,7 +208,6 @@ def test_dragging_turns_the_view_and_reset_brings_it_back(page):
         assert differing(first, scene(page)) == 0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "width, height",
     [
@@ -241,7 +235,6 @@ def test_every_control_can_be_reached_in_any_window(page, width, height):
     assert covered(scene(page))[0] > 0.02
 
 
-@pytest.mark.slow
 def test_the_divider_gives_the_curves_more_room_by_key_and_mouse(page):
     divider, curves = page.page.locator("#divider"), page.page.locator("#curves")
     widths = [curves.bounding_box()["width"]]
