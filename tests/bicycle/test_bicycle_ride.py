@@ -230,6 +230,7 @@ def test_table_has_a_column_with_a_unit_for_everything(tmp_path):
     assert np.array_equal(values[:, header.split(",").index("lean [rad]")], found.lean)
 
 
+@pytest.mark.slow
 def test_command_writes_what_it_says(tmp_path):
     answer = CliRunner().invoke(main, ["bicycle", "ride", "--manoeuvre", "slow", "--out", str(tmp_path)])
     assert answer.exit_code == 0, answer.output

@@ -134,6 +134,7 @@ def test_without_viser_a_view_is_refused_before_anything_is_computed(folder, mon
     assert result.stderr == "mbsd3d: a view needs the package viser; install it: pip install 'mbsd3d[view]'\n"
 
 
+@pytest.mark.slow
 def test_demo_view_says_its_address_and_ends_quietly_with_ctrl_c(folder):
     running = process("demo", "cardan", "--view", "--out", folder)
     lines = []

@@ -181,6 +181,7 @@ def test_switches_that_are_off_are_said(switch, text):
     assert text in door(output=3, **{switch: False}).report(curves=[], dark=False).html
 
 
+@pytest.mark.slow
 def test_what_was_not_an_ordinary_run_is_said():
     system = pendulum()
     stopped = simulate(system, 0.3, stop_when=measures.angle(system.joints[2]) > 0.1)
@@ -213,6 +214,7 @@ def test_a_run_that_broke_off_is_reported():
         empty.report()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Glyph .* missing")  # the font has no bicycle: a box is drawn
 def test_names_and_titles_cannot_break_the_page():
     bodies = [Body(name, 1.0, (0.1, 0.2, 0.3), position=(k, 0.1, 0)) for k, name in enumerate(HOSTILE)]

@@ -81,6 +81,7 @@ def test_a_cluster_that_blames_the_neighbours_too():
     np.testing.assert_allclose(table["speed"].values[~killed.values], known(GRID)[~killed.values], rtol=LOCAL)
 
 
+@pytest.mark.slow
 def test_a_broken_pool_of_the_user_keeps_what_had_finished():
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         with pytest.raises(SweepError, match="broke, .* cells have not finished; executor='processes'") as caught:

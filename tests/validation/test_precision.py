@@ -111,6 +111,7 @@ def test_rods_of_the_four_bar_start_upright_at_one_radian_a_second():
     assert np.allclose((later.position[0] - start.position[0]) / 1e-4, (0.5, 0, 0), atol=1e-3)  # O(t) of the difference
 
 
+@pytest.mark.slow
 def test_peers_come_to_the_closed_form_and_the_order_shows(row):
     # RK4 and RK67 meet rounding near 1e-9: the motion amplifies a relative error some hundred times
     assert row.agreement("MuJoCo") < 1e-7 and row.agreement("Exudyn") < 1e-7
@@ -125,6 +126,7 @@ def test_front_of_an_engine_falls(row):
         assert all(a.seconds < b.seconds and a.error > b.error for a, b in zip(points, points[1:], strict=False))
 
 
+@pytest.mark.slow
 def test_tables_and_figure(row, tmp_path):
     text = "\n".join(tables.report([row]))
     assert "free body" in text and ("MISSED" in text or "met" in text) and "rk67" in text
@@ -133,6 +135,7 @@ def test_tables_and_figure(row, tmp_path):
     assert [path.read_bytes() for path in save_figure(work_precision([row], dark=True), tmp_path / "c")] != first
 
 
+@pytest.mark.slow
 def test_rows_survive_the_disk_and_an_interrupted_run_goes_on(row, tmp_path):
     path = tmp_path / "precision.json"
     store.save(path, [row], "here", complete=False)

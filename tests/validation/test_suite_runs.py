@@ -96,6 +96,7 @@ def test_table_and_page_of_every_verdict():
     assert json.loads(encoded(content))["counts"] == {AGREES: 30, DIFFERS: 1, NOT_COMPARED: 1, EXPLAINED: 1}
 
 
+@pytest.mark.slow
 def test_a_run_of_two_cases_from_table_to_files(tmp_path):
     code, said = validate(*only(*FAST), "--quick", "--out", tmp_path)
     assert code == 0, said

@@ -18,6 +18,8 @@ from mbsd3d.view.scene.camera import frame_camera
 from mbsd3d.view.scene.drawing import bounds
 from mbsd3d.view.scene.frames import frames_of
 
+pytestmark = pytest.mark.slow
+
 
 def camera_of(seen):
     """Camera and root of the scene: matrices (4, 4) of position in the client's world, and fov [rad], aspect."""
@@ -84,7 +86,6 @@ def test_the_scene_is_not_blank_and_moves(page):
     assert differing(first, scene(page)) == 0  # the same time is the same picture
 
 
-@pytest.mark.slow
 def test_poses_of_the_scene_are_those_of_the_solution(page, motion):
     size, scale = draw_system(motion.system).size, page.run("mbsd3d.data.scale")
     read = """() => Object.fromEntries(Object.entries(__viserMutable.nodeRefFromName).filter(
@@ -100,7 +101,6 @@ def test_poses_of_the_scene_are_those_of_the_solution(page, motion):
             assert np.abs(pose[:3, :3] - motion.rotation(body)[k]).max() < 4 * 0.51 * TURN
 
 
-@pytest.mark.slow
 def test_between_frames_bodies_are_between(page, motion):
     k, share = 20, 0.4
     seek(page, float(motion.t[k] + share * (motion.t[k + 1] - motion.t[k])))
@@ -111,7 +111,6 @@ def test_between_frames_bodies_are_between(page, motion):
     assert np.abs(matrix(np.array(pose["wxyz"])) - matrix(e / np.linalg.norm(e))).max() < 8 * TURN
 
 
-@pytest.mark.slow
 def test_a_body_is_seen_where_the_camera_equations_put_it(page, motion):
     tick(page, False, "body names")
     rgb = np.array([int(PINK[i : i + 2], 16) for i in (1, 3, 5)])
@@ -156,7 +155,6 @@ OUTSIDE = """() => {
 }"""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width, height", [(800, 460), (360, 640)])
 def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
@@ -172,13 +170,12 @@ def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     tick(page, True, "ground grid", "body names")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "reader, dark, expected",
     [
         ("dark", None, True),
-        pytest.param("light", True, True, marks=pytest.mark.slow),
-        pytest.param("dark", False, False, marks=pytest.mark.slow),
+        pytest.param("light", True, True),
+        pytest.param("dark", False, False),
     ],
 )
 def test_dark_and_light(chromium, motion, folder, reader, dark, expected):
@@ -192,7 +189,6 @@ def test_dark_and_light(chromium, motion, folder, reader, dark, expected):
         assert seen.page.locator("#play, #scrub, #curves").count() == 0  # a pose alone has no player
 
 
-@pytest.mark.slow
 def test_a_client_without_the_hook_says_so(chromium, film):
     with visit(chromium, film) as seen:
         seen.page.add_init_script("Object.defineProperty(window, '__viserMutable', {get() {}, set() {}})")
@@ -205,7 +201,6 @@ def test_a_client_without_the_hook_says_so(chromium, film):
         assert seen.page.locator("#message").is_visible() and seen.page.locator("#play").is_enabled()
 
 
-@pytest.mark.slow
 def test_without_webgl_the_curves_work(chromium, film):
     with visit(chromium, film) as seen:
         seen.page.add_init_script("""const get = HTMLCanvasElement.prototype.getContext;
@@ -218,7 +213,6 @@ def test_without_webgl_the_curves_work(chromium, film):
         assert seen.page.locator("#curves canvas.plot").first.is_visible()
 
 
-@pytest.mark.slow
 def test_a_notebook_shows_the_page_in_a_frame(chromium, motion, folder):
     path = folder / "notebook.html"
     path.write_text(f"<!doctype html><meta charset=utf-8><p>In [1]</p>{motion.system.show()._repr_html_()}", "utf-8")
@@ -228,8 +222,7 @@ def test_a_notebook_shows_the_page_in_a_frame(chromium, motion, folder):
         assert covered(seen.pixels("iframe"))[0] > 0.03 and seen.complaints == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("reader", ["light", pytest.param("dark", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("reader", ["light", pytest.param("dark")])
 def test_the_report_is_read_offline_on_any_screen_and_on_paper(chromium, motion, folder, reader):
     motion.report(folder / "report", title=TITLE)
     with visit(chromium, folder / "report.html", width=900, height=700, color_scheme=reader) as seen:
@@ -258,7 +251,6 @@ def chain(links):
     return System(bodies, joints)
 
 
-@pytest.mark.slow
 def test_ten_bodies_and_a_thousand_frames(chromium, folder):
     run = simulate(chain(10), 1.0, rtol=1e-5, output=1000)
     view = run.animate(folder / "large", frames=1000)
@@ -271,7 +263,6 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
         assert (np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + LENGTH * draw_system(run.system).size).all()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", own_demos())
 def test_every_demo_is_seen_moving(chromium, name, tmp_path):
     demo = own_demos()[name]
