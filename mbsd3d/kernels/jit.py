@@ -65,7 +65,7 @@ def announce_compilation(part: str = "kernels") -> None:
     if is_warm(part):
         return
     if part == "kernels" or is_warm():  # one line is enough at the very first run
-        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (up to a minute) ...\n")
+        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (a minute or two) ...\n")
         sys.stderr.flush()
         ended = threading.Event()
         atexit.register(ended.set)
