@@ -3,14 +3,15 @@
 import math
 import os
 import time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import click
 
 
 def compile_all() -> None:
     """Every kernel, by two processes where there are two cores: they share few kernels and write into one cache."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
     from ..kernels.jit import is_warm
 
     parts = (compile_explicit, compile_implicit)
