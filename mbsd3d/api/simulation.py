@@ -80,7 +80,7 @@ def simulate(
     start = start_of(system, state, "simulate", as_built)
     try:
         result = run_to(
-            system, t_end, switches, state=start, method=method, rtol=rtol, output=output, stop_when=stop_when,
+            system, start, t_end, switches, method=method, rtol=rtol, output=output, stop_when=stop_when,
             as_built=as_built, progress=progress,
         )  # fmt: skip
     except IntegrationError as error:

@@ -7,7 +7,6 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.progress import Progress
-from ..constraints.assembly import reference_state
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
@@ -21,10 +20,10 @@ from .job import Job
 
 def run_to(
     system: Mechanism,
+    start: State,
     t_end: float,
     switches: Switches,
     *,
-    state: State | None = None,
     method: Method | None = None,
     rtol: float = 1e-8,
     output: int | Sequence[float] | None = None,
@@ -34,9 +33,8 @@ def run_to(
 ) -> RunResult:
     """Integrate a mechanism from a state to ``t_end``; arguments and errors as `mbsd3d.simulate`."""
     method = method or DOP853()
-    check_kinds(system, method, rtol, stop_when)
-    check_state(state, "simulate")
-    start, t_end = state or reference_state(system, as_built), number(t_end, "simulate: t_end")
+    check_kinds(method, rtol, stop_when)
+    t_end = number(t_end, "simulate: t_end")
     if not t_end > start.t:
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
@@ -50,9 +48,8 @@ def run_to(
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
 
 
-def check_kinds(system: Any, method: Any, rtol: float, stop_when: Any) -> None:
+def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
-    check_system(system, "simulate")
     if isinstance(method, type) or not isinstance(method, Method):
         names = "DOP853, RK4, GeneralizedAlpha, Kinematic"
         raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
@@ -106,10 +103,7 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method) -> n
     return times
 
 
-def accelerations_at(system: Mechanism, state: State | None = None) -> RunResult:
+def accelerations_at(system: Mechanism, start: State) -> RunResult:
     """Accelerations and reactions at one state, as a result with a single sample."""
-    check_system(system, "accelerations")
-    check_state(state, "accelerations")
-    start = state or reference_state(system, None)
     compiled = compile_system(system)
     return Job(compiled, start, start.t, np.array([start.t]), DOP853(), 1e-8, None, None).evaluate()
