@@ -43,7 +43,7 @@ NAMES = {
     "equations.compiled": ("compile_system", "new_data"),
     "equations.dense_solvers": ("equations", "mass_matrix"),
     "equations.tables": ("key_of",),
-    "constraints.row_choice": ("schur_of",),
+    "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),
     "kernels.jit": ("CACHE",),
 }

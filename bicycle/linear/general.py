@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import AssemblyError, Linearization, System, linearize
-from mbsd3d.extend import STEP, Field, compile_system, directions, number, on_one_thread, schur_of
+from mbsd3d.extend import STEP, Field, compile_system, directions, eliminate, number, on_one_thread
 
 from ..model.kinematics import placed, rolling
 from ..model.mechanism import NAMES, outputs
@@ -124,23 +124,23 @@ def output_matrices(system: System, p: Parameters, speed: float) -> tuple[np.nda
     field = Field(compiled, start, len(seen))
     if compiled.model.z_work or compiled.model.row.size != ROWS:
         return None
-    schur = schur_of(compiled.model, np.arange(ROWS), complex)
+    tree = eliminate(compiled.model, field.real, None, complex)
     X = deviations(p, compiled.model.body["com"], speed)
     found = []
     for share in (0.0, 1.0):  # of the speed: all velocities of a straight run, and those that lean and steer add to it
         y, along = field.y.copy(), X.copy()
         y[COORDINATES:] *= share
         along[VELOCITIES:, :2] *= share
-        found.append(matrix_at(field, schur, y, along))
+        found.append(matrix_at(field, tree, y, along))
     return None if any(A is None for A in found) else (found[0], found[1])
 
 
-def matrix_at(field: Field, schur: object, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
+def matrix_at(field: Field, tree: object, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
     """The rates of the outputs along the deviations; None if the joints or the motion do not allow these."""
     model = field.compiled.model
     moves = directions(model, y)
     try:
-        here, change = field.derivatives(schur, 0.0, y, moves @ X)
+        here, change = field.derivatives(tree, 0.0, y, moves @ X)
         rates = np.vstack([change["position_rate"], change["acceleration"]])
         A = field.output_rates(0.0, y, moves @ rates)
     except AssemblyError:

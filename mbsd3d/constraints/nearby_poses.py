@@ -5,7 +5,7 @@ import numpy as np
 from ..base.rotations import matrix
 from ..kernels.dynamics import FAR, PROJECTED, project_positions
 from ..kernels.kinematics import displace_body
-from ..kernels.layout import Data, Model, Schur
+from ..kernels.layout import Data, Model, Tree
 
 
 def nudged(y: np.ndarray, b: int, j: int, h: float) -> np.ndarray:
@@ -27,7 +27,7 @@ def displaced(model: Model, y: np.ndarray, X: np.ndarray) -> np.ndarray:
     return moved
 
 
-def closed(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
+def closed(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray, X: np.ndarray) -> np.ndarray | None:
     """`displaced`, projected onto c = 0 in the metric of M; None if the joints do not close there."""
     moved = displaced(model, y, X)
-    return moved if project_positions(model, data, schur, t, moved, FAR) == PROJECTED else None
+    return moved if project_positions(model, data, tree, t, moved, FAR) == PROJECTED else None

@@ -9,7 +9,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
-from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import evaluate_start, full, hermite, interpolate, outputs
 from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
@@ -63,8 +63,8 @@ def correct(m, s, run, w, h_v):
         size = abs(h_v * w.x[j]) / unit
         if not size <= largest:  # NaN counts
             largest = size
-    for i in range(s.place.shape[0]):
-        w.lam[s.place[i].row] -= w.x[6 * n + nz + i]
+    for i in range(s.used.shape[0]):
+        w.lam[s.used[i]] -= w.x[6 * n + nz + i]
     return largest
 
 
@@ -91,7 +91,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW.
     """
     w, n = g.newton, m.body.shape[0]
-    size = 6 * n + m.z_work + s.place.shape[0]
+    size = 6 * n + m.z_work + s.used.shape[0]
     change = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
     reach = 1.0 + m.length / (h * run.now.speed)  # rounding of q is one of v, divided by h
@@ -251,7 +251,7 @@ def step(m, d, s, g, run):
     remember(m, d, t_new)
     update_scales(m, d, run)
     accept(m, run, g, c, t_new, h)
-    return RUNNING if rows_hold(m, d, s, run) else CHOOSE_ROWS
+    return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 
 @merged_kernel

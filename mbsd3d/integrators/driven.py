@@ -11,7 +11,7 @@ from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
-from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING
+from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method
 from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, write
 from .step_control import rows_hold, update_scales
@@ -157,5 +157,5 @@ def follow(m, d, s, own, run, budget):
         write(m, d, run, t_output, run.y)
         run.now.next_output += 1
         if not rows_hold(m, d, s, run):
-            return CHOOSE_ROWS
+            return NEW_TREE
     return RUNNING

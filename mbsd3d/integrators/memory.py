@@ -6,8 +6,8 @@ import numpy as np
 
 from ..kernels.layout import single
 
-RUNNING, DONE, STOPPED, FULL, CHOOSE_ROWS, PASSED, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(9)
-NOT_CONVERGED, STIFF = 9, 10
+RUNNING, DONE, STOPPED, FULL, NEW_TREE, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)
+NOT_CONVERGED, STIFF = 8, 9
 
 TASK = [  # constant during the run
     ("t_start", float),  # s
@@ -36,8 +36,7 @@ NOW = [
     ("next_output", int),  # index of the next output time
 ]
 ROWS = [
-    ("least_pivot", float),  # smallest pivot / diagonal of S below which rows are chosen anew
-    ("pivot", float),  # that ratio at the end of the last step
+    ("pivot", float),  # smallest pivot of the loop rows over its diagonal at the end of the last step
     ("usual_pivot", float),  # and the largest that the run has seen
     ("residual", float),  # largest scaled |c| of the rows left out
     ("on_manifold", int),  # 1: stages are projected, since the rows are nearly dependent

@@ -1,7 +1,7 @@
 """Newton's method for one implicit step: the equations as a residual r(x) and their matrix by complex steps.
 
         [ M v_dot + h - Q + J' lam ]
-    r = [ z_dot - g                ]      x = (v_dot, z_dot, lam) at the end of the step, lam of the chosen rows
+    r = [ z_dot - g                ]      x = (v_dot, z_dot, lam) at the end of the step, lam of the rows in use
         [ (J v - b) / h_v          ]
 
 A change dx moves the end of the step by dv = h_v dx, dz = h_v dx and dq = h_q P T dx: T is the tangent of the
@@ -75,8 +75,8 @@ def residual(m, d, s, t, y, rate, lam, h_v, r):
         put6(r[6 * i : 6 * i + 6], sub(add(force, pull), load), sub(add(moment, pull_moment), load_moment))
     for j in range(nz):
         r[6 * n + j] = rate[13 * n + j] - d.state_rate[j]
-    for i in range(s.place.shape[0]):
-        k = s.place[i].row
+    for i in range(s.used.shape[0]):
+        k = s.used[i]
         r[6 * n + nz + i] = row_speed(m, d, k) / h_v
         for slot in range(4):
             b = m.row[k].body[slot]
@@ -115,9 +115,9 @@ def push_pose(m, d, s, w, j, h_q):
     dr, turn = displacement(d, w, j, h_q)
     for i in range(n):
         put6(d.body[i].acceleration, scale(0.0, dr), scale(0.0, dr))
-    if m.stabilisation == PROJECTION and s.place.shape[0] > 0:
-        for i in range(s.place.shape[0]):
-            k = s.place[i].row
+    if m.stabilisation == PROJECTION and s.used.shape[0] > 0:
+        for i in range(s.used.shape[0]):
+            k = s.used[i]
             d.row[k].bottom = 0.0
             for slot in range(4):
                 if m.row[k].body[slot] == b and m.row[k].holonomic == 1:
@@ -151,7 +151,7 @@ def fill_matrix(m, d, s, w, t, y, h_q, h_v):
     Exact but for the curvature of c = 0 over the distance that the projection moved y: fourth digit of a large step.
     """
     n, nz = m.body.shape[0], m.z_work
-    size = 6 * n + nz + s.place.shape[0]
+    size = 6 * n + nz + s.used.shape[0]
     same_branch(d, w.data)
     for j in range(6 * n + nz):
         for k in range(y.shape[0]):
@@ -164,10 +164,11 @@ def fill_matrix(m, d, s, w, t, y, h_q, h_v):
         residual(m, w.data, s, t, w.y_c, w.rate_c, w.lam, h_v, w.x_c)
         for i in range(size):
             w.A[i, j] = w.x_c[i].imag / TINY
-    for i in range(s.place.shape[0]):
-        column, k = 6 * n + nz + i, s.place[i].row
+    for i in range(s.used.shape[0]):
+        column, k = 6 * n + nz + i, s.used[i]
         for j in range(size):
             w.A[j, column] = 0.0
+        w.A[column, column] = -s.state.mu / m.row[k].scale ** 2  # rows may repeat each other; Newton takes it away
         for slot in range(4):
             b = m.row[k].body[slot]
             if 0 <= b < n:
@@ -217,7 +218,7 @@ def lu_solve(A, pivot, x, n):
 def filtered(m, d, s, w, e):
     """e := A^-1 M e on velocities and own states: what stiff forces and joints leave of an error; h_v^2 K >> M dies."""
     n, nz = m.body.shape[0], m.z_work
-    size = 6 * n + nz + s.place.shape[0]
+    size = 6 * n + nz + s.used.shape[0]
     for i in range(n):
         u = 7 * n + 6 * i
         force, moment = inertia_force(m.body[i], d.body[i], (e[u], e[u + 1], e[u + 2]), (e[u + 3], e[u + 4], e[u + 5]))

@@ -9,7 +9,7 @@ from ..kernels.dynamics import FAR, NEAR, PROJECTED, evaluate, project_and_evalu
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
-from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, PASSED, RUNNING, STEP_TOO_SMALL, STIFF
+from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 
@@ -228,14 +228,13 @@ def is_stiff(m, own, run, h):
 @merged_kernel
 def verdict(m, d, s, own, run, h):
     """RUNNING, or what Python must look at after a step: the chosen rows, or stiffness."""
-    was_near = run.rows.on_manifold == 1
     if not rows_hold(m, d, s, run):
-        return CHOOSE_ROWS
+        return NEW_TREE
     if not nearly_singular(run):
         run.rows.normal_step = h
     if run.task.steps == 0 and run.stiffness.patience < np.inf and is_stiff(m, own, run, h):
         return STIFF
-    return PASSED if was_near and run.rows.on_manifold == 0 else RUNNING
+    return RUNNING
 
 
 @merged_kernel

@@ -5,7 +5,6 @@ import numpy as np
 from ..kernels.dynamics import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
-from ..kernels.saddle import smallest_pivot
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
@@ -73,23 +72,21 @@ def state_error(m, run):
 
 @inner_kernel
 def nearly_singular(run):
-    """True where the chosen rows were close to depending on each other at the end of the last step."""
+    """True where loop rows were close to depending on each other at the end of the last step, but not always."""
     return run.rows.pivot < max(SINGULAR, NEARLY_SINGULAR * run.rows.usual_pivot)
 
 
 @inner_kernel
 def rows_hold(m, d, s, run):
-    """True while the chosen rows are well independent and the skipped ones are satisfied."""
+    """True while the rows of the tree are well independent and those left out are satisfied."""
     rows, tolerance = run.rows, run.task.tolerance
     rows.residual = 0.0
-    if m.singular == 0:
-        rows.pivot = smallest_pivot(s)
-        rows.usual_pivot = max(rows.usual_pivot, rows.pivot)
-        if not nearly_singular(run):
-            rows.on_manifold = 0
-        if rows.pivot < rows.least_pivot:
-            return False
-        rows.least_pivot = max(rows.least_pivot, min(1e-8, 1e-4 * rows.pivot))  # ready for the next one
+    rows.pivot = s.state.pivot
+    rows.usual_pivot = max(rows.usual_pivot, rows.pivot)
+    if not nearly_singular(run):
+        rows.on_manifold = 0
+    if s.state.worn == 1:
+        return False
     if s.skipped.shape[0] > 0 and m.stabilisation == PROJECTION:
         position, speed = skipped_residual(m, d, s)
         rows.residual = position

@@ -88,10 +88,9 @@ def evaluate(m, d, s, t, y, dy):
 
 @inner_kernel
 def largest_residual(m, d, s):
-    """Largest scaled |c| of the chosen rows (units of the model's length, radians)."""
+    """Largest scaled |c| of the rows in use (units of the model's length, radians)."""
     largest = 0.0
-    for i in range(s.place.shape[0]):
-        k = s.place[i].row
+    for k in s.used:
         size = abs(d.row[k].c) * m.row[k].scale
         if largest == largest and not size <= largest:  # NaN counts, and stays
             largest = size

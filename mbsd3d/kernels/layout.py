@@ -1,4 +1,4 @@
-"""What the kernels read and write: `Model` (constant), `Data` (work space), `Schur` (the chosen rows).
+"""What the kernels read and write: `Model` (constant), `Data` (work space), `Tree` (how the saddle point is solved).
 
 Tables are arrays of records: ``m.body[i].mass``, ``d.row[k].gamma``; from Python ``data.row["gamma"]`` is the whole
 column. Vectors are in world axes unless a line says "body axes"; SI units. Body index n (one past the last) is the
@@ -94,7 +94,7 @@ class Model(NamedTuple):
     z_drive: int
     z_impulse: int
     length: float  # m, the model's own length: scale of errors and of the rank decision
-    singular: int  # 1: a body without mass or with a singular inertia: dense saddle point instead of the Schur path
+    singular: int  # 1: a body without mass or with a singular inertia
     gyroscopic: float  # 1, or 0 to drop w x I_G w
     centripetal: float  # 1, or 0 to drop m w x (w x s)
     gamma: float  # 1, or 0 to drop -J_dot v
@@ -160,33 +160,80 @@ class Data(NamedTuple):
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
 
 
-class Schur(NamedTuple):
-    """The chosen rows in elimination order, and the skyline of S = J M^-1 J' in that order."""
+class Tree(NamedTuple):
+    """The saddle point over the rows in use: bodies from the leaves of a spanning tree to its roots, then loops.
 
-    place: np.ndarray  # (c,) row, first stored column, start of the line, diagonal of S
-    block: np.ndarray  # (blocks,) a row on a body: Y = J U^-1 with M = U'U; ascending places within a body
-    body_first: np.ndarray  # (n + 1,) first block of each body
-    skyline: np.ndarray  # lower triangle of S, then of its factor L (1 / L_ii): S[i, j] is skyline[line_i + j]
-    rhs: np.ndarray  # (c,) right side, then solution
+    A *link* is a body with the rows that join it to its parent, as many as are independent; every other row in use is a
+    *loop row*. An *entry* is a loop row that is felt by a link: on the link itself or through the links beyond it.
+    """
+
+    link: np.ndarray  # (n,) links; children stand before their parents
+    joint: np.ndarray  # rows of the links, side by side
+    loop: np.ndarray  # (l,) loop rows in elimination order
+    entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
+    skyline: np.ndarray  # lower triangle of S: S[i, j] is skyline[line_i + j]
+    lower: np.ndarray  # of its factor L, in the same places; the diagonal holds 1 / L_ii
+    rhs: np.ndarray  # (l,) right side, then multipliers of the loop rows
+    lam: np.ndarray  # (l,) work space of the sweeps
+    step: np.ndarray  # (l,)
+    state: np.record  # TREE_STATE
+    used: np.ndarray  # rows in use, ascending
     skipped: np.ndarray  # rows left out
 
 
-def schur_records(dtype: type) -> dict[str, list]:
-    """Record fields of the Schur complement for real or complex numbers."""
+TREE_STATE = [
+    ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
+    ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
+    ("weak", int),  # 1: some loop rows are nearly dependent on others
+    ("pivot", float),  # smallest pivot of S over its diagonal, of the rows that are not let go
+    ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
+]
+
+
+def tree_records(dtype: type) -> dict[str, list]:
+    """Record fields of the tree for real or complex numbers; 6-vectors are (linear, angular) about O in world axes."""
     return {
-        "place": [
-            ("row", int),
-            ("first", int),
-            ("line", int),
-            ("s_ii", dtype),  # diagonal of S before factoring
+        "link": [
+            ("body", int),
+            ("up", int),  # link of the parent, -1 = the ground
+            ("joint", int),  # first of its rows in Tree.joint
+            ("rows", int),  # their number r
+            ("entry", int),  # first of its entries
+            ("entries", int),  # their number
+            ("alone", int),  # 1: a free body that nothing touches
+            ("d", dtype, 3),  # m, from the parent's O to its own
+            ("A", dtype, 9),  # articulated inertia [A B; B' C]: of the body and of all beyond it,
+            ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
+            ("C", dtype, 9),
+            ("basis", dtype, (6, 6)),  # r directions the rows hold, then 6 - r they leave free
+            ("R", dtype, (6, 6)),  # row j of the joint is sum_i R[j, i] basis_i; the diagonal holds 1 / R_jj
+            ("u", dtype, (6, 6)),  # inertia times each free direction
+            ("inverse", dtype, 6),  # of each pivot
+            ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it
+            ("p", dtype, 6),  # load of the body and of all beyond it
+            ("y", dtype, 6),  # acceleration that the rows prescribe
+            ("a", dtype, 6),  # acceleration
         ],
-        "block": [
-            ("place", int),
-            ("line", int),  # start of the line of that place
+        "joint": [
             ("row", int),
             ("slot", int),  # of the row that is on the body,
-            ("twin", int),  # and a second one on the same body (the carrier of two gears), -1 = none
-            ("Y", dtype, 6),
+            ("twin", int),  # and a second one, -1 = none
+        ],
+        "loop": [
+            ("row", int),
+            ("first", int),  # first stored column of its line of S
+            ("line", int),  # start of the line
+            ("mu", float),  # what is added to the diagonal
+            ("s_ii", dtype),  # the diagonal
+        ],
+        "entry": [
+            ("place", int),  # of its loop row
+            ("line", int),  # start of the line of that place
+            ("next", int),  # the same loop row at the parent, -1 = it ends here
+            ("slot", int),  # of the row on the body itself, -1 = none,
+            ("twin", int),  # and a second one
+            ("G", dtype, 6),  # loop row by the acceleration of the link
+            ("e", dtype, 6),  # by that along each free direction
         ],
     }
 

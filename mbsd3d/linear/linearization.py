@@ -11,8 +11,8 @@ import scipy.linalg
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..constraints.nearby_poses import closed
-from ..constraints.row_choice import schur_of
 from ..equations.compiled import Compiled, compile_system
+from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..kernels.jit import announce_compilation, mark_warm
 from ..mechanism.measures import Measure, check_members
@@ -149,11 +149,11 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
 def check_regular(field: Field, space: Tangent) -> None:
     """Small motions are linear only where the rank of the rows is the same all around."""
     model, chosen = field.compiled.model, field.rows_at(field.t, field.y)
-    schur, random = schur_of(model, chosen), np.random.default_rng(0)
+    tree, random = eliminate(model, field.real, chosen), np.random.default_rng(0)
     unit = displacement_units(model.length, model.body.size)
     X = space.E[: unit.size, : space.configuration] @ random.normal(size=space.configuration)
     for step in 0.02 * X / np.abs(X / unit).max(initial=1e-300) * np.array([[1.0], [-1.0]]):
-        y = closed(model, field.real, schur, field.t, field.y, step)
+        y = closed(model, field.real, tree, field.t, field.y, step)
         beside = None if y is None else field.rows_at(field.t, y).size
         if beside != chosen.size:
             there = "do not close" if y is None else f"have rank {beside}"

@@ -11,7 +11,7 @@ from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError
 from ..constraints.nearby_poses import closed
-from ..constraints.row_choice import choose_rows
+from ..equations.elimination import eliminate
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..results.body_motion import Poses
@@ -201,11 +201,11 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
     found, compiled = mode.linearization, mode.linearization.compiled
     model, data, n = compiled.model, compiled.data(), compiled.model.body.size
     start = load_state(compiled, data, found.state)
-    schur = choose_rows(model, data)[0]
+    tree = eliminate(model, data)
     poses = np.empty((t.size, 7 * n))
     shape = np.hstack([mode.translation, mode.rotation]).ravel()
     for k in range(t.size):
-        y = closed(model, data, schur, found.state.t, start, (shape * wave[k]).real)
+        y = closed(model, data, tree, found.state.t, start, (shape * wave[k]).real)
         if y is None:
             raise AssemblyError(
                 f"motion: the joints do not close at sample {k} of the mode '{mode.label}'",

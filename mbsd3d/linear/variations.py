@@ -14,13 +14,14 @@ import numpy as np
 from ..base.errors import AssemblyError
 from ..base.quaternions import H, skew
 from ..base.rotations import matrix
-from ..constraints.row_choice import choose_rows, schur_of
+from ..constraints.row_choice import choose_rows
 from ..equations.at_state import load_rows, load_state
 from ..equations.compiled import Compiled
+from ..equations.elimination import eliminate
 from ..kernels.coordinates import measure, remember
 from ..kernels.dynamics import accelerate
 from ..kernels.kinematics import kinematics
-from ..kernels.layout import Data, Model, Schur
+from ..kernels.layout import Data, Model, Tree
 from ..kernels.rows import rows
 from ..kernels.saddle import SOLVED, factor
 from ..mechanism.state import State
@@ -59,13 +60,13 @@ class Field:
     def rows_at(self, t: float, y: np.ndarray) -> np.ndarray:
         """Independent rows at a state; they are frozen while it is varied."""
         load_rows(self.compiled, self.real, y, t)
-        return np.sort(choose_rows(self.compiled.model, self.real)[0].place["row"])
+        return choose_rows(self.compiled.model, self.real)
 
     def at(self, t: float, y: np.ndarray) -> Variations:
         """All variations at a state y."""
         model, moves = self.compiled.model, directions(self.compiled.model, y)
-        schur = schur_of(model, self.rows_at(t, y), complex)
-        here, change = self.derivatives(schur, t, y, moves)
+        tree = eliminate(model, self.real, self.rows_at(t, y), complex)
+        here, change = self.derivatives(tree, t, y, moves)
         n = model.body.size
         X_dot = np.zeros((moves.shape[1], moves.shape[1]))
         X_dot[: 6 * n] = change["position_rate"]
@@ -79,7 +80,7 @@ class Field:
         )  # fmt: skip
 
     def derivatives(
-        self, schur: Schur, t: float, y: np.ndarray, moves: np.ndarray
+        self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """(values at y, their derivatives along the columns of ``moves``): the kernels once per column."""
         model, data, k = self.compiled.model, self.data, moves.shape[1]
@@ -87,7 +88,7 @@ class Field:
         copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
         z_rate, outputs = np.empty((k, model.z_work), complex), np.empty((k, self.outputs), complex)
         for j, move in enumerate(moves.T):
-            solve(model, data, schur, t, y + 1j * STEP * move)
+            solve(model, data, tree, t, y + 1j * STEP * move)
             for key, table in tables.items():
                 copies[key][j] = table.view(np.uint8)
             z_rate[j] = data.state_rate[: model.z_work]
@@ -141,11 +142,11 @@ def directions(model: Model, y: np.ndarray) -> np.ndarray:
     return moves
 
 
-def solve(model: Model, data: Data, schur: Schur, t: float, y: np.ndarray) -> None:
+def solve(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray) -> None:
     """Fill ``data`` at a complex state."""
     kinematics(model, data, y)
     rows(model, data, t)
-    if factor(model, data, schur) != SOLVED or accelerate(model, data, schur, t) != SOLVED:
+    if factor(model, data, tree) != SOLVED or accelerate(model, data, tree, t) != SOLVED:
         raise AssemblyError(
             "linearize: the equations of motion have no solution", time=t,
             advice="see system.check(); give massless bodies joints that determine their motion",

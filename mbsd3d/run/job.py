@@ -11,6 +11,7 @@ from ..base.progress import Progress
 from ..constraints.row_choice import choose_rows
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
+from ..equations.elimination import eliminate
 from ..integrators import memory
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
@@ -65,7 +66,7 @@ class Job:
         self.own = method.start(self.model, compiled.data)
         coordinates = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
         y = load_state(compiled, self.data, State(start.t, start.q, start.v, start.z, coordinates))
-        self.schur = None
+        self.tree = None
         self.memory = self.new_run(y, start.t, t_end, times, rtol)
         self.last_event = -1
 
@@ -93,7 +94,9 @@ class Job:
         try:
             with progress:
                 self.check_start()
-                self.choose("start")
+                self.eliminate()
+                if self.record.kinematic and self.model.stabilisation:
+                    self.check_driven()
                 self.first_step()
                 self.check_condition()
                 self.loop(progress)
@@ -107,9 +110,9 @@ class Job:
     def evaluate(self) -> RunResult:
         """One sample at the start, without integrating."""
         self.check_start()
-        self.choose("start")
+        self.eliminate()
         model, data, run, t = self.model, self.data, self.memory, self.start.t
-        projected, solved = project_and_evaluate(model, data, self.schur, t, run.y, run.dy, FAR)
+        projected, solved = project_and_evaluate(model, data, self.tree, t, run.y, run.dy, FAR)
         run.now.evaluations += 1
         if projected != PROJECTED:
             self.fail(memory.NOT_CLOSING)
@@ -134,12 +137,8 @@ class Job:
                 budget = int(np.clip(budget * CHUNK / max(spent, 1e-6), budget / 4, 4 * budget)) or 1
             elif status == memory.FULL:
                 self.drain()
-            elif status == memory.PASSED:
-                self.event("nearly dependent rows passed", False)
-            elif status == memory.CHOOSE_ROWS:
-                self.choose("smallest pivot" if run.rows.residual == 0.0 else "skipped rows violated")
-            elif status == memory.NOT_CLOSING and self.record.rows_left_out:
-                self.choose("kept rows nearly dependent", afresh=True)
+            elif status == memory.NEW_TREE:
+                self.eliminate_anew()
             elif status == memory.STIFF:
                 check_forces(self.compiled, run.y, run.now.t, run.now.step, self.solution)
                 run.stiffness.patience = np.inf
@@ -154,42 +153,34 @@ class Job:
     def call(self, budget: int) -> int:
         """The compiled loop of the method."""
         with turn_passed_on():
-            return self.method.loop(self.model, self.data, self.schur, self.own, self.memory, budget)
+            return self.method.loop(self.model, self.data, self.tree, self.own, self.memory, budget)
 
-    def choose(self, why: str, afresh: bool = False) -> None:
-        """Choose the independent rows at the present state; a change after the start is a rank event.
-
-        The present set is kept where it is as good as the best one, unless ``afresh``: of redundant rows, a set that is
-        good at this pose may be singular at the next one, where the mechanism is not.
-        """
-        run, model = self.memory, self.model
-        before = None if self.schur is None else np.sort(self.schur.place["row"])
-        if before is not None and run.now.steps == self.last_event:
-            self.fail(memory.NOT_CLOSING)  # a fresh choice did not last a single step
+    def eliminate(self) -> None:
+        """The tree of the equations at the present state, over all rows; of parts as built, over independent ones."""
+        run, model, rows = self.memory, self.model, None
         load_rows(self.compiled, self.data, run.y, run.now.t)
         if not np.isfinite(self.data.row["J"]).all():
             self.fail(memory.NO_SOLUTION)
-        self.schur, smallest = choose_rows(model, self.data, max(self.tolerance, 1e-10), None if afresh else before)
-        self.record.svd_calls += 1
-        self.record.rows_left_out = int(self.schur.skipped.size)
-        self.last_event = int(run.now.steps) if before is not None else -1
-        # a row set that is as good as can be had is kept until its pivots fall a hundredfold
-        run.rows.least_pivot = min(1e-8, 1e-2 * smallest**2)
+        if self.record.tolerance > 0.0:
+            rows = choose_rows(model, self.data, max(self.tolerance, 1e-10))
+            self.record.svd_calls += 1
+        self.tree = eliminate(model, self.data, rows)
+        self.record.rows_left_out = int(self.tree.skipped.size + self.tree.loop.size)
         run.now.fresh = 1
-        if before is not None:
-            self.event(why, not np.array_equal(np.sort(self.schur.place["row"]), before))
-        elif model.stabilisation and self.record.kinematic:
-            self.check_driven()
 
-    def event(self, why: str, changed: bool) -> None:
-        """Note a rank event: time, rows kept, reason, whether the row set changed."""
-        time_now = float(self.memory.now.t)
-        self.record.rank_events.append((time_now, self.schur.place.size, why, changed))
+    def eliminate_anew(self) -> None:
+        """Another tree: rows of a joint have become dependent, or rows left out are violated, which is an event."""
+        if self.memory.now.steps == self.last_event:
+            self.fail(memory.NOT_CLOSING)  # the tree before did not last a single step
+        self.last_event = int(self.memory.now.steps)
+        self.eliminate()
+        if self.memory.rows.residual > 0.0:
+            self.record.rank_events.append((float(self.memory.now.t), self.tree.used.size, "rows left out violated", True))
 
     def check_driven(self) -> None:
         """Kinematic() needs rows that determine everything, at position level."""
         need = 6 * self.model.body.size
-        holonomic = int(self.model.row["holonomic"][self.schur.place["row"]].sum())
+        holonomic = int(self.model.row["holonomic"][choose_rows(self.model, self.data)].sum())
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
@@ -202,7 +193,7 @@ class Job:
         """Scales of the velocity errors and the first step from the accelerations at the start."""
         run, model, n = self.memory, self.model, self.model.body.size
         horizon = run.task.t_end - run.now.t
-        project_and_evaluate(model, self.data, self.schur, run.now.t, run.y.copy(), run.dy, FAR)
+        project_and_evaluate(model, self.data, self.tree, run.now.t, run.y.copy(), run.dy, FAR)
         v = run.y[7 * n : 13 * n].reshape(n, 6)
         a = run.dy[7 * n : 13 * n].reshape(n, 6)
         spin = np.abs(v[:, 3:]).max(initial=0.0) + np.sqrt(np.abs(a[:, 3:]).max(initial=0.0))

@@ -1,0 +1,197 @@
+"""The order in which `kernels.tree` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
+
+Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near the
+ground, so that few bodies feel a loop.
+"""
+
+import heapq
+from functools import lru_cache
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
+from ..kernels.tree import choose_joint_rows
+
+PROXIMAL = 1e-8  # times the largest inertia of a body, mu: singular values of J below its root are let go
+
+
+def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
+    """Index tables and work space for the rows in use (all if None) at the state in ``data``.
+
+    Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
+    """
+    used = np.arange(model.row.size) if rows is None else np.asarray(rows, np.int64)
+    on = np.where(np.isin(np.arange(model.row.size), used)[:, None], model.row["body"], -1)
+    order, up, first, joint = spanning_tree(on.tobytes(), model.body.size)
+    chosen = np.zeros(joint.size, np.int64)
+    choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
+    plan = loop_plan(on.tobytes(), model.body.size, chosen.tobytes())
+    return with_memory(model, plan, used, dtype)
+
+
+def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dtype: type) -> Tree:
+    """A plan with the memory to carry it out."""
+    fields, tables = tree_records(dtype), {}
+    for name in ("link", "joint", "loop", "entry"):
+        columns = {key: value for key, value in plan.items() if key.startswith(name + ".")}
+        tables[name] = table(fields[name], plan[name].size)
+        for key, value in columns.items():
+            tables[name][key.partition(".")[2]] = value
+    weight = largest_inertia(model)
+    loop, state = tables["loop"], single(TREE_STATE)
+    state.mu = PROXIMAL / weight
+    loop["mu"] = state.mu / model.row["scale"][loop["row"]] ** 2
+    ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
+    tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
+    size = int((np.arange(loop.size) - loop["first"] + 1).sum())
+    rhs, lam, step = np.zeros((3, loop.size), dtype)
+    skyline, lower = np.zeros((2, size), dtype)
+    return Tree(
+        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"], skyline=skyline, lower=lower,
+        rhs=rhs, lam=lam, step=step, state=state, used=used,
+        skipped=np.setdiff1d(np.arange(model.row.size), used).astype(np.int64),
+    )  # fmt: skip
+
+
+def largest_inertia(model: Model) -> float:
+    """Of a body about its reference point [kg m^2], m L^2 included: what J M^-1 J' of scaled rows is the inverse of."""
+    body = model.body
+    arms = (body["com"] ** 2).sum(axis=1)
+    turning = np.abs(body["inertia"]).max(axis=1, initial=0.0) + body["mass"] * arms
+    return float(np.maximum(body["mass"] * model.length**2, turning).max(initial=0.0)) or 1.0
+
+
+def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
+    """(m, 2) the two bodies of rows on one or two moving bodies, the ground (n) last; -1 for all other rows."""
+    moving = np.where((on >= 0) & (on < n), on, -1)
+    high = moving.max(axis=1, initial=-1)
+    low = np.where(moving >= 0, moving, n).min(axis=1, initial=n)
+    others = (moving >= 0) & (moving != high[:, None]) & (moving != low[:, None])
+    two = np.where(low == high, n, high)
+    pair = np.stack([low, two], axis=1)
+    pair[(high < 0) | others.any(axis=1)] = -1
+    # two moving bodies and the ground besides: not the row of one joint
+    ground = ((on == n).any(axis=1)) & (low != high)
+    pair[ground] = -1
+    return pair
+
+
+@lru_cache(maxsize=32)
+def spanning_tree(rows: bytes, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(bodies, children before parents; parent body of each, n = ground; first candidate row of each; the candidates)."""
+    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
+    pair = pairs_of(on, n)
+    known = np.flatnonzero(pair[:, 0] >= 0)
+    edges: dict[tuple[int, int], list[int]] = {}
+    for k, (a, b) in zip(known.tolist(), pair[known].tolist(), strict=True):
+        edges.setdefault((a, b), []).append(k)
+    near: list[list[tuple[int, int]]] = [[] for _ in range(n + 1)]
+    for (a, b), held in edges.items():
+        near[a].append((b, min(6, len(held))))
+        near[b].append((a, min(6, len(held))))
+    parent, order = np.full(n, -1), []
+    for root in [n, *sorted(range(n), key=lambda i: -len(near[i]))]:
+        if root < n and parent[root] >= 0:
+            continue
+        queue = [(-rows, 1, other, root) for other, rows in near[root]]
+        if root < n:
+            parent[root] = n
+            order.append(root)
+        heapq.heapify(queue)
+        while queue:
+            _, depth, body, before = heapq.heappop(queue)
+            if body == n or parent[body] >= 0:
+                continue
+            parent[body] = before
+            order.append(body)
+            for other, rows in near[body]:
+                if other < n and parent[other] < 0:
+                    heapq.heappush(queue, (-rows, depth + 1, other, body))
+    bodies = np.array(order[::-1], np.int64)
+    held = [edges.get((min(b, parent[b]), max(b, parent[b])), []) for b in bodies]
+    first = np.cumsum([0, *map(len, held)]).astype(np.int64)
+    found = np.array([k for group in held for k in group], np.int64)
+    joint = table(tree_records(float)["joint"], found.size)
+    joint["row"] = found
+    joint["slot"], joint["twin"] = slots_on(on[found], np.repeat(bodies, np.diff(first)))
+    return bodies, parent[bodies], first, joint
+
+
+def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(slot, second slot) of each row that is on its body; -1 for none."""
+    hit = on == body[:, None]
+    count = hit.sum(axis=1)
+    slot = np.where(count > 0, hit.argmax(axis=1), -1)
+    twin = np.where(count == 2, 3 - hit[:, ::-1].argmax(axis=1), -1)
+    return slot, twin
+
+
+@lru_cache(maxsize=32)
+def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
+    """Columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
+    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
+    bodies, parent, first, joint = spanning_tree(rows, n)
+    take = np.frombuffer(chosen, np.int64) == 1
+    counts = np.add.reduceat(np.append(take, 0), first[:-1]) if n else np.zeros(0, np.int64)
+    counts = np.where(np.diff(first) > 0, counts, 0)
+    place = np.full(n + 1, -1)
+    place[bodies] = np.arange(n)
+    up = place[parent]
+    in_use = np.flatnonzero((on >= 0).any(axis=1))
+    loops = np.setdiff1d(in_use, joint["row"][take])
+    felt = paths(on, loops, place, up, n)
+    line = narrow_order(felt, n)
+    loops, felt = loops[line], [felt[k] for k in line]
+    entries: list[list[int]] = [[] for _ in range(n)]  # places of the loop rows that each link feels, ascending
+    for k, links in enumerate(felt):
+        for i in links:
+            entries[i].append(k)
+    lengths = np.array([len(places) for places in entries], np.int64)
+    starts = np.cumsum([0, *lengths])
+    at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
+    owner = np.repeat(np.arange(n), lengths)
+    entry_place = np.array([k for places in entries for k in places], np.int64)
+    first_column = np.arange(loops.size)
+    for places in entries:
+        if places:
+            first_column[places] = np.minimum(first_column[places], places[0])
+    width = np.arange(loops.size) - first_column + 1
+    start_of_line = np.cumsum(width) - width - first_column
+    slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
+    return {
+        "link": np.empty(n), "link.body": bodies, "link.up": up, "link.rows": counts,
+        "link.joint": np.cumsum(counts) - counts, "link.entry": starts[:-1], "link.entries": lengths,
+        "link.alone": (counts == 0) & (lengths == 0) & (up < 0) & ~np.isin(np.arange(n), up),
+        "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
+        "loop": loops, "loop.row": loops, "loop.first": first_column, "loop.line": start_of_line,
+        "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
+        "entry.next": np.array([at.get((int(up[i]), int(k)), -1) for i, k in zip(owner, entry_place, strict=True)], int),
+        "entry.slot": slot, "entry.twin": twin,
+    }  # fmt: skip
+
+
+def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[list[int]]:
+    """Links that each loop row is felt by: from its bodies down to the ground."""
+    found = []
+    for k in loops.tolist():
+        links: set[int] = set()
+        for b in on[k].tolist():
+            i = int(place[b]) if 0 <= b < n else -1
+            while i >= 0 and i not in links:
+                links.add(i)
+                i = int(up[i])
+        found.append(sorted(links))
+    return found
+
+
+def narrow_order(felt: list[list[int]], n: int) -> np.ndarray:
+    """Reverse Cuthill-McKee order of the loop rows: those that share a link lie side by side."""
+    if len(felt) < 2:
+        return np.arange(len(felt))
+    row = np.repeat(np.arange(len(felt)), [len(links) for links in felt])
+    link = np.array([i for links in felt for i in links], np.int64)
+    shared = csr_array((np.ones(row.size), (row, link)), shape=(len(felt), n))
+    return reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True).astype(np.int64)
+
