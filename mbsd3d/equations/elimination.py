@@ -50,7 +50,7 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dty
     skyline, lower = np.zeros((2, size), dtype)
     return Tree(
         link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"], skyline=skyline, lower=lower,
-        rhs=rhs, lam=lam, step=step, state=state, used=used,
+        rhs=rhs, shares=np.zeros(48, np.int64), lam=lam, step=step, state=state, used=used,
         skipped=np.setdiff1d(np.arange(model.row.size), used).astype(np.int64),
     )  # fmt: skip
 

@@ -36,11 +36,10 @@ NOW = [
     ("next_output", int),  # index of the next output time
 ]
 ROWS = [
-    ("pivot", float),  # smallest pivot of the loop rows over its diagonal at the end of the last step
-    ("usual_pivot", float),  # and the largest that the run has seen
+    ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
+    ("least_pivot", float),  # the least of all stages of the step at hand
     ("residual", float),  # largest scaled |c| of the rows left out
     ("on_manifold", int),  # 1: stages are projected, since the rows are nearly dependent
-    ("normal_step", float),  # s, the last step where they were not
 ]
 STIFFNESS = [
     ("suspicious", int),  # tests that found stability to limit the step

@@ -13,8 +13,7 @@ from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STE
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 
-PASSAGE_TOLERANCE = 1e-10  # near a singular position, where rounding is amplified and less cannot be had
-SHORTEST_PASSAGE = 0.05  # of a normal step: shorter ones would resolve rounding near a singular position
+AMPLIFIED = 3e-16  # over the smallest pivot of a step: what rounding makes of the accelerations near a singular position
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -59,6 +58,7 @@ def stages(m, d, s, own, run, h):
     """
     table, K, t = own.table, own.K, run.now.t
     copy(K[0], run.dy)
+    run.rows.least_pivot = run.rows.pivot
     for i in range(1, table.c.shape[0]):
         copy(run.work, run.y)
         for j in range(i):
@@ -71,6 +71,7 @@ def stages(m, d, s, own, run, h):
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, K[i]) != SOLVED:
             return False
+        run.rows.least_pivot = min(run.rows.least_pivot, s.state.pivot)
     copy(run.work, own.carry)
     for j in range(table.b.shape[0]):
         add_scaled(run.work, h * table.b[j], K[j])
@@ -99,10 +100,7 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    tolerance = LOCAL * run.task.rtol
-    if run.rows.on_manifold == 1:
-        tolerance = max(tolerance, PASSAGE_TOLERANCE)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / tolerance
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, AMPLIFIED / run.rows.least_pivot)
 
 
 @merged_kernel
@@ -164,11 +162,10 @@ def attempt(m, d, s, own, run):
         solved = stages(m, d, s, own, run, h)
         error = error_norm(m, own, run, h) if solved and not fixed else 0.0
         judged = solved and np.isfinite(error)
-        shortest = SHORTEST_PASSAGE * run.rows.normal_step if run.rows.on_manifold == 1 else 0.0
-        if not (solved and error <= 1.0 or judged and h <= shortest):
+        if not (solved and error <= 1.0):
             if fixed:
                 return NO_SOLUTION, t_new, h, error
-            retry(run, max(h * step_factor(own.table, error, 10.0), 0.999 * shortest) if judged else 0.2 * h)
+            retry(run, h * step_factor(own.table, error, 10.0) if judged else 0.2 * h)
             if nearly_singular(run):
                 run.rows.on_manifold = 1
             continue
@@ -230,8 +227,6 @@ def verdict(m, d, s, own, run, h):
     """RUNNING, or what Python must look at after a step: the chosen rows, or stiffness."""
     if not rows_hold(m, d, s, run):
         return NEW_TREE
-    if not nearly_singular(run):
-        run.rows.normal_step = h
     if run.task.steps == 0 and run.stiffness.patience < np.inf and is_stiff(m, own, run, h):
         return STIFF
     return RUNNING

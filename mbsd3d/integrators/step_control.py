@@ -9,9 +9,7 @@ from ..kernels.kinds import PROJECTION
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
-# A rejected step switches to stages on the manifold where the smallest pivot / diagonal of S is below this share of the
-# largest that the run has seen, and always below the second number: some mechanisms never have more than 1e-3.
-NEARLY_SINGULAR, SINGULAR = 0.1, 1e-5
+NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
 
 
 @inner_kernel
@@ -73,7 +71,7 @@ def state_error(m, run):
 @inner_kernel
 def nearly_singular(run):
     """True where loop rows were close to depending on each other at the end of the last step, but not always."""
-    return run.rows.pivot < max(SINGULAR, NEARLY_SINGULAR * run.rows.usual_pivot)
+    return run.rows.pivot < NEARLY_SINGULAR
 
 
 @inner_kernel
@@ -82,7 +80,6 @@ def rows_hold(m, d, s, run):
     rows, tolerance = run.rows, run.task.tolerance
     rows.residual = 0.0
     rows.pivot = s.state.pivot
-    rows.usual_pivot = max(rows.usual_pivot, rows.pivot)
     if not nearly_singular(run):
         rows.on_manifold = 0
     if s.state.worn == 1:

@@ -174,6 +174,7 @@ class Tree(NamedTuple):
     skyline: np.ndarray  # lower triangle of S: S[i, j] is skyline[line_i + j]
     lower: np.ndarray  # of its factor L, in the same places; the diagonal holds 1 / L_ii
     rhs: np.ndarray  # (l,) right side, then multipliers of the loop rows
+    shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
     lam: np.ndarray  # (l,) work space of the sweeps
     step: np.ndarray  # (l,)
     state: np.record  # TREE_STATE
@@ -185,7 +186,8 @@ TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
     ("weak", int),  # 1: some loop rows are nearly dependent on others
-    ("pivot", float),  # smallest pivot of S over its diagonal, of the rows that are not let go
+    ("rank", int),  # most loop rows that have been independent
+    ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
 ]
 
@@ -224,7 +226,8 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("first", int),  # first stored column of its line of S
             ("line", int),  # start of the line
             ("mu", float),  # what is added to the diagonal
-            ("s_ii", dtype),  # the diagonal
+            ("pivot", float),  # of the factorisation at hand,
+            ("most", float),  # and the largest so far
         ],
         "entry": [
             ("place", int),  # of its loop row

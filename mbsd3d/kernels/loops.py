@@ -12,10 +12,9 @@ import numpy as np
 from .jit import fused_kernel, inner_kernel
 from .vectors import clear, copy
 
-LET_GO = 1e-6  # pivots below this share of their diagonal belong to rows that repeat others
-WEAK = 1e-3  # pivots below this share: the right side is filtered
-FELT = 1e2  # times mu: diagonals below it belong to rows that nothing in the tree yields to
-SWEEPS = 2
+WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
+FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
+SWEEPS, MORE_SWEEPS = 1, 6
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
@@ -36,16 +35,37 @@ def assemble_loops(s):
                 s.skyline[one.line + other.place] += total
 
 
+@inner_kernel
+def independence(s):
+    """How far the least of the independent rows has fallen: a power of two, the share of its largest pivot so far.
+
+    Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
+    """
+    shares, now = s.shares, 0
+    clear(shares)
+    for i in range(s.loop.shape[0]):
+        row = s.loop[i]
+        if row.most > FELT * row.mu:
+            shares[min(int(-np.log2(row.pivot / row.most)), shares.shape[0] - 1)] += 1
+            now += row.pivot > FELT * row.mu
+    s.state.rank = max(s.state.rank, now)
+    left = s.state.rank
+    for k in range(shares.shape[0]):
+        left -= shares[k]
+        if left <= 0:
+            return 0.5**k
+    return 0.5 ** shares.shape[0]
+
+
 @fused_kernel
 def factor_loops(s):
     """Cholesky factor of S + mu (symmetric also for complex steps); notes how independent its rows are."""
     L = s.lower
     copy(L, s.skyline)
-    s.state.weak, s.state.pivot = 0, 1.0
+    s.state.weak = 0
     for i in range(s.loop.shape[0]):
         line_i, first_i = s.loop[i].line, s.loop[i].first
         diagonal = L[line_i + i]
-        s.loop[i].s_ii = diagonal
         pivot = diagonal + s.loop[i].mu
         for j in range(first_i, i):
             line_j = s.loop[j].line
@@ -58,12 +78,13 @@ def factor_loops(s):
         floor = s.loop[i].mu + FLOOR * diagonal.real
         if not pivot.real >= floor:  # rounding: the row repeats others
             pivot = pivot * 0.0 + floor
-        share = pivot.real / (diagonal.real + s.loop[i].mu) if diagonal.real > FELT * s.loop[i].mu else 0.0
-        if share < WEAK:
+        most = max(s.loop[i].most, pivot.real)
+        s.loop[i].most = most
+        s.loop[i].pivot = pivot.real
+        if pivot.real < WEAK * most or most < FELT * s.loop[i].mu:
             s.state.weak = 1
-        if LET_GO < share < s.state.pivot:
-            s.state.pivot = share
         L[line_i + i] = 1.0 / np.sqrt(pivot)
+    s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
 
 
 @fused_kernel
@@ -112,11 +133,12 @@ def sweeps(s, count):
 @inner_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
-    sweeps(s, SWEEPS)
+    count = SWEEPS if s.state.pivot > WEAK else MORE_SWEEPS
+    sweeps(s, count)
     if s.state.weak == 1:
         for i in range(s.loop.shape[0]):
             s.rhs[i] = 0.0
             s.lam[i] = -s.lam[i]
         subtract_product(s, s.lam, s.rhs)  # rhs := S lam, the part that S can reach
-        sweeps(s, SWEEPS)
+        sweeps(s, count)
     copy(s.rhs, s.lam)
