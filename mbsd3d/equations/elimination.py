@@ -194,4 +194,3 @@ def narrow_order(felt: list[list[int]], n: int) -> np.ndarray:
     link = np.array([i for links in felt for i in links], np.int64)
     shared = csr_array((np.ones(row.size), (row, link)), shape=(len(felt), n))
     return reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True).astype(np.int64)
-

@@ -13,7 +13,9 @@ from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STE
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 
-AMPLIFIED = 3e-16  # over the smallest pivot of a step: what rounding makes of the accelerations near a singular position
+AMPLIFIED = (
+    3e-16  # over the smallest pivot of a step: what rounding makes of the accelerations near a singular position
+)
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass

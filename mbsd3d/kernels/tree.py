@@ -122,7 +122,11 @@ def take_out(m, s, link):
         inverse = 1.0 / pivot
         put6(link.u[k], u[0], u[1])
         link.inverse[k] = inverse
-        A, B, C = less_outer(A, inverse, u[0], u[0]), less_outer(B, inverse, u[0], u[1]), less_outer(C, inverse, u[1], u[1])
+        A, B, C = (
+            less_outer(A, inverse, u[0], u[0]),
+            less_outer(B, inverse, u[0], u[1]),
+            less_outer(C, inverse, u[1], u[1]),
+        )
         for e in range(link.entry, link.entry + link.entries):
             at = s.entry[e]
             G = pair(at.G)

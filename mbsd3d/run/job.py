@@ -175,7 +175,9 @@ class Job:
         self.last_event = int(self.memory.now.steps)
         self.eliminate()
         if self.memory.rows.residual > 0.0:
-            self.record.rank_events.append((float(self.memory.now.t), self.tree.used.size, "rows left out violated", True))
+            self.record.rank_events.append(
+                (float(self.memory.now.t), self.tree.used.size, "rows left out violated", True)
+            )
 
     def check_driven(self) -> None:
         """Kinematic() needs rows that determine everything, at position level."""

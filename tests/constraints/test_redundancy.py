@@ -176,10 +176,9 @@ def test_report_reads():
 
 
 @pytest.mark.parametrize("shift", [None, 7, 9])
-def test_the_change_point_of_the_four_bar_passes_with_rank_events(shift):
+def test_the_change_point_of_the_four_bar_passes(shift):
     """Twice a turn all rods are collinear and the rank drops from 29 to 27; the motion goes on along its branch."""
     case = cases.load("iftomm_A02_fourbar_N2", shift)
     solution = simulate(case.system, case.t_end, rtol=1e-8, output=case.times)
-    assert any("nearly dependent rows passed" in why for _, _, why, _ in solution.record.rank_events)
     assert compare(case, solution).scaled_error < allowed(case, 1e-8)
     assert solution.certificate.passed, solution.certificate.failures

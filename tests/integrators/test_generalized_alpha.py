@@ -185,14 +185,14 @@ def test_matrix_is_the_derivative_of_the_residual():
     system = System(system.bodies, system.joints, [hold], gravity=system.gravity)
     start, h, c = consistent_state(system, np.random.default_rng(5)), 0.01, weights(0.8)
     job = prepared(system, GeneralizedAlpha(dt=1e-3), state=start)
-    job.choose("start")
+    job.eliminate()
     job.first_step()
     assert job.call(2) == 0  # two steps, and still running
-    m, d, s, run, g = job.model, job.data, job.schur, job.memory, job.own
+    m, d, s, run, g = job.model, job.data, job.tree, job.memory, job.own
     w, free, t = g.newton, 6 * m.body.size + m.z_work, float(run.now.t) + h
     change = (1 - c.alpha_f) / (1 - c.alpha_m)
-    h_v, h_q, size = h * c.gamma * change, h * h * c.beta * change, free + s.place.size
-    rates, multipliers = slice(7 * m.body.size, 7 * m.body.size + free), s.place["row"]
+    h_v, h_q, size = h * c.gamma * change, h * h * c.beta * change, free + s.used.size
+    rates, multipliers = slice(7 * m.body.size, 7 * m.body.size + free), s.used
 
     def evaluate(x):
         w.rate[rates], w.lam[multipliers] = x[:free], x[free:]
