@@ -46,11 +46,9 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dty
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
-    rhs, lam, step = np.zeros((3, loop.size), dtype)
-    skyline, lower = np.zeros((2, size), dtype)
     return Tree(
-        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"], skyline=skyline, lower=lower,
-        rhs=rhs, shares=np.zeros(48, np.int64), lam=lam, step=step, state=state, used=used,
+        link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((3, loop.size), dtype), shares=np.zeros(48, np.int64), state=state, used=used,
         skipped=np.setdiff1d(np.arange(model.row.size), used).astype(np.int64),
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
-from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import evaluate_start, full, hermite, interpolate, outputs
 from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales

@@ -11,7 +11,7 @@ from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
-from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING
+from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method
 from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, write
 from .step_control import rows_hold, update_scales

@@ -9,7 +9,7 @@ from ..kernels.dynamics import FAR, NEAR, PROJECTED, evaluate, project_and_evalu
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
-from .memory import NEW_TREE, DONE, FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
+from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 

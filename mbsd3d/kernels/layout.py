@@ -171,12 +171,9 @@ class Tree(NamedTuple):
     joint: np.ndarray  # rows of the links, side by side
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
-    skyline: np.ndarray  # lower triangle of S: S[i, j] is skyline[line_i + j]
-    lower: np.ndarray  # of its factor L, in the same places; the diagonal holds 1 / L_ii
-    rhs: np.ndarray  # (l,) right side, then multipliers of the loop rows
+    skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S[i, j] is [0, line_i + j]
+    vector: np.ndarray  # (3, l) right side, then multipliers of the loop rows; those of the sweeps; the step of a sweep
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
-    lam: np.ndarray  # (l,) work space of the sweeps
-    step: np.ndarray  # (l,)
     state: np.record  # TREE_STATE
     used: np.ndarray  # rows in use, ascending
     skipped: np.ndarray  # rows left out
@@ -226,6 +223,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("first", int),  # first stored column of its line of S
             ("line", int),  # start of the line
             ("mu", float),  # what is added to the diagonal
+            ("off", int),  # 1: nothing in the tree yields to it
             ("pivot", float),  # of the factorisation at hand,
             ("most", float),  # and the largest so far
         ],

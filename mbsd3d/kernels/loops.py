@@ -9,30 +9,30 @@ with a large multiplier: so where rows are nearly dependent the right side is fi
 
 import numpy as np
 
-from .jit import fused_kernel, inner_kernel
-from .vectors import clear, copy
+from .jit import fused_kernel, inner_kernel, merged_kernel
+from .vectors import add_scaled, clear, copy
 
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
+UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
 SWEEPS, MORE_SWEEPS = 1, 6
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
-@inner_kernel
+@merged_kernel
 def assemble_loops(s):
     """The lower triangle of S from the factored links."""
-    clear(s.skyline)
+    S = s.skyline[0]
+    clear(S)
     for i in range(s.link.shape[0]):
         link = s.link[i]
         first = link.entry
         for e in range(first, first + link.entries):
-            one = s.entry[e]
-            for f in range(first, e + 1):
-                other = s.entry[f]
-                total = 0.0 * one.G[0]
-                for k in range(link.rows, 6):
-                    total += one.e[k] * other.e[k] * link.inverse[k]
-                s.skyline[one.line + other.place] += total
+            line = s.entry[e].line
+            for k in range(link.rows, 6):
+                share = s.entry[e].e[k] * link.inverse[k]
+                for f in range(first, e + 1):
+                    S[line + s.entry[f].place] += share * s.entry[f].e[k]
 
 
 @inner_kernel
@@ -45,7 +45,7 @@ def independence(s):
     clear(shares)
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
-        if row.most > FELT * row.mu:
+        if row.off == 0 and row.most > FELT * row.mu:
             shares[min(int(-np.log2(row.pivot / row.most)), shares.shape[0] - 1)] += 1
             now += row.pivot > FELT * row.mu
     s.state.rank = max(s.state.rank, now)
@@ -57,31 +57,34 @@ def independence(s):
     return 0.5 ** shares.shape[0]
 
 
-@fused_kernel
+@inner_kernel
 def factor_loops(s):
     """Cholesky factor of S + mu (symmetric also for complex steps); notes how independent its rows are."""
-    L = s.lower
-    copy(L, s.skyline)
+    S, L, loop = s.skyline[0], s.skyline[1], s.loop
     s.state.weak = 0
-    for i in range(s.loop.shape[0]):
-        line_i, first_i = s.loop[i].line, s.loop[i].first
-        diagonal = L[line_i + i]
-        pivot = diagonal + s.loop[i].mu
+    for i in range(loop.shape[0]):
+        line_i, first_i, mu = loop[i].line, loop[i].first, loop[i].mu
+        diagonal = S[line_i + i]
+        pivot = diagonal + mu
         for j in range(first_i, i):
-            line_j = s.loop[j].line
-            total = L[line_i + j]
-            for k in range(max(first_i, s.loop[j].first), j):
+            line_j = loop[j].line
+            total = S[line_i + j]
+            for k in range(max(first_i, loop[j].first), j):
                 total -= L[line_i + k] * L[line_j + k]
             total *= L[line_j + j]
             pivot -= total * total
             L[line_i + j] = total
-        floor = s.loop[i].mu + FLOOR * diagonal.real
+        if diagonal.real < UNFELT * mu:
+            loop[i].off = 1
+            L[line_i + i] = 0.0 * pivot  # so its multiplier is zero, and it is not seen by the rows after it
+            continue
+        loop[i].off = 0
+        floor = mu + FLOOR * diagonal.real
         if not pivot.real >= floor:  # rounding: the row repeats others
             pivot = pivot * 0.0 + floor
-        most = max(s.loop[i].most, pivot.real)
-        s.loop[i].most = most
-        s.loop[i].pivot = pivot.real
-        if pivot.real < WEAK * most or most < FELT * s.loop[i].mu:
+        most = max(loop[i].most, pivot.real)
+        loop[i].pivot, loop[i].most = pivot.real, most
+        if pivot.real < WEAK * most or most < FELT * mu:
             s.state.weak = 1
         L[line_i + i] = 1.0 / np.sqrt(pivot)
     s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
@@ -90,7 +93,7 @@ def factor_loops(s):
 @fused_kernel
 def substitute(s, x):
     """x := (S + mu)^-1 x by the factor."""
-    L = s.lower
+    L = s.skyline[1]
     for i in range(s.loop.shape[0]):
         total, line = x[i], s.loop[i].line
         for k in range(s.loop[i].first, i):
@@ -107,7 +110,7 @@ def substitute(s, x):
 @fused_kernel
 def subtract_product(s, x, y):
     """y -= S x"""
-    S = s.skyline
+    S = s.skyline[0]
     for i in range(s.loop.shape[0]):
         line, value = s.loop[i].line, x[i]
         total = S[line + i] * value
@@ -119,26 +122,27 @@ def subtract_product(s, x, y):
 
 @inner_kernel
 def sweeps(s, count):
-    """s.lam := S^-1 rhs by proximal sweeps; rhs is kept."""
-    copy(s.lam, s.rhs)
-    substitute(s, s.lam)
+    """lam := S^-1 rhs by proximal sweeps."""
+    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
+    copy(lam, rhs)
+    substitute(s, lam)
     for _ in range(count):
-        copy(s.step, s.rhs)
-        subtract_product(s, s.lam, s.step)
-        substitute(s, s.step)
-        for i in range(s.loop.shape[0]):
-            s.lam[i] += s.step[i]
+        copy(step, rhs)
+        subtract_product(s, lam, step)
+        substitute(s, step)
+        add_scaled(lam, 1.0, step)
 
 
-@inner_kernel
+@merged_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
+    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
     count = SWEEPS if s.state.pivot > WEAK else MORE_SWEEPS
     sweeps(s, count)
     if s.state.weak == 1:
-        for i in range(s.loop.shape[0]):
-            s.rhs[i] = 0.0
-            s.lam[i] = -s.lam[i]
-        subtract_product(s, s.lam, s.rhs)  # rhs := S lam, the part that S can reach
+        clear(step)
+        subtract_product(s, lam, step)
+        for i in range(step.shape[0]):
+            rhs[i] = -step[i]  # S lam, the part that S can reach
         sweeps(s, count)
-    copy(s.rhs, s.lam)
+    copy(rhs, lam)

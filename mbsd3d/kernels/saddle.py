@@ -35,12 +35,12 @@ def solve(m, d, s):
     if s.state.dense == 1:
         return solve_dense(m, d, s)
     for i in range(s.loop.shape[0]):
-        s.rhs[i] = -d.row[s.loop[i].row].bottom
+        s.vector[0, i] = -d.row[s.loop[i].row].bottom
     load_links(m, d, s)
     if s.loop.shape[0] > 0:
         solve_loops(s)
     for i in range(s.loop.shape[0]):
-        d.row[s.loop[i].row].lam = s.rhs[i]
+        d.row[s.loop[i].row].lam = s.vector[0, i]
     move_links(m, d, s)
     return SOLVED
 

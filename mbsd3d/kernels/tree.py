@@ -13,7 +13,7 @@ The rows themselves are lam = R'^-1 Z_r'(p - G' mu - I a). Featherstone, Rigid B
 
 import numpy as np
 
-from .jit import fused_kernel, inner_kernel, kernel
+from .jit import fused_kernel, inner_kernel, kernel, merged_kernel
 from .spatial import along6, dot6, less_outer, moved_inertia, moved_load, moved_motion, product, sub9, times, transposed
 from .vectors import add, cross, mat, pair, put, put6, rotate, rotate_back, scale, vec
 
@@ -56,10 +56,11 @@ def body_inertia(fixed, body):
 @fused_kernel
 def hold(m, d, s, link):
     """basis and R of the rows of a link by orthogonalisation; False where a row has become dependent on the others."""
+    to_angle = 1.0 / m.length
     for j in range(link.rows):
         at = s.joint[link.joint + j]
         linear, angular = row_on_body(d.row[at.row], at.slot, at.twin)
-        v = linear, scale(1.0 / m.length, angular)
+        v = linear, scale(to_angle, angular)
         before = dot6(v, v)
         for i in range(j):
             q = pair(link.basis[i])
@@ -87,25 +88,27 @@ def unit(k, zero):
 @fused_kernel
 def release(m, link):
     """The directions of the basis that the rows leave free; then all of them from the scaled metric to SI units."""
-    basis = link.basis
+    basis, left = link.basis, link.e
+    for k in range(6):  # of the axes' squares, outside the directions there are
+        left[k] = 1.0
+        for i in range(link.rows):
+            left[k] -= basis[i, k] * basis[i, k]
     for j in range(link.rows, 6):
-        best, most = 0, -1.0
-        for k in range(6):  # the axis that is farthest from the directions there are
-            left = 1.0
-            for i in range(j):
-                left -= (basis[i, k] * basis[i, k]).real
-            if left > most:
-                best, most = k, left
-        v = unit(best, 0.0 * basis[0, 0])
-        for _ in range(2):  # once more, since the first pass leaves rounding over the length of what is left
-            for i in range(j):
-                q = pair(basis[i])
-                v = along6(v, -dot6(q, v), q)
+        best = 0
+        for k in range(1, 6):
+            if left[k].real > left[best].real:
+                best = k
+        v = unit(best, 0.0 * left[0])  # at least a sixth of its square is left, so one pass loses no digits
+        for i in range(j):
+            v = along6(v, -basis[i, best], pair(basis[i]))
         inverse = 1.0 / np.sqrt(dot6(v, v))
         put6(basis[j], scale(inverse, v[0]), scale(inverse, v[1]))
+        for k in range(6):
+            left[k] -= basis[j, k] * basis[j, k]
+    to_angle = 1.0 / m.length
     for j in range(6):
         for k in range(3, 6):
-            basis[j, k] /= m.length
+            basis[j, k] *= to_angle
 
 
 @fused_kernel
@@ -162,7 +165,7 @@ def hand_down(s, link):
                 G[3 + j] += angular[j]
 
 
-@inner_kernel
+@merged_kernel
 def start_links(m, d, s):
     """Inertias, levers and direct loop rows of all links, before anything is eliminated."""
     for i in range(s.link.shape[0]):
@@ -187,7 +190,7 @@ def start_links(m, d, s):
                 put6(at.G, linear, angular)
 
 
-@inner_kernel
+@merged_kernel
 def factor_links(m, d, s):
     """All links from the leaves to the roots; sets ``dense`` or ``worn`` where that cannot be done."""
     start_links(m, d, s)
@@ -220,7 +223,7 @@ def prescribed(d, s, link):
     return y
 
 
-@inner_kernel
+@merged_kernel
 def load_links(m, d, s):
     """Loads of all links from the leaves to the roots, and the right side of the loop rows."""
     for i in range(s.link.shape[0]):
@@ -246,7 +249,7 @@ def load_links(m, d, s):
             total = dot6(pair(at.G), y)
             for k in range(link.rows, 6):
                 total += at.e[k] * link.e[k]
-            s.rhs[at.place] += total
+            s.vector[0, at.place] += total
         if link.up >= 0:
             up = s.link[link.up]
             force, moment = times(mat(link.A), mat(link.B), mat(link.C), y)
@@ -270,7 +273,7 @@ def solve_alone(fixed, body):
     put6(body.acceleration, add(scale(fixed.inv_sqrt_mass, linear), cross(s, w)), w)
 
 
-@inner_kernel
+@merged_kernel
 def move_links(m, d, s):
     """Accelerations from the roots to the leaves and multipliers of the links; those of the loop rows are known."""
     for i in range(s.link.shape[0] - 1, -1, -1):
@@ -285,7 +288,7 @@ def move_links(m, d, s):
             a = add(a[0], carried[0]), add(a[1], carried[1])
         for e in range(link.entry, link.entry + link.entries):
             at = s.entry[e]
-            lam = s.rhs[at.place]
+            lam = s.vector[0, at.place]
             p = along6(p, -lam, pair(at.G))
             for k in range(link.rows, 6):
                 link.e[k] -= at.e[k] * link.inverse[k] * lam

@@ -11,9 +11,9 @@ from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError
 from ..constraints.nearby_poses import closed
-from ..equations.elimination import eliminate
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
+from ..equations.elimination import eliminate
 from ..results.body_motion import Poses
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
