@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.rotations import matrix
-from ..kernels.loads import loads
+from ..dynamics.loads import loads
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
 from ..kernels.saddle import SOLVED

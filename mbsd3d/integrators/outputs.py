@@ -6,8 +6,8 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed

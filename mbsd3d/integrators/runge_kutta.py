@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite

@@ -46,12 +46,12 @@ COORDINATE = [
     ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; body axes
 ]
 FORCE = [
-    ("kind", int),
+    ("kind", int),  # number of its law
     ("body", int, 4),  # acting bodies a, b; up to four of a custom force
     ("bodies", int),  # their number
     ("point", float, (4, 3)),  # m, body axes
     ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
-    ("value", float, 12),  # stiffness, damping, ...: see loads.py
+    ("value", float, 12),  # stiffness, damping, ...: see the law
     ("signal", int, 3),  # signals of the components, -1 = none
     ("coordinate", int),  # hinge coordinate it acts along, -1 = none
     ("state", int),  # where the element's own states start in z

@@ -15,10 +15,10 @@ from ..base.errors import AssemblyError
 from ..base.quaternions import H, skew
 from ..base.rotations import matrix
 from ..constraints.row_choice import choose_rows, schur_of
+from ..dynamics.state_rates import accelerate
 from ..equations.at_state import load_rows, load_state
 from ..equations.compiled import Compiled
 from ..kernels.coordinates import measure, remember
-from ..kernels.dynamics import accelerate
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Schur
 from ..kernels.rows import rows

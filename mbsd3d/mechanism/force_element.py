@@ -1,7 +1,8 @@
 """What all force elements share: the record a kernel reads, checks of what they are given."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,9 +14,8 @@ from .signals import Signal, as_signal
 
 @dataclass(frozen=True, eq=False)
 class ForceRecord:
-    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
+    """What the law of a force reads: bodies, world points, element axes, scalars, signals, coordinate, own states."""
 
-    kind: int
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
@@ -30,12 +30,17 @@ class ForceRecord:
 
 @dataclass(frozen=True, eq=False)
 class ForceElement(Part):
-    """What all force elements share."""
+    """What all force elements share.
+
+    ``law(m, d, p, out, t)`` is the kernel of a class, as a static method (see `kernels.force_laws`); ``record()`` is
+    what it reads of one element. A class in a file of `mechanism.forces` needs no more: `dynamics.loads` finds its law.
+    """
 
     role = "force"
+    law: ClassVar[Callable | None] = None
 
     def record(self) -> ForceRecord:
-        """The record the kernel reads."""
+        """What the law reads of this element."""
         raise NotImplementedError
 
     def bodies(self) -> tuple:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dynamics.batch import newton_euler, row_defects
 from ..equations.compiled import Switches
 from ..integrators.method import Method
-from ..kernels.batch import newton_euler, row_defects
 from ..mechanism.forces.custom import SavedForce
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..constraints.rank import redundant_combinations
+from ..dynamics.batch import wrenches
 from ..equations.at_state import load_rows, rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import BlockRows, displacement_units, islands
-from ..kernels.batch import wrenches
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Joint
 

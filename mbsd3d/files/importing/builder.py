@@ -10,7 +10,7 @@ from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
-from ...mechanism.forces import TorsionSpring
+from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.geoms import shapes
