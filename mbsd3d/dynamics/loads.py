@@ -9,8 +9,9 @@ import pkgutil
 from collections.abc import Callable
 from importlib import import_module
 
+from ..kernels.coordinates import coordinate
 from ..kernels.jit import kernel, merged_kernel
-from ..kernels.vectors import add, cross, mat, put, put6, rotate, scale, turning, vec
+from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
 
@@ -82,9 +83,35 @@ def inertial(m, d):
         put6(body.h, pull, add(rotate(R, spin), cross(s, pull)))
 
 
+@merged_kernel
+def see(m, d, p, out, t):
+    """Value, rate and gradient of the hinge coordinate that an element acts along."""
+    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
+    x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
+    out.x = x
+    out.rate = dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+    put(out.gradient[0], la)
+    put(out.gradient[1], ta)
+    put(out.gradient[2], lb)
+    put(out.gradient[3], tb)
+
+
+@merged_kernel
+def act(m, d, p, out):
+    """Q of the load of an element along its hinge coordinate."""
+    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
+    add6(a.Q, scale(out.load, vec(out.gradient[0])), scale(out.load, vec(out.gradient[1])))
+    add6(b.Q, scale(out.load, vec(out.gradient[2])), scale(out.load, vec(out.gradient[3])))
+
+
 @kernel
 def loads(m, d, t):
     """Fill Q, h, potential, power, state_rate; needs kinematics."""
     inertial(m, d)
     for i in range(m.force.shape[0]):
-        apply_law(m, d, m.force[i], d.force[i], t)
+        p, out = m.force[i], d.force[i]
+        if p.coordinate >= 0:
+            see(m, d, p, out, t)
+        apply_law(m, d, p, out, t)
+        if p.coordinate >= 0:
+            act(m, d, p, out)

@@ -1,13 +1,13 @@
-"""What the laws of force elements are made of: loads on bodies at points, about axes and along hinge coordinates.
+"""What the laws of force elements are made of: forces at points and moments, with components that are signals.
 
-A law fills Q of its bodies (reduced to O), the energy the element stores (``out.potential``) and the power of the part
-that stores none (``out.power``), so that Q'v = -d(potential)/dt + power. It reads its record ``p`` of the table FORCE.
+A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduced to O), the energy the element stores
+(``out.potential``) and the power of the part that stores none (``out.power``): Q'v = -d(potential)/dt + power. Along a
+hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.load``; Q is filled for it.
 """
 
-from .coordinates import coordinate
-from .jit import inner_kernel, merged_kernel
+from .jit import inner_kernel
 from .signals import signal
-from .vectors import add6, cross, dot, scale, vec
+from .vectors import add6, cross, scale
 
 
 @inner_kernel
@@ -29,21 +29,3 @@ def components(m, p, t):
     y = signal(m, p.signal[1], t)[0] if p.signal[1] >= 0 else 0.0
     z = signal(m, p.signal[2], t)[0] if p.signal[2] >= 0 else 0.0
     return x, y, z
-
-
-@merged_kernel
-def along(m, d, p, t):
-    """(value, rate, blocks (linear a, angular a, linear b, angular b)) of the hinge coordinate of an element."""
-    x, _, la, ta, lb, tb = coordinate(m, d, p.coordinate, t)
-    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
-    rate = dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
-    return x, rate, (la, ta, lb, tb)
-
-
-@merged_kernel
-def drive(m, d, p, load, blocks):
-    """Add a load along the hinge coordinate of an element: on b, and its opposite on a."""
-    la, ta, lb, tb = blocks
-    a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
-    add6(a.Q, scale(load, la), scale(load, ta))
-    add6(b.Q, scale(load, lb), scale(load, tb))

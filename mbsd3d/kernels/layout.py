@@ -135,7 +135,14 @@ def data_records(dtype: type) -> dict[str, list]:
             ("bottom", dtype),  # right side of the lower rows } saddle point
             ("lam", dtype),  # multiplier, zero in skipped rows
         ],
-        "force": [("potential", dtype), ("power", dtype)],  # J stored; W of the part that stores none
+        "force": [
+            ("potential", dtype),  # J stored            } computed by loads
+            ("power", dtype),  # W of the part that stores none
+            ("x", dtype),  # the hinge coordinate it acts along, if any: value,
+            ("rate", dtype),
+            ("gradient", dtype, (4, 3)),  # rate = gradient . (velocity of a, w of a, velocity of b, w of b)
+            ("load", dtype),  # N or N m along it: on b, the opposite on a
+        ],
         "pose": [  # what a custom function is told of a point of a body, world axes
             ("r", dtype, 3),
             ("R", dtype, (3, 3)),

@@ -36,6 +36,7 @@ from mbsd3d import (
 from mbsd3d.base.quaternions import exponential, multiply
 from mbsd3d.base.rotations import matrix
 from mbsd3d.dynamics.loads import loads
+from mbsd3d.equations.compiled import compile_system
 from mbsd3d.kernels.coordinates import coordinate, coordinate_rate
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.mechanism import measures
@@ -157,6 +158,17 @@ def test_every_force_element_has_an_example():
     covered = {type(make(rng, *bodies)[1]) for make in EXAMPLES.values()}
     assert covered == concrete_subclasses(ForceElement) - {SavedForce}  # which has lost its function
     assert covered == public_classes(ForceElement)
+
+
+def test_a_force_without_a_law_is_refused():
+    class Wind(Force):
+        law = None
+
+    body = random_body(np.random.default_rng(0))
+    with pytest.raises(
+        ValueError, match=r"force 'gust' \(Wind\): its class has no compiled law; give it a kernel `law`"
+    ):
+        compile_system(System([body], forces=[Wind(body, (1.0, 0.0, 0.0), name="gust")]))
 
 
 @every_element

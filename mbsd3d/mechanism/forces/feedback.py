@@ -6,7 +6,6 @@ from typing import Any
 
 from ...base.checks import number, sequence
 from ...kernels.coordinates import measure
-from ...kernels.force_laws import along, drive
 from ...kernels.jit import merged_kernel
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
@@ -24,7 +23,6 @@ def one_each(values: Any, count: int, what: str) -> tuple[float, ...]:
 @merged_kernel
 def feedback(m, d, p, out, t):
     """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
-    _, rate, blocks = along(m, d, p, t)
     load = 0.0
     for i in range(p.measures):
         x = measure(m, d, p.measure + i, t)
@@ -33,8 +31,8 @@ def feedback(m, d, p, out, t):
             d.state_rate[p.state + i] = (x - z) / p.value[0]
             x = z
         load -= m.number[p.number + i] * (x - m.number[p.number + p.measures + i])
-    drive(m, d, p, load, blocks)
-    out.power = load * rate
+    out.load = load
+    out.power = load * out.rate
 
 
 @dataclass(frozen=True, eq=False)

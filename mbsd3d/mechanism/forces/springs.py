@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...base.checks import number, vector
-from ...kernels.force_laws import along, drive, push
+from ...kernels.force_laws import push
 from ...kernels.jit import merged_kernel
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
@@ -85,11 +85,10 @@ class SpringDamper(ForceElement):
 @merged_kernel
 def torsion(m, d, p, out, t):
     """Load -(k (x - x0) + c x_dot) along a hinge coordinate; value = k, c, x0."""
-    x, rate, blocks = along(m, d, p, t)
-    stretch = x - p.value[2]
-    drive(m, d, p, -p.value[0] * stretch - p.value[1] * rate, blocks)
+    stretch = out.x - p.value[2]
+    out.load = -p.value[0] * stretch - p.value[1] * out.rate
     out.potential = 0.5 * p.value[0] * stretch * stretch
-    out.power = -p.value[1] * rate * rate
+    out.power = -p.value[1] * out.rate * out.rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +141,8 @@ class TorsionSpring(ForceElement):
 @merged_kernel
 def friction(m, d, p, out, t):
     """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate; value = T, c, v0."""
-    _, rate, blocks = along(m, d, p, t)
-    load = -p.value[0] * np.tanh(rate / p.value[2]) - p.value[1] * rate
-    drive(m, d, p, load, blocks)
-    out.power = load * rate
+    out.load = -p.value[0] * np.tanh(out.rate / p.value[2]) - p.value[1] * out.rate
+    out.power = out.load * out.rate
 
 
 @dataclass(frozen=True, eq=False)
