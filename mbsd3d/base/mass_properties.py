@@ -77,54 +77,17 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
 
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
-    """What a point of mass m adds to the inertia at distance d: ``m (d'd 1 - d d')``.
-
-    Parameters
-    ----------
-    mass : float
-        m [kg].
-    offset : (3,) array_like
-        d, from the new point to the centre of mass [m].
-
-    Returns
-    -------
-    (3, 3) ndarray
-        In the axes of ``offset`` [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If ``offset`` is not three finite numbers.
-    """
+    """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = _vector(offset, "steiner", "offset")
     return mass * (d @ d * np.eye(3) - np.outer(d, d))
 
 
 def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
-    """Inertia as a matrix, if a body can have it.
+    """Inertia about the centre of mass as an exactly symmetric matrix (3, 3), if a body can have it; else a ValueError.
 
-    A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since
-    ``I1 + I2 - I3 = 2 int z^2 dm``. A mass without inertia is a point; without mass there is no inertia either.
-
-    Parameters
-    ----------
-    inertia : (3,) or (3, 3) array_like
-        About the centre of mass, body axes [kg m^2].
-    mass : float
-        Mass [kg].
-    what : str
-        Name of the part in error messages, e.g. ``"body 'wheel'"``.
-
-    Returns
-    -------
-    (3, 3) ndarray
-        The inertia, exactly symmetric.
-
-    Raises
-    ------
-    ValueError
-        If the shape is wrong, a number is not finite, the mass is negative, the matrix is not symmetric, or the
-        principal moments are impossible (tolerance 1e-9 of the largest entry).
+    A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since ``I1 + I2 - I3 = 2 int
+    z^2 dm`` (tolerance 1e-9 of the largest entry). A mass without inertia is a point; without mass there is no inertia
+    either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'".
     """
     m = _size(mass, what, "mass")
     I = _inertia_matrix(inertia, what)

@@ -26,26 +26,9 @@ def ready_path(path: Any, suffix: str) -> Path:
 
 
 def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Path:
-    """Write a whole file or nothing: under a temporary name in the same folder, then renamed.
+    """Write a whole file or nothing: under a temporary name in the same folder, then renamed; returns ``path``.
 
-    Parameters
-    ----------
-    path : Path
-        Where the content will be.
-    content : bytes
-        All of it.
-    replace : bool
-        Whether an older file is replaced.
-
-    Returns
-    -------
-    Path
-        ``path``.
-
-    Raises
-    ------
-    ValueError
-        If the folder does not exist or cannot be written, or there is an older file that is not to be replaced.
+    ValueError if the folder cannot be written, or an older file is there and ``replace`` is False.
     """
     if not replace and path.exists():
         raise ValueError(f"'{path}' exists; give replace=True to replace it, or another name")
@@ -72,13 +55,7 @@ def package_version() -> str:
 
 
 def read_text(path: Path, limit: int) -> str:
-    """The text of a file that is one and is not too large.
-
-    Raises
-    ------
-    ValueError
-        Naming the file: missing, a folder or device, too large, empty, or not UTF-8.
-    """
+    """The text of a file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):

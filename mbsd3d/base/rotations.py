@@ -54,25 +54,11 @@ def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> 
 
 
 def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarray:
-    """Unit quaternion of an orientation given as a quaternion or as a rotation matrix.
+    """Unit quaternion (4,) of an orientation, with the sign it was given; ``what`` names it in errors.
 
-    Parameters
-    ----------
-    orientation : (4,) or (3, 3) array_like
-        Unit quaternion (scalar first) or rotation matrix, body -> world, exact to 1e-6; the rest is normalised away.
-    what : str
-        Name of the quantity in error messages, e.g. ``"body 'wheel': orientation"``.
-
-    Returns
-    -------
-    (4,) ndarray
-        Unit quaternion, with the sign it was given.
-
-    Raises
-    ------
-    ValueError
-        If the shape is neither (4,) nor (3, 3), a number is not finite, the quaternion is not of unit length,
-        or the matrix is not orthonormal or is left-handed.
+    ``orientation``: a unit quaternion (4,), scalar first, or a rotation matrix (3, 3), body -> world, exact to 1e-6;
+    the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
+    matrix that is not orthonormal or is left-handed.
     """
     values = _numbers(orientation, what, ORIENTATION)
     if values.shape == (3, 3):
@@ -90,22 +76,9 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
-    """Rotation matrix ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
+    """Rotation matrix (..., 3, 3), body -> world: ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
 
-    Parameters
-    ----------
-    e : (..., 4) array_like
-        Quaternion; its length does not matter.
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        Body -> world.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 4 or a quaternion is zero.
+    The length of e (..., 4) does not matter; zero or another shape is a ValueError.
     """
     e = _stack(e, 4, "quaternion")
     single = e.ndim == 1
@@ -122,22 +95,9 @@ def matrix(e: ArrayLike) -> np.ndarray:
 
 
 def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
-    """Unit quaternion with ``matrix(e) = R`` and ``e0 >= 0``.
+    """Unit quaternion (..., 4) with ``matrix(e) = R`` and ``e0 >= 0``.
 
-    Parameters
-    ----------
-    R : (..., 3, 3) array_like
-        Rotation matrix, body -> world, exact to 1e-6.
-
-    Returns
-    -------
-    (..., 4) ndarray
-        Unit quaternion.
-
-    Raises
-    ------
-    ValueError
-        If the last dimensions are not (3, 3), a number is not finite, or a matrix is not orthonormal or is left-handed.
+    R (..., 3, 3), body -> world, must be right-handed, finite and orthonormal to 1e-6, else a ValueError.
     """
     R = _numbers(R, "R", "a 3x3 rotation matrix")
     if R.shape[-2:] != (3, 3):

@@ -160,25 +160,7 @@ class Scaled(Signal):
 
 
 def as_signal(value: "Signal | float", what: str) -> Signal:
-    """A signal as it is, a number as a `Constant`.
-
-    Parameters
-    ----------
-    value : Signal or float
-        In the unit of what it drives.
-    what : str
-        Name of the quantity in error messages, e.g. ``"driver 'motor': speed"``.
-
-    Returns
-    -------
-    Signal
-        The function of time.
-
-    Raises
-    ------
-    ValueError
-        If it is neither, or a number that is not finite.
-    """
+    """A signal as it is, a finite number as a `Constant`; anything else is a ValueError that starts with ``what``."""
     remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
     if isinstance(value, Signal):
         return value
@@ -190,21 +172,9 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
 
 
 def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
-    """Refuse a run that leaves the interval on which a signal is defined.
+    """ValueError for a run from ``start`` to ``end`` [s] that leaves the interval on which a signal is defined.
 
-    Parameters
-    ----------
-    signal : Signal
-        The function of time.
-    start, end : float
-        First and last time of the run [s]; 1e-9 of the interval may be missing, the rounding of a last step.
-    what : str
-        Name of the quantity in error messages, e.g. ``"driver 'motor'"``.
-
-    Raises
-    ------
-    ValueError
-        If it does.
+    1e-9 of the interval may be missing, the rounding of a last step; ``what`` names the part, "driver 'motor'".
     """
     first, last = signal.interval
     margin = 1e-9 * (last - first)
