@@ -36,7 +36,7 @@ def exponential(theta: ArrayLike) -> np.ndarray:
 
 
 def logarithm(e: ArrayLike) -> np.ndarray:
-    """Shortest rotation vector (..., 3) [rad] of a quaternion of any length; inverse of `exponential`, ``|theta| <= pi``.
+    """Shortest rotation vector (..., 3) [rad] of a quaternion of any length: the inverse of `exponential`.
 
     ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` with the sign of e chosen such that e0 >= 0; zero is a ValueError.
     """

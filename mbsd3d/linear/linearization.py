@@ -20,10 +20,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..run.simulation import accelerations_at, check_state, check_system
 from .modes import Mode, joint_gradients, make_modes, spectrum, table
-from .steady_motion import Units, check_signals, find_generator, natural_units
-from .symmetry import Generator
-from .tangent_space import Tangent, tangent_space
-from .variations import Field, Variations
+from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
+from .variations import Field, Tangent, Variations, tangent_space
 
 
 @dataclass(frozen=True, eq=False, repr=False)
