@@ -13,25 +13,7 @@ from ..results.run_result import RunResult
 
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
-    """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
-
-    Parameters
-    ----------
-    solution : Solution
-        Its numbers are written such that they read back equal.
-    path : str or Path
-        ".csv" is appended if it is missing; an older file is replaced in one go.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be written.
-    """
+    """See `Solution.to_csv`."""
     header, table = ["time [s]"], [solution.t]
     for column in columns(solution):
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
@@ -47,19 +29,7 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
 
 
 def to_xarray(solution: RunResult) -> Any:
-    """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of any system.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3); every
-        variable carries units, frame and description. Quantities a joint does not have are NaN.
-    """
+    """See `Solution.to_xarray`."""
     import xarray
 
     found, system = columns(solution), solution.system

@@ -35,47 +35,7 @@ def plot_quantity(
     dark: bool = False,
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """A quantity over time, or over another one.
-
-    Parameters
-    ----------
-    solution : Solution
-        What to plot.
-    quantity : str, or sequence of str and (str, part, ...)
-        "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
-        "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
-        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
-    *parts : Body, Joint, ForceElement or str
-        Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
-        component (reactions: by magnitude).
-    against : str or (str, part), optional
-        What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone is
-        that of the same parts. The start is marked.
-    degrees : bool
-        Angles in degrees instead of radians.
-    dark : bool
-        On dark paper.
-    axes : matplotlib Axes, sequence of them, or None
-        Where to draw, one per panel; None = a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not shown; a notebook shows it when it is the last value of a cell, `save_figure` writes it.
-
-    Raises
-    ------
-    ValueError
-        For an unknown quantity or part, a part without the quantity, or a wrong number of axes.
-
-    Examples
-    --------
-    >>> from mbsd3d import Body, System, simulate
-    >>> top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.01, 5.0, 0.0), velocity=(0, 0, 0))
-    >>> figure = simulate(System([top], gravity=(0, 0, 0)), 2.0).plot("omega_body", degrees=True)
-    >>> figure.axes[0].get_ylabel()
-    'angular velocity, body axes of\\ntop [°/s]'
-    """
+    """See `Solution.plot`."""
     panels = panels_of(solution, quantity, parts)
     if degrees:
         panels = [panel.in_degrees() for panel in panels]

@@ -13,7 +13,7 @@ from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Panel, Wanted, panels_of
 from ...results.body_motion import Poses
 from ...results.certificate import scales_of
-from ...results.reactions import every_reaction
+from ...results.every_reaction import every_reaction
 from ...results.run_result import RunResult
 from .drawing import ARROWS
 from .frames import Between, Frames, between
