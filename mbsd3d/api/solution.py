@@ -15,6 +15,7 @@ from .viewable import Viewable
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from ..plotting.panels import Part, Wanted
     from ..report.page import Report
@@ -174,7 +175,7 @@ class Solution(RunResult, Viewable):
 
         return save(self, path)
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> "Dataset":
         """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
 
         Returns

@@ -3,9 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint
+from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .drawable import Drawable
@@ -75,10 +77,10 @@ class System(Mechanism, Drawable):
 
     def assemble(
         self,
-        angles: Mapping[Any, float] | None = None,
-        slides: Mapping[Any, float] | None = None,
-        rates: Mapping[Any, float] | None = None,
-        measures: Mapping[Any, float] | None = None,
+        angles: Mapping[Joint | str, float] | None = None,
+        slides: Mapping[Joint | str, float] | None = None,
+        rates: Mapping[Joint | str, float] | None = None,
+        measures: Mapping[Measure, float] | None = None,
         pinned: Sequence[Body] = (),
         near: State | None = None,
         *,

@@ -6,6 +6,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 
+class Frozen:
+    """What frozen dataclasses share whose fields are checked and converted when they are made."""
+
+    def _store(self, **values: Any) -> None:
+        """Write converted values into the fields; arrays become read-only."""
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+
 def vector(value: ArrayLike, what: str) -> np.ndarray:
     """A finite (3,) float array, or a ValueError that names ``what``."""
     try:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import number, vector
-from .rotations import as_quaternion, matrix
+from .rotations import _numbers, _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
 
@@ -78,7 +78,7 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
-    d = _vector(offset, "steiner", "offset")
+    d = vector(offset, "steiner: offset")
     return mass * (d @ d * np.eye(3) - np.outer(d, d))
 
 
@@ -119,14 +119,9 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
 def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
     """(3, 3) finite floats from three moments or a matrix."""
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
-    try:
-        I = np.array(inertia, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: inertia {inertia!r} is not numeric; give {remedy}") from None
+    I = _numbers(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
         raise ValueError(f"{what}: inertia has shape {I.shape}; give {remedy}")
-    if not np.all(np.isfinite(I)):
-        raise ValueError(f"{what}: inertia {_text(I)} is not finite; give {remedy}")
     return np.diag(I) if I.ndim == 1 else I
 
 
@@ -142,19 +137,9 @@ def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray,
         R = matrix(as_quaternion(part[3], f"{what}: orientation"))
         I = R @ I @ R.T
         I = 0.5 * (I + I.T)
-    return float(part[0]), _vector(part[1], what, "com"), I
+    return float(part[0]), vector(part[1], f"{what}: com"), I
 
 
 def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
     return number(value, f"{what}: {name}", minimum=0.0)
-
-
-def _vector(values: ArrayLike, what: str, name: str) -> np.ndarray:
-    """(3,) finite floats."""
-    return vector(values, f"{what}: {name}")
-
-
-def _text(values: np.ndarray) -> str:
-    """Numbers as a user would type them."""
-    return np.array2string(values, separator=", ", precision=9).replace("\n", "")

@@ -4,7 +4,6 @@ import os
 import stat
 import uuid
 from pathlib import Path
-from typing import Any
 
 from .version import __version__
 
@@ -17,7 +16,7 @@ def with_suffix(path: str | Path, suffix: str) -> Path:
     return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
 
 
-def ready_path(path: Any, suffix: str) -> Path:
+def ready_path(path: str | Path, suffix: str) -> Path:
     """The path with its suffix; a missing folder is found before the work, not after it."""
     path = with_suffix(path, suffix)
     if not path.parent.is_dir():

@@ -14,6 +14,8 @@ from ..base.errors import Mbsd3dError
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
+    from ..api.system import System
+    from ..view.page.live import LiveView
 
 GROUP = "mbsd3d.commands"
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
@@ -86,7 +88,7 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
     return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
 
 
-def load_system(file: str, drop: tuple[str, ...]) -> Any:
+def load_system(file: str, drop: tuple[str, ...]) -> "System":
     """The System of a file of any kind; what an import did with it goes to stderr."""
     from ..api.model_input import load_model
 
@@ -128,7 +130,7 @@ def can_view(needed: bool = False) -> bool:
     return True
 
 
-def watch(view: Any) -> None:
+def watch(view: "LiveView") -> None:
     """Say where a live view is, show it if there is a browser, and wait for Ctrl-C."""
     with view:
         click.echo(f"{view.url}  (Ctrl-C ends it)")

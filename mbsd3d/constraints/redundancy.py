@@ -1,7 +1,6 @@
 """What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -236,16 +235,12 @@ def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Sha
         moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
         on = rows.body[own] == compiled.body_index[id(moving)]
         G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
-        moment = G[3:] - np.cross(moment_arm(compiled, joint, moving), G[:3], axis=0)
+        arm = (joint.point() - moving.position) / compiled.model.length  # from O, at the reference pose
+        moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
         force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
         shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
     return shares
-
-
-def moment_arm(compiled: Compiled, joint: Any, body: Any) -> np.ndarray:
-    """From O of the body to the joint's point, world at the reference pose, in model lengths."""
-    return np.asarray((joint.point() - body.position) / compiled.model.length).reshape(3, 1)
 
 
 def verdict_text(

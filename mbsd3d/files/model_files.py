@@ -8,6 +8,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,13 +37,8 @@ def to_json(data: dict[str, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def from_json(text: str) -> Any:
-    """The data of a JSON text; a key that stands twice is refused."""
-    return json.loads(text, object_pairs_hook=unique)
-
-
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A dict of pairs without duplicates."""
+    """The dict of an object in JSON; a ValueError for a key that it has twice."""
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
@@ -84,7 +80,10 @@ class Form(NamedTuple):
     limit: int
 
 
-FORMS = {".json": Form(to_json, from_json, 16_000_000), ".toml": Form(to_toml, from_toml, 1_000_000)}
+FORMS = {
+    ".json": Form(to_json, partial(json.loads, object_pairs_hook=unique), 16_000_000),
+    ".toml": Form(to_toml, from_toml, 1_000_000),
+}
 
 
 def form_of(path: Path) -> Form:

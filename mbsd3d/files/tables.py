@@ -3,13 +3,16 @@
 import csv
 import io
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..results.columns import QUANTITIES, Column, columns, components
 from ..results.run_result import RunResult
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
@@ -28,7 +31,7 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
     return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
 
 
-def to_xarray(solution: RunResult) -> Any:
+def to_xarray(solution: RunResult) -> "Dataset":
     """See `Solution.to_xarray`."""
     import xarray
 

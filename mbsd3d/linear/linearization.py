@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -40,7 +39,7 @@ class Linearization:
     L: np.ndarray | None = None  # (outputs, n_x) y = L x
 
     @property
-    def system(self) -> Any:
+    def system(self) -> Mechanism:
         """The system that was linearised."""
         return self.compiled.system
 

@@ -14,6 +14,8 @@ from ..constraints.nearby_poses import closed
 from ..constraints.row_choice import choose_rows
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
+from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
@@ -92,7 +94,7 @@ class Mode:
         """[s] for a decaying mode, else infinite."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
-    def shape(self, body: Any) -> tuple[np.ndarray, np.ndarray]:
+    def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
         """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
         k = self.linearization.compiled.body_index[id(self.linearization.system.part(body))]
         return self.translation[k], self.rotation[k]
@@ -181,7 +183,7 @@ def make_modes(linearization: Any) -> tuple[Mode, ...]:
     return tuple(modes)
 
 
-def joint_gradients(linearization: Any) -> list[tuple[Any, str, np.ndarray]]:
+def joint_gradients(linearization: Any) -> list[tuple[Joint, str, np.ndarray]]:
     """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
     compiled, state, found = linearization.compiled, linearization.state, []
     data, n = compiled.data(), compiled.model.body.size

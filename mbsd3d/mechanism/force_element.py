@@ -9,7 +9,6 @@ import numpy as np
 from .bodies import Body, Ground, Part
 from .joints import Joint
 from .primitives import Coordinate
-from .signals import Signal, as_signal
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +64,6 @@ def check_pair(a: Any, b: Any, what: str) -> None:
             raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
     if a is b:
         raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
-
-
-def three_signals(value: Any, what: str) -> tuple[Signal, ...]:
-    """Three components, each a number or a signal."""
-    try:
-        x, y, z = value
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: give three components, each a number or a signal") from None
-    return tuple(as_signal(s, f"{what} along {k}") for k, s in zip("xyz", (x, y, z), strict=True))
 
 
 def in_body_frame(frame: str, what: str) -> float:

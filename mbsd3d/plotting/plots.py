@@ -56,7 +56,8 @@ def plot_quantity(
                 size = max(size, largest(panels, "[N]") * float(solution.compiled.model.length))
             set_range(target, panel, size)
             before = legend
-        label_across(targets, across, every=axes is not None)
+        for target in targets[-1:] if axes is None else targets:  # in a figure of its own the lowest axes are enough
+            target.set_xlabel("time [s]" if across is None else f"{across.label} {across.unit}", parse_math=False)
         if axes is None:
             targets[0].figure.align_ylabels()
     return targets[0].figure
@@ -95,13 +96,6 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
             "give one scalar, e.g. against=('angle', 'hinge')"
         )
     return [values[name] for name, _ in panel.lines]
-
-
-def label_across(targets: np.ndarray, across: Panel | None, every: bool) -> None:
-    """The label of the horizontal axis, at the lowest axes or at all."""
-    text = "time [s]" if across is None else f"{across.label} {across.unit}"
-    for target in targets if every else targets[-1:]:
-        target.set_xlabel(text, parse_math=False)
 
 
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number
+from ..base.checks import Frozen, number
 from .bearings import BearingLoad
 
 BALL, ROLLER = 3.0, 10.0 / 3.0
@@ -48,7 +48,7 @@ class RatingLife:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rating:
+class Rating(Frozen):
     """What all rolling bearings share.
 
     Parameters
@@ -73,7 +73,7 @@ class Rating:
         """Convert fields to numbers > 0 or >= 0."""
         for name in names:
             what = f"{type(self).__name__}: {name}"
-            object.__setattr__(self, name, number(getattr(self, name), what, minimum=0.0, positive=positive))
+            self._store(**{name: number(getattr(self, name), what, minimum=0.0, positive=positive)})
 
     def factors(self, axial: np.ndarray) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
         """(X, Y, e) under axial forces >= 0 [N]."""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..api.simulation import simulate
+from ..api.solution import Solution
 from ..api.system import System
 from ..base.concurrency import one_thread
 
@@ -29,8 +30,8 @@ class Outcome(NamedTuple):
 class Experiment:
     """What is done in every cell; goes to the workers whole."""
 
-    build: Callable[..., Any]
-    measure: Callable[[Any], Any]
+    build: Callable[..., System | tuple[System, Mapping[str, Any]]]
+    measure: Callable[[Solution], Any]
     run: Mapping[str, Any] | Callable[..., Mapping[str, Any]] = field(default_factory=dict)
 
     def __call__(self, parameters: dict[str, Any]) -> Outcome:
@@ -45,7 +46,7 @@ class Experiment:
             return Outcome({}, f"{type(error).__name__}: {error}")
         return Outcome(values, "", f"{solution.record.method}, rtol {solution.record.rtol:g}")
 
-    def solve(self, parameters: dict[str, Any]) -> Any:
+    def solve(self, parameters: dict[str, Any]) -> Solution:
         """Build and simulate."""
         built = self.build(**parameters)
         system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})

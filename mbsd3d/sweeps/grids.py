@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number
+from ..base.checks import Frozen, number
 
 METHODS = ("sobol", "latin hypercube", "random")
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(Frozen):
     """Points of named parameters.
 
     Parameters
@@ -46,9 +46,7 @@ class Samples:
         bad = np.argwhere(~np.isfinite(points))
         if bad.size:
             raise ValueError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
-        points.setflags(write=False)
-        object.__setattr__(self, "names", names)
-        object.__setattr__(self, "points", points)
+        self._store(names=names, points=points)
 
 
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:

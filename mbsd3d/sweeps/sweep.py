@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from .executors import check_executor, outcomes
 from .experiment import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .grids import Grid, Samples, make_grid
 from .ledger import Ledger, LedgerError, identity
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 
 def sweep(
@@ -29,7 +32,7 @@ def sweep(
     tag: str = "",
     units: Mapping[str, str] | None = None,
     progress: bool | None = None,
-) -> Any:
+) -> "Dataset":
     """Build, simulate and measure a mechanism at every point of a grid.
 
     Parameters
@@ -209,7 +212,7 @@ def shapes(outcome: Outcome) -> dict[str, int | None]:
     return {name: len(value) if isinstance(value, list) else None for name, value in outcome.values.items()}
 
 
-def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> Any:
+def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> "Dataset":
     """The table: cells that failed or did not run are NaN and say why."""
     import xarray
 

@@ -1,15 +1,16 @@
 """Elastic mounts between two bodies."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import vector
 from ...base.rotations import as_quaternion, matrix
 from ...kernels.force_laws import push, twist
 from ...kernels.jit import inner_kernel, merged_kernel
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, vec
+from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair
 
 
@@ -104,14 +105,14 @@ class Bushing(ForceElement):
 
     law = staticmethod(bushing)
 
-    a: Any
-    b: Any
-    at: Any = field(kw_only=True)
-    stiffness: Any = field(kw_only=True)
-    turning_stiffness: Any = field(default=0.0, kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    turning_damping: Any = field(default=0.0, kw_only=True)
-    axes: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at: ArrayLike = field(kw_only=True)
+    stiffness: ArrayLike = field(kw_only=True)
+    turning_stiffness: ArrayLike = field(default=0.0, kw_only=True)
+    damping: ArrayLike = field(default=0.0, kw_only=True)
+    turning_damping: ArrayLike = field(default=0.0, kw_only=True)
+    axes: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)

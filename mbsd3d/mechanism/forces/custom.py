@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 from numba.core import types
+from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
+from numpy.typing import ArrayLike
 
 from ...base.checks import sequence, vector
 from ...kernels.jit import inner_kernel
@@ -90,7 +92,7 @@ def uncompiled(function: Callable) -> Callable:
 
 
 @functools.lru_cache(maxsize=256)
-def callback(function: Callable, dtype: type) -> Any:
+def callback(function: Callable, dtype: type) -> CFunc:
     """The C function for real or complex numbers; ``.address`` is where it is."""
     real = types.complex128 if dtype is complex else types.float64
     pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
@@ -123,7 +125,7 @@ class FunctionForce(ForceElement):
     law = staticmethod(custom)
 
     on: Any = field(kw_only=True)
-    points: Sequence[Any] | None = field(default=None, kw_only=True)
+    points: Sequence[ArrayLike] | None = field(default=None, kw_only=True)
     parameters: Sequence[float] = field(default=(), kw_only=True)
     states: Sequence[float] = field(default=(), kw_only=True)
     scales: Sequence[float] | None = field(default=None, kw_only=True)
@@ -157,7 +159,7 @@ class FunctionForce(ForceElement):
             scales=tuple((scale, 0.0, 0.0) for scale in self.scales),
         )
 
-    def address(self, dtype: type) -> Any:
+    def address(self, dtype: type) -> int | Callable:
         """Where the function for real or complex numbers is; 0 = there is none."""
         raise NotImplementedError
 
@@ -166,7 +168,7 @@ class FunctionForce(ForceElement):
 class SavedForce(FunctionForce):
     """A `CustomForce` read back with a saved solution: without its function, so the system cannot be run again."""
 
-    def address(self, dtype: type) -> Any:
+    def address(self, dtype: type) -> int | Callable:
         return 0
 
 
@@ -243,7 +245,7 @@ class CustomForce(FunctionForce):
             raise ValueError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
         self.address(float)
 
-    def address(self, dtype: type) -> Any:
+    def address(self, dtype: type) -> int | Callable:
         if numba.config.DISABLE_JIT:
             return uncompiled(self.function)
         if dtype not in self.callbacks:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from ...base.checks import number, sequence
 from ...kernels.coordinates import measure
@@ -12,7 +11,7 @@ from ..joints import Joint
 from ..measures import Measure, unit_powers
 
 
-def one_each(values: Any, count: int, what: str) -> tuple[float, ...]:
+def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...]:
     """One finite number per measure."""
     given = sequence(values, what)
     if len(given) != count:

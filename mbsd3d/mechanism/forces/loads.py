@@ -1,16 +1,18 @@
 """Forces and torques that act on one body."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...kernels.force_laws import components, push, twist
 from ...kernels.jit import merged_kernel
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
-from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame, three_signals
+from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame
+from ..signals import Signal, three_signals
 
 
 @merged_kernel
@@ -47,8 +49,8 @@ class Force(ForceElement):
     law = staticmethod(force)
 
     body: Body
-    force: Any
-    at: Any = None
+    force: Sequence[Signal | float]
+    at: ArrayLike | None = None
     frame: str = "world"
 
     def check(self, what: str) -> None:
@@ -86,7 +88,7 @@ class Torque(ForceElement):
     law = staticmethod(torque)
 
     body: Body
-    torque: Any
+    torque: Sequence[Signal | float]
     frame: str = "world"
 
     def check(self, what: str) -> None:
@@ -139,8 +141,8 @@ class AeroDrag(ForceElement):
     body: Body
     drag_area: float = field(kw_only=True)
     density: float = field(default=1.225, kw_only=True)
-    at: Any = field(default=None, kw_only=True)
-    wind: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    at: ArrayLike | None = field(default=None, kw_only=True)
+    wind: Sequence[Signal | float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
 
     def check(self, what: str) -> None:
         check_body(self.body, what)

@@ -1,14 +1,15 @@
 """Springs, dampers and friction between two bodies."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...kernels.force_laws import push
 from ...kernels.jit import merged_kernel
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
+from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
 
@@ -55,10 +56,10 @@ class SpringDamper(ForceElement):
 
     law = staticmethod(spring)
 
-    a: Any
-    b: Any
-    at_a: Any = field(kw_only=True)
-    at_b: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at_a: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike = field(kw_only=True)
     stiffness: float = field(kw_only=True)
     damping: float = field(default=0.0, kw_only=True)
     length: float | None = field(default=None, kw_only=True)

@@ -1,13 +1,14 @@
 """Single conditions between two bodies: a point on a line, a distance, a direction."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.directions import perpendiculars, unit
 from ...kernels import kinds
+from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
 from .joint import AxisJoint, Joint, PointJoint
 
@@ -42,7 +43,7 @@ class PointOnPlane(PointJoint):
     1
     """
 
-    normal: Any = field(kw_only=True)
+    normal: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -64,10 +65,10 @@ class Distance(Joint):
     0.5
     """
 
-    a: Any
-    b: Any
-    at_a: Any = field(kw_only=True)
-    at_b: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at_a: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike = field(kw_only=True)
     length: float | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
@@ -98,10 +99,10 @@ class Parallel(Joint):
     2
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
-    axis_b: Any = field(default=None, kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -127,10 +128,10 @@ class Perpendicular(Joint):
     1
     """
 
-    a: Any
-    b: Any
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -158,8 +159,8 @@ class ConstantVelocity(PointJoint):
     4
     """
 
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
@@ -77,10 +78,10 @@ class Joint(Part):
 class PointJoint(Joint):
     """A joint at a point."""
 
-    a: Any
-    b: Any
-    at: Any = field(kw_only=True)
-    at_b: Any = field(default=None, kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -95,8 +96,8 @@ class PointJoint(Joint):
 class AxisJoint(PointJoint):
     """A joint at a point with an axis."""
 
-    axis: Any = field(kw_only=True)
-    axis_b: Any = field(default=None, kw_only=True)
+    axis: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)

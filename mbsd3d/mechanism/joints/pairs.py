@@ -1,9 +1,9 @@
 """Pairs of bodies as machines have them: hinges, sliders, ball joints. A joint is data that lowers to rows."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number
 from ...base.directions import cross, perpendiculars, unit
@@ -57,8 +57,8 @@ class Universal(PointJoint):
     4
     """
 
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -119,7 +119,7 @@ class Planar(PointJoint):
     3
     """
 
-    normal: Any = field(kw_only=True)
+    normal: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)

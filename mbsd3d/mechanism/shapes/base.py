@@ -2,12 +2,12 @@
 
 import re
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
+from ...base.checks import Frozen, number, vector
 from ...base.directions import perpendiculars
 from ...base.rotations import AXES, as_quaternion, matrix
 from .surfaces import Mesh, moved
@@ -16,8 +16,18 @@ HEX = re.compile(r"#[0-9a-fA-F]{6}")
 CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
 
 
+class Shaped(Protocol):
+    """What shapes ask of the body that they show."""
+
+    name: str
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+    shape: Any
+
+
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(Frozen):
     """What all shapes share: a place in the body, and perhaps a colour.
 
     Parameters
@@ -36,28 +46,24 @@ class Shape:
     """
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields that are lengths > 0 [m]
-    at: Any = field(default=None, kw_only=True)
-    orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    at: ArrayLike | None = field(default=None, kw_only=True)
+    orientation: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
     colour: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         what = type(self).__name__
-        orientation = as_quaternion(self.orientation, f"{what}: orientation")
-        orientation.setflags(write=False)
         at = None if self.at is None else vector(self.at, f"{what}: at")
-        self.set(at=at, orientation=orientation, colour=hex_colour(self.colour, what))
+        orientation = as_quaternion(self.orientation, f"{what}: orientation")
+        self._store(at=at, orientation=orientation, colour=hex_colour(self.colour, what))
         self.check(what)
+
+    set = Frozen._store
 
     def check(self, what: str) -> None:
         """Validate and convert the fields of one kind; errors start with ``what``."""
-        self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in self.sizes})
+        self._store(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in self.sizes})
 
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
-
-    def origin(self, body: Any) -> np.ndarray:
+    def origin(self, body: Shaped) -> np.ndarray:
         """Centre of the shape from O, body axes [m]."""
         return body.com if self.at is None else self.at
 
@@ -69,7 +75,7 @@ class Solid(Shape):
         """Triangles in the axes of the shape from its centre."""
         raise NotImplementedError
 
-    def mesh(self, body: Any) -> Mesh:
+    def mesh(self, body: Shaped) -> Mesh:
         """Triangles in the axes of the body from O [m]."""
         return moved(self.surface(), matrix(self.orientation), self.origin(body))
 
@@ -77,13 +83,13 @@ class Solid(Shape):
 class Round(Solid):
     """A body of revolution about ``axis``, of which `about_z` gives the triangles about z."""
 
-    axis: Any
+    axis: ArrayLike
 
     def check(self, what: str) -> None:
         axis = self.axis if isinstance(self.axis, str) else vector(self.axis, f"{what}: axis")
         if (axis not in AXES) if isinstance(axis, str) else not axis.any():
             raise ValueError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
-        self.set(axis=axis)
+        self._store(axis=axis)
         super().check(what)
 
     def about_z(self) -> Mesh:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ...base.rotations import quaternion_from_matrix
-from .base import Shape
+from .base import Shape, Shaped
 from .kinds import Box, Cylinder, Ellipsoid, Lines
 
 HOMOGENEOUS = ("ellipsoid", "box", "cylinder")
@@ -17,7 +17,7 @@ EQUAL = 1e-6  # relative difference of principal moments that counts as none
 THIN = 0.02  # thickness in parts of the largest extent that rods and plates have at least, so that one sees them
 
 
-def as_shape(body: Any) -> Any:
+def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
     """The shape of a body as it is kept: None, one of the texts, a shape, or a tuple of shapes.
 
     Raises
@@ -39,7 +39,7 @@ def as_shape(body: Any) -> Any:
         raise ValueError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
 
 
-def shapes_of(body: Any) -> tuple[Shape, ...]:
+def shapes_of(body: Shaped) -> tuple[Shape, ...]:
     """The shapes of a body; none for one without inertia and shape."""
     shape = body.shape
     if shape is None and not body.inertia.any():
@@ -49,7 +49,7 @@ def shapes_of(body: Any) -> tuple[Shape, ...]:
     return (shape,) if isinstance(shape, Shape) else shape
 
 
-def homogeneous(body: Any, kind: str) -> Shape:
+def homogeneous(body: Shaped, kind: str) -> Shape:
     """The homogeneous solid with the mass and inertia of a body, but at least a fiftieth as thick as it is long.
 
     With moments per mass j and s = (j1 + j2 + j3) - 2 j: half axes sqrt(5 s / 2) of an ellipsoid, edges sqrt(6 s) of a
@@ -85,7 +85,7 @@ def homogeneous(body: Any, kind: str) -> Shape:
     return Ellipsoid(thick(np.sqrt(2.5 * squares)), **place)
 
 
-def round_solid(body: Any, moments: np.ndarray, place: dict[str, Any]) -> Cylinder:
+def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cylinder:
     """The homogeneous cylinder with these principal moments per mass [m^2]."""
     apart = np.abs(np.roll(moments, -1) - np.roll(moments, 1))  # entry k: of the two moments across axis k
     k = 2 - int(np.argmin(apart[::-1]))  # the last of equals: z for a body whose moments all agree

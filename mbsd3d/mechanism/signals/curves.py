@@ -71,7 +71,7 @@ class Polynomial(Signal):
         values = _row(self.coefficients, "Polynomial: coefficients")
         if values.size == 0:
             raise ValueError("Polynomial: coefficients is empty; give at least the constant c0")
-        object.__setattr__(self, "coefficients", tuple(values.tolist()))
+        self._store(coefficients=tuple(values.tolist()))
 
     def terms(self) -> list[Term]:
         """The polynomial itself."""
@@ -117,9 +117,7 @@ class Table(Signal):
                 f"Table: times[{i + 1}] = {times[i + 1]:.9g} does not come after times[{i}] = {times[i]:.9g}; "
                 f"sort the points and keep one per time"
             )
-        times.flags.writeable = values.flags.writeable = False
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "values", values)
+        self._store(times=times, values=values)
 
     @property
     def interval(self) -> tuple[float, float]:

@@ -5,18 +5,20 @@ so what a user plots is what the model is driven by.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...base.checks import Frozen
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
 EVERYWHERE = (-np.inf, np.inf)
 
 
-class Signal(ABC):
+class Signal(Frozen, ABC):
     """A function of time f(t), twice differentiable, in the unit of what it drives; t in s.
 
     Signals add up, with each other and with numbers, and are multiplied by numbers.
@@ -171,6 +173,17 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     return Constant(value)
 
 
+def three_signals(value: "Sequence[Signal | float | None]", what: str, free: bool = False) -> tuple[Signal | None, ...]:
+    """Three components, each a number or a signal, or None where ``free`` allows it."""
+    try:
+        x, y, z = value
+    except (TypeError, ValueError):
+        none = " (None = free)" if free else ""
+        raise ValueError(f"{what}: give three components, three signals or numbers{none}") from None
+    named = zip("xyz", (x, y, z), strict=True)
+    return tuple(None if free and s is None else as_signal(s, f"{what} along {k}") for k, s in named)
+
+
 def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
     """ValueError for a run from ``start`` to ``end`` [s] that leaves the interval on which a signal is defined.
 
@@ -191,7 +204,7 @@ def _store_finite(signal: Signal, *names: str) -> None:
         value = getattr(signal, name)
         if not isinstance(value, Real) or not np.isfinite(value):
             raise ValueError(f"{type(signal).__name__}: {name} is {value!r}; give a finite number")
-        object.__setattr__(signal, name, float(value))
+        signal._store(**{name: float(value)})
 
 
 def _row(values: ArrayLike, what: str) -> np.ndarray:
