@@ -1,4 +1,4 @@
-"""Models a command is given: model files, models of other programs, Python files with ``build()``."""
+"""Models for the commands: model files, models of other programs, Python files with ``build()``."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -25,7 +25,7 @@ def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
-        raise ValueError(f"--drop is for imported models (.xml, .urdf), '{file}' is none; leave it out")
+        raise ValueError(f"--drop applies to imported models (.xml, .urdf) only; leave it out for '{file}'")
     if suffix in (".json", ".toml"):
         return System.from_file(file), []
     if suffix != ".py":
@@ -82,7 +82,7 @@ def importable(module: Any, folder: Path) -> Iterator[None]:
 
 
 def guarded(file: str, function: Callable[[], Any]) -> Any:
-    """Call code of the user; its errors become a ValueError with file and line."""
+    """Call the user's code; its errors become a ValueError with file and line."""
     try:
         return function()
     except SyntaxError as error:

@@ -1,4 +1,4 @@
-"""What is read from files: solutions, and models of other programs."""
+"""Reading files: solutions, and models of other programs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ from .system import System
 
 
 def load(path: str | Path) -> Solution:
-    """Read a file of ``solution.save``; everything a solution can do works on the result.
+    """Read a file written by ``solution.save``; the result is a full `Solution`.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     Raises
     ------
     ValueError
-        Naming the file and everything in it that cannot be imported and is not dropped, a file outside the folder,
-        numbers that are not finite, or a file that takes too long.
+        If the file holds something that can neither be imported nor is dropped (the message lists it all), names a file
+        outside its folder, holds numbers that are not finite, or takes too long.
 
     Examples
     --------
@@ -117,5 +117,5 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 
 
 def with_system(found: Imported) -> Imported:
-    """What was imported, with a `System` to work with."""
+    """The same import with a `System` for its mechanism."""
     return found._replace(system=System.of(found.system))

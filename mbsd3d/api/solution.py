@@ -1,4 +1,4 @@
-"""The public `Solution`: the result of a run, and what can be done with it."""
+"""The public `Solution`: the result of a run, with plots, reports, pages and files."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -134,7 +134,7 @@ class Solution(RunResult, Viewable):
         title : str, optional
             None = the names of the bodies.
         curves : sequence of str and (str, part, ...), optional
-            One figure each, as `Solution.plot` takes them; None = the ones that tell most.
+            One figure each, as `Solution.plot` takes them; None = the most telling ones.
         dark : bool, optional
             Dark or light paper; None = as the reader's screen is set. It prints on light paper anyway.
 
@@ -159,7 +159,7 @@ class Solution(RunResult, Viewable):
         Parameters
         ----------
         path : str or Path
-            ".npz" is appended if it is missing; an older file is replaced in one go.
+            ".npz" is appended if missing; an existing file is replaced atomically.
 
         Returns
         -------
@@ -196,7 +196,7 @@ class Solution(RunResult, Viewable):
         Parameters
         ----------
         path : str or Path
-            ".csv" is appended if it is missing; an older file is replaced in one go.
+            ".csv" is appended if missing; an existing file is replaced atomically.
 
         Returns
         -------

@@ -113,7 +113,7 @@ class System(Mechanism, Drawable):
         path : str or Path
             Ends in .json or .toml.
         replace : bool
-            Whether an older file is replaced.
+            Replace an existing file.
 
         Returns
         -------

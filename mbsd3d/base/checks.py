@@ -1,4 +1,4 @@
-"""What every part is given is checked by these: errors name what was given, and the remedy."""
+"""Checks of input: errors name the value and the remedy."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 
 class Frozen:
-    """What frozen dataclasses share whose fields are checked and converted when they are made."""
+    """Base of frozen dataclasses that check and convert their fields when they are made."""
 
     def _store(self, **values: Any) -> None:
         """Write converted values into the fields; arrays become read-only."""

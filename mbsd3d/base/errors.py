@@ -1,4 +1,4 @@
-"""What can go wrong while a model runs: when, at which part, by how much, and what to do about it."""
+"""Run-time errors: when, at which part, by how much, and the remedy."""
 
 from typing import Any
 

@@ -70,4 +70,4 @@ def read_text(path: Path, limit: int) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise ValueError(f"'{path}' is no UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error
+        raise ValueError(f"'{path}' is not UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error

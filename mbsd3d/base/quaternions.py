@@ -73,7 +73,7 @@ def skew(a: ArrayLike) -> np.ndarray:
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
     if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
-        raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
+        raise ValueError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 
 def _nonzero_quaternion(e: ArrayLike) -> np.ndarray:

@@ -41,7 +41,7 @@ def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> 
     Raises
     ------
     ValueError
-        If the axis is no letter of x, y, z, has zero length or the wrong shape, or if a number is not finite.
+        If the axis is not one of the letters x, y, z, has zero length or the wrong shape, or if a number is not finite.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
         _check_rotation(values, what)
         return _largest_column(values)
     if values.shape != (4,):
-        raise ValueError(f"{what}: shape {values.shape} is no orientation; give {ORIENTATION}")
+        raise ValueError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
     norm = np.linalg.norm(values)
     if abs(norm - 1.0) > TOLERANCE:
         raise ValueError(
@@ -101,7 +101,7 @@ def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
     """
     R = _numbers(R, "R", "a 3x3 rotation matrix")
     if R.shape[-2:] != (3, 3):
-        raise ValueError(f"R: shape {R.shape} is no rotation matrix; give (..., 3, 3)")
+        raise ValueError(f"R: shape {R.shape} is not a rotation matrix; give (..., 3, 3)")
     _check_rotation(R, "R")
     return _largest_column(R)
 

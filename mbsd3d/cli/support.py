@@ -1,4 +1,4 @@
-"""What the commands share: errors in one line, commands of other packages, models, folders, unfinished runs."""
+"""Shared by the commands: errors in one line, commands of other packages, models, folders, unfinished runs."""
 
 import signal
 import tempfile
@@ -72,7 +72,7 @@ class Commands(click.Group):
 
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:
-    """The command of an entry point, or one that stands for it and says why it cannot be loaded."""
+    """The command of an entry point, or a substitute that says why it cannot be loaded."""
     from ..demos.base import load_entry
 
     try:
@@ -131,7 +131,7 @@ def can_view(needed: bool = False) -> bool:
 
 
 def watch(view: "LiveView") -> None:
-    """Say where a live view is, show it if there is a browser, and wait for Ctrl-C."""
+    """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
     with view:
         click.echo(f"{view.url}  (Ctrl-C ends it)")
         if view.can_open():
@@ -151,7 +151,7 @@ def keep(solution: "Solution | None", target: Path) -> None:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """No Ctrl-C inside."""
+    """Ignore Ctrl-C inside."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield

@@ -126,7 +126,7 @@ def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
 
 
 def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
-    """Relative cut-off of singular values that stand for misfits below ``as_built`` metres."""
+    """Relative cut-off of singular values that belong to misfits below ``as_built`` metres."""
     return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
 
 
@@ -150,7 +150,7 @@ def violation(found: Analysis, tolerance: float) -> float:
 def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
     """Violation of the spared rows of a core (scaled, norm).
 
-    Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
+    Rows are kept in the order of the joints, so the last joints show the misfit.
     """
     kept, basis = [], np.zeros((0, core.columns.size))
     for k, row in enumerate(core.F):
@@ -189,7 +189,7 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     pose, residual = close_pose(compiled, start, [], [], set())
     if gap_size(compiled, residual) <= 1e-9:
         return pose, 0.0, None
-    # joints that close loops get little weight, so that the gap stands there and not in every joint
+    # joints that close loops get little weight, so that the gap appears there and not in every joint
     pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
     part, gap = worst_joint(compiled, residual)
     if gap <= as_built:

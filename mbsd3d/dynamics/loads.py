@@ -1,8 +1,8 @@
 """Applied forces Q, the velocity-quadratic term h, stored energy and power of every body and force element.
 
 ``h = (0, w x I_G w) + (m w x (w x s), m s x (w x (w x s)))`` on the left side of the equations: gyroscopic and
-centripetal part. Q holds gravity and the force elements, reduced to O. The law of a force stands beside its class, in a
-file of `mechanism.forces`; all of them are found here.
+centripetal part. Q holds gravity and the force elements, reduced to O. The law of a force is next to its class, in a
+file of `mechanism.forces`; this module finds them all.
 """
 
 import pkgutil

@@ -140,7 +140,7 @@ def force_table(
     signals: Signals,
     first_measure: int,
 ) -> np.ndarray:
-    """The table of force elements; the measures they read stand in order from ``first_measure`` on."""
+    """The table of force elements; the measures they read follow in order from ``first_measure``."""
     out = table(FORCE, len(records))
     for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
         out[counts] = [len(getattr(r, counts)) for r in records]

@@ -42,7 +42,7 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ValueError(f"key '{key}' stands twice in one object (value {str(value)[:40]}); keep one")
+            raise ValueError(f"key '{key}' appears twice in one object (value {str(value)[:40]}); keep one")
         found[key] = value
     return found
 
@@ -102,7 +102,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -
     try:
         content = text.encode()
     except UnicodeEncodeError as error:
-        raise ValueError(f"'{path}': {text[error.start]!r} in a name is no character; name the part anew") from error
+        raise ValueError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
     if len(content) > form.limit:
         raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
     with named(path):

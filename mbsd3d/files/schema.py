@@ -65,7 +65,7 @@ def below(base: type) -> set[type]:
 
 
 def meaning(field: Field) -> Any:
-    """The annotation of a field, or what its name stands for where the annotation does not say."""
+    """The annotation of a field, or what its name means where the annotation leaves it open."""
     return WORDS.get(field.name, Any) if field.type in (Any, ArrayLike, ArrayLike | None) else field.type
 
 
@@ -79,7 +79,7 @@ def members(annotation: Any) -> tuple:
 
 @cache
 def roles(kind: type) -> Mapping[str, str]:
-    """Field -> "body" or "joint" where a name stands for a part, "signal", "shape", and "array" of numbers."""
+    """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
     found = {}
     for field in fields(kind):
         classes = [x for x in members(meaning(field)) if isinstance(x, type)]
@@ -90,7 +90,7 @@ def roles(kind: type) -> Mapping[str, str]:
 
 
 def json_type(annotation: Any) -> Any:
-    """The type of the JSON value that stands for an annotation."""
+    """The type of the JSON value for an annotation."""
     if annotation in (VECTOR, ROWS, *PLAIN):
         return annotation
     origin = typing.get_origin(annotation)

@@ -54,7 +54,7 @@ def read_run(path: str | Path) -> RunResult:
     """The result in a file of `save`; see `mbsd3d.load`."""
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():
-        raise ValueError(f"'{source}': there is no such file; give one written by solution.save(path)")
+        raise ValueError(f"'{source}' does not exist; give a file written by solution.save(path)")
     try:
         with source.open("rb") as handle:
             return read_solution(handle)

@@ -20,7 +20,7 @@ A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
 
 
 def compiled_sources() -> list[Path]:
-    """All files of every folder that holds a kernel: what kernels use of ours, constants too, stands in one of them."""
+    """All files of every folder that holds a kernel: functions and constants that kernels use are in one of them."""
     files = sorted(PACKAGE.rglob("*.py"))
     folders = {path.parent for path in files if A_KERNEL.search(path.read_bytes())}
     return [path for path in files if path.parent in folders]

@@ -138,7 +138,7 @@ class Mode:
         Raises
         ------
         ValueError
-            For fewer than 2 samples or a number that is none.
+            For fewer than 2 samples, or an amplitude or number of cycles that is not a number.
         AssemblyError
             If the joints do not close at so large an amplitude.
         """

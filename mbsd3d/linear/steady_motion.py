@@ -6,7 +6,7 @@ and each may spin at a constant rate about an axis through its centre of mass th
     v_G = c + Omega x r_G,   w = Omega + spin,   a_G = Omega x v_G,   w_dot = Omega x w,   z_dot = 0.
 
 In axes that turn with Omega such a motion is at rest, ``X_dot = (F - [Omega]x) X``. That this matrix is the same at
-any time is no consequence of those equations (think of an unbalanced wheel) and is checked at a later state.
+any time does not follow from those equations (think of an unbalanced wheel) and is checked at a later state.
 """
 
 from dataclasses import dataclass, replace
@@ -217,7 +217,7 @@ def rest_of_states(at: Variations, units: Units, model: Model) -> float:
 def motion_message(
     system: Mechanism, at: Variations, units: Units, slip: np.ndarray, drift: np.ndarray, model: Model
 ) -> str:
-    """Why the state is no relative equilibrium, by body."""
+    """Why the state is not a relative equilibrium, by body."""
     if max(slip.max(), drift.max()) <= rest_of_states(at, units, model):
         k = int(np.argmax(np.abs(at.z_rate)))
         return f"own state z{k} of a force element changes at {at.z_rate[k]:.3g} per s; start from its steady value"
@@ -228,7 +228,7 @@ def motion_message(
         return f"{body} does not move with the mechanism as a whole (residual {residual:.2g}); {remedy}"
     return (
         f"{body} accelerates by {a[0]:.3g} m/s^2 and {a[1]:.3g} rad/s^2, not as in a steady motion (residual "
-        f"{residual:.2g}): the state is no equilibrium; {remedy}, e.g. from system.assemble() with its angles and rates"
+        f"{residual:.2g}): not an equilibrium; {remedy}, e.g. from system.assemble() with its angles and rates"
     )
 
 

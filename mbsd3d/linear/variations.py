@@ -183,7 +183,7 @@ def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndar
 
 
 def turns(e: np.ndarray) -> np.ndarray:
-    """(k, n, 3) the rotation delta theta that complex quaternions (k, n, 4) stand for: i delta theta = 2 H' e."""
+    """(k, n, 3) the rotation delta theta of complex quaternions (k, n, 4): i delta theta = 2 H' e."""
     return 2j * np.einsum("bij,kbi->kbj", H(e[0].real), e.imag)
 
 

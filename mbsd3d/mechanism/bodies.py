@@ -14,7 +14,7 @@ from .shapes.guesses import as_shape
 
 
 class Ground:
-    """The fixed frame every mechanism stands on; its axes are the world axes."""
+    """The fixed frame; its axes are the world axes."""
 
     name = "ground"
     position = np.zeros(3)
@@ -127,7 +127,7 @@ class Body(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Part(Frozen):
-    """What joints and force elements share: a name, and fields that are checked and converted once."""
+    """Base class of joints and force elements: a name, and fields that are checked and converted once."""
 
     name: str | None = field(default=None, kw_only=True)
 

@@ -139,7 +139,7 @@ class GearMesh(Coupling):
     Raises
     ------
     ValueError
-        For hinges without a common body, a point that is no pitch point, angles out of range.
+        For hinges without a common body, a point that is not a pitch point, or angles out of range.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What all force elements share: the record a kernel reads, checks of what they are given."""
+"""Base class of force elements: the record a kernel reads, checks of what they are given."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class ForceRecord:
 
 @dataclass(frozen=True, eq=False)
 class ForceElement(Part):
-    """What all force elements share.
+    """Base class of force elements.
 
     ``law(m, d, p, out, t)`` is the kernel of a class, as a static method (see `kernels.force_laws`); ``record()`` is
     what it reads of one element. A class in a file of `mechanism.forces` needs no more: `dynamics.loads` finds its law.

@@ -35,7 +35,7 @@ class Mechanism(Frozen):
                 if not isinstance(part, kind):
                     raise ValueError(f"System: {part!r} in {key} is not a {kind.__name__}")
             if len({id(part) for part in parts}) < len(parts):
-                raise ValueError(f"System: a part stands twice in {key}; list every part once")
+                raise ValueError(f"System: a part appears twice in {key}; list every part once")
             self._store(**{key: parts})
         if not self.bodies:
             raise ValueError("System: no bodies; give at least one Body")
@@ -54,7 +54,7 @@ class Mechanism(Frozen):
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind} {counts[kind]}"
             if name in taken:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
+                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
             names[id(part)] = name
             taken.add(name)
         return names

@@ -52,7 +52,7 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
         g /= np.linalg.norm(g)
     else:
         raise ValueError(
-            f"{what}: at = {at.tolist()} is no pitch point of these axes: it must lie in their common plane, "
+            f"{what}: at = {at.tolist()} is not a pitch point of these axes: it must lie in their common plane, "
             "or on their common perpendicular where they cross"
         )
     if abs(g @ a.axis) < ALIGNED:

@@ -64,7 +64,7 @@ def plot_quantity(
 
 
 def new_axes(count: int) -> np.ndarray:
-    """Axes one below the other in a figure of their own."""
+    """Axes one below the other in a new figure."""
     figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]

@@ -49,7 +49,7 @@ class RatingLife:
 
 @dataclass(frozen=True, kw_only=True)
 class Rating(Frozen):
-    """What all rolling bearings share.
+    """Base class of rolling bearings.
 
     Parameters
     ----------

@@ -97,7 +97,7 @@ def bearing_load(
         raise ValueError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
     own = part.angle()
     if axis is None and own is None:
-        raise ValueError(f"{what} has no axis of its own; give axis=")
+        raise ValueError(f"{what} has no axis; give axis=")
     reaction = solution.reaction(part)
     if not reaction.unique:
         raise ValueError(f"{what}: redundant constraints leave its reaction open; cure them, see system.check()")

@@ -55,7 +55,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """True if nothing speaks against the result."""
+        """True if no check fails and the run was not interrupted."""
         return not self.failures
 
     @property
@@ -115,14 +115,14 @@ def certify(solution: RunSamples) -> Certificate:
 
 
 def notes(solution: RunSamples) -> tuple[str, ...]:
-    """Facts that are neither good nor bad."""
+    """Rank events, and checks that could not be made."""
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
 
 
 def lost(solution: RunSamples) -> list[str]:
-    """Names of the forces whose functions are not there any more."""
+    """Names of the forces whose functions were not saved."""
     system = solution.system
     return [f"force '{system.name(force)}'" for force in system.forces if isinstance(force, SavedForce)]
 
@@ -193,7 +193,7 @@ def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
 
 
 def energy_meaning(method: Method) -> str:
-    """What a lack of energy may come from."""
+    """The likely cause of an energy defect."""
     if method.rho < 1.0:
         return f"energy vanishes, by numerical damping of rho = {method.rho:g} if by nothing else: shorten the step"
     return "energy appears or vanishes"

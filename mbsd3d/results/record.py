@@ -1,4 +1,4 @@
-"""What a run notes about itself; a solution keeps it, files store it, the certificate judges by it."""
+"""The record of a run, kept by solutions and files and judged by the certificate."""
 
 from dataclasses import dataclass, field
 

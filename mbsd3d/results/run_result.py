@@ -1,4 +1,4 @@
-"""What a run leaves: its samples, and the certificate that says how far they can be trusted."""
+"""The result of a run: its samples, and the certificate that says how far they can be trusted."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +15,6 @@ class RunResult(RunSamples):
 
     @cached_property
     def certificate(self) -> Certificate:
-        """What can be said for this result; see `Certificate`."""
+        """The checks of this result; see `Certificate`."""
         error, order = self.estimated
         return replace(certify(self), error=error, order=order)

@@ -178,7 +178,7 @@ class RunSamples(Poses):
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
         part = self.system.part(driver, "joints")
         if not isinstance(part, Driver):
-            raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is no driver; ask for its reaction")
+            raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
         rows = self.compiled.rows[id(part)]
         unique = unique_wrench(self.compiled, self._middle, [part])
         lam = self.arrays["lam"] if unique else self._multipliers

@@ -14,7 +14,7 @@ from ..base.concurrency import one_thread
 
 
 class MisuseError(ValueError):
-    """The functions given to `sweep` do not fit: every other cell would say the same."""
+    """The functions given to `sweep` do not fit, in every cell alike."""
 
 
 class Outcome(NamedTuple):
@@ -28,14 +28,14 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is done in every cell; goes to the workers whole."""
+    """The work of every cell; it is pickled for the workers."""
 
     build: Callable[..., System | tuple[System, Mapping[str, Any]]]
     measure: Callable[[Solution], Any]
     run: Mapping[str, Any] | Callable[..., Mapping[str, Any]] = field(default_factory=dict)
 
     def __call__(self, parameters: dict[str, Any]) -> Outcome:
-        """One cell; its own errors become part of the outcome."""
+        """Run one cell; its errors become part of the outcome."""
         try:
             with one_thread():
                 solution = self.solve(parameters)
@@ -105,7 +105,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
     """ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise ValueError(f"sweep: {what} {function!r} is no function; give one")
+        raise ValueError(f"sweep: {what} {function!r} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):

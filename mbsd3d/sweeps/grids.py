@@ -86,7 +86,7 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
         raise ValueError(f"samples: count {count!r}; give a whole number of points > 0")
     if method == "sobol" and count & (count - 1):
-        raise ValueError(f"samples: count {count} is no power of two, as the Sobol sequence needs; give 2, 4, 8, ...")
+        raise ValueError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     check_names(tuple(ranges))
     limits = np.array([check_range(name, values) for name, values in ranges.items()])
     if method == "random":
@@ -117,7 +117,7 @@ def check_names(names: tuple) -> None:
         if not isinstance(name, str) or not name.isidentifier():
             raise ValueError(f"sweep: parameter {name!r}; give the name of a parameter of build")
         if name in ("error", "sample") or names.count(name) > 1:
-            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a name of its own")
+            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ class Grid:
     cells: list[dict[str, Any]]
 
     def title(self, cell: int) -> str:
-        """A cell as a person would name it."""
+        """Number and parameters of a cell, for messages."""
         return f"cell {cell} ({', '.join(f'{name}={value!r}' for name, value in self.cells[cell].items())})"
 
 
@@ -161,5 +161,5 @@ def check_values(name: str, given: Any) -> np.ndarray:
         where = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
     if np.unique(array).size < array.size:
-        raise ValueError(f"sweep: '{name}': a value stands twice in {array.tolist()}; list every value once")
+        raise ValueError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

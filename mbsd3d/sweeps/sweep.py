@@ -117,7 +117,7 @@ def sweep(
 
 
 def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str, str] | None) -> None:
-    """What can be said before anything runs."""
+    """Checks before anything runs."""
     run = experiment.run
     check_parameters(experiment.build, "build", grid.cells[0])
     if callable(run):
@@ -130,7 +130,7 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
     else:
         raise ValueError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
     if not callable(experiment.measure):
-        raise ValueError(f"sweep: measure {experiment.measure!r} is no function; give one that takes a solution")
+        raise ValueError(f"sweep: measure {experiment.measure!r} is not a function; give one that takes a solution")
     if units is not None and not isinstance(units, Mapping):
         raise ValueError(f"sweep: units {units!r}; give a mapping of names to units")
     functions = [experiment.build, experiment.measure, *([run] if callable(run) else [])]
@@ -146,7 +146,7 @@ def collect(
     units: Mapping[str, str],
     bar: Progress,
 ) -> SweepError | None:
-    """Fill ``results``; what stopped the sweep before its end, if anything did."""
+    """Fill ``results``; returns the error that stopped the sweep early, if any."""
     if book is not None:
         results.update(book.finished())
     todo = [cell for cell in range(len(grid.cells)) if cell not in results]
@@ -204,7 +204,7 @@ def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcom
     unknown = sorted(units.keys() - outcome.values.keys() - grid.columns.keys())
     if unknown:
         known = ", ".join([*grid.columns, *outcome.values])
-        raise SweepError(f"sweep: units of '{unknown[0]}', which is none of {known}", advice="correct the name")
+        raise SweepError(f"sweep: units of '{unknown[0]}': give one of {known}", advice="correct the name")
 
 
 def shapes(outcome: Outcome) -> dict[str, int | None]:
@@ -213,7 +213,7 @@ def shapes(outcome: Outcome) -> dict[str, int | None]:
 
 
 def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> "Dataset":
-    """The table: cells that failed or did not run are NaN and say why."""
+    """The table; cells that failed or did not run are NaN, with the reason in ``error``."""
     import xarray
 
     count = len(grid.cells)

@@ -89,7 +89,7 @@ class Builder:
         return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})
 
     def name(self, wanted: str, kind: str) -> str:
-        """A name of its own: joints and bodies share one list of names here."""
+        """A unique name: joints and bodies share one list of names here."""
         name = wanted
         while name in self.names:
             name = f"{name} ({kind})"

@@ -160,7 +160,7 @@ class FunctionForce(ForceElement):
         )
 
     def address(self, dtype: type) -> int | Callable:
-        """Where the function for real or complex numbers is; 0 = there is none."""
+        """Address of the function for real or complex numbers; 0 = none."""
         raise NotImplementedError
 
 

@@ -58,7 +58,7 @@ class StateFeedback(ForceElement):
     Raises
     ------
     ValueError
-        For lengths that differ, numbers that are not finite, something that is no measure, a joint without coordinate.
+        For lengths that differ, numbers that are not finite, no measure, or a joint without a coordinate.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""What joints share: two bodies, points and axes in world coordinates at the reference pose, rows, perhaps an angle.
+"""Base classes of joints: two bodies, points and axes (world coordinates at the reference pose), rows, maybe an angle.
 
-``at_b``, ``axis_b`` say where the part on ``b`` really is, where it was built differently.
+``at_b``, ``axis_b`` give the part on ``b`` as built, where that differs.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 @dataclass(frozen=True, eq=False)
 class Joint(Part):
-    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide.
+    """Base class of joints and drivers: two bodies, a name, rows, and perhaps an angle or a slide.
 
     Examples
     --------

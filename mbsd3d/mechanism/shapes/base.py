@@ -1,4 +1,4 @@
-"""What all shapes of bodies share: a place in the body, a colour, and for most a surface."""
+"""Base classes of shapes: a place in the body, a colour, and for most a surface."""
 
 import re
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
 
 
 class Shaped(Protocol):
-    """What shapes ask of the body that they show."""
+    """The fields of a body that shapes use."""
 
     name: str
     mass: float
@@ -28,7 +28,7 @@ class Shaped(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Shape(Frozen):
-    """What all shapes share: a place in the body, and perhaps a colour.
+    """Base class of shapes: a place in the body, and perhaps a colour.
 
     Parameters
     ----------

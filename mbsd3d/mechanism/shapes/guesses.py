@@ -1,4 +1,4 @@
-"""What a body looks like: the shapes it was given, or the homogeneous solid that has its mass and inertia."""
+"""The shapes of a body: as given, or the homogeneous solid of its mass and inertia."""
 
 from typing import Any
 

@@ -167,7 +167,7 @@ class MeshFile(Solid):
         except TypeError:
             raise ValueError(f"{what}: path is {self.path!r}; give the name of a file") from None
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise ValueError(f"{what}: path '{path}' is no mesh; give a file that ends in {', '.join(SUFFIXES)}")
+            raise ValueError(f"{what}: path '{path}' is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
 
     def origin(self, body: Shaped) -> np.ndarray:

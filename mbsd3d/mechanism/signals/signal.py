@@ -1,4 +1,4 @@
-"""What signals share: values and derivatives, sums, multiples, and numbers as constant signals.
+"""Base class of signals: values and derivatives, sums, multiples, and numbers as constant signals.
 
 A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
 so what a user plots is what the model is driven by.

@@ -56,7 +56,7 @@ class View(HtmlPage):
 
 
 def has_browser() -> bool:
-    """Whether a browser with windows can be opened here."""
+    """True if a browser window can be opened here."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     try:

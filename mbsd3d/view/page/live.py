@@ -77,7 +77,7 @@ class LiveView:
         return f"http://{HOST}:{self._server.get_port()}"
 
     def can_open(self) -> bool:
-        """Whether this machine has a browser with windows."""
+        """True if this machine can open a browser window."""
         return has_browser()
 
     def open(self) -> None:
@@ -104,11 +104,11 @@ class LiveView:
         self._server.stop()
 
     def refresh(self) -> None:
-        """Make the picture anew: other things are to be seen."""
+        """Redraw the picture: other layers are visible."""
         self._shown = None
 
     def _run(self) -> None:
-        """Let the time pass and show it, until stopped."""
+        """Advance and show the time until stopped."""
         before = time.perf_counter()
         while not self._ended.wait(PERIOD):
             now = time.perf_counter()

@@ -1,4 +1,4 @@
-"""What is shown of a motion besides the bodies: arrows, traces, and curves over time; no plotting library."""
+"""Arrows, traces and curves over time of a motion; no plotting library."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
