@@ -16,10 +16,7 @@ from .system import System
 def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
     """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
 
-    Raises
-    ------
-    ValueError
-        Naming the file and the place in it.
+    ValueError naming the file and the place in it.
     """
     suffix = Path(file).suffix.lower()
     if suffix in (".xml", ".urdf"):
@@ -45,10 +42,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
 def built_by(file: str) -> System:
     """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
 
-    Raises
-    ------
-    ValueError
-        Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
+    ValueError naming file and line: a missing file, no Python, an error while it runs, no ``build()``, no System.
     """
     path = Path(file)
     try:

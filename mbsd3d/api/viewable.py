@@ -189,28 +189,8 @@ class Viewable:
     ) -> Path:
         """Write the motion as an MP4 film (H.264, yuv420p: plays everywhere) through ffmpeg.
 
-        Parameters
-        ----------
-        path : str or Path
-            ".mp4" is appended if missing.
-        fps : float
-            Frames per second of the film > 0.
-        speed : float, optional
-            Model time per real time; None = as `animate`.
-        width, height : int
-            As for `export_gif`, even.
-        curves, traces, shown, hidden, view, dark
-            See `export_gif`.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        ValueError
-            If there is no ffmpeg, a size is odd, or as for `export_gif`.
+        Options as `export_gif`, with these differences: ``fps`` has no upper limit, ``speed`` None means as `animate`,
+        ``width`` and ``height`` are even. ValueError also if ffmpeg is missing.
         """
         from ..view.film.film import export_mp4
 

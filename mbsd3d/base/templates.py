@@ -22,13 +22,7 @@ class HtmlPage:
         return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="mbsd3d"></iframe>'
 
     def save(self, path: str | Path) -> Path:
-        """Write the page; ".html" is appended if it is missing, an existing file is replaced atomically.
-
-        Raises
-        ------
-        ValueError
-            If the folder does not exist or cannot be written.
-        """
+        """Write the page; ".html" is appended if missing. ValueError if the folder cannot be written."""
         return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8"))
 
 

@@ -3,9 +3,9 @@
     min x'D x / 2 - f'x + |A x - b|^2 / (2 d):      [ D  A'   ] [ x ]   [ f ]
                                                     [ A  -d 1 ] [ p ] = [ b ]
 
-Redundant rows need no choice here: d > 0 keeps the matrix regular, and rows that contradict each other are met in the
-sense of least squares. For rows of order one, d = 1e-14 leaves singular values above 1e-5 exact to 1e-4 in one pass;
-further passes with b - d p in the place of b take that away.
+d > 0 keeps the matrix regular where rows are redundant; rows that contradict each other are met in the sense of least
+squares. For rows of order one, d = 1e-14 leaves singular values above 1e-5 exact to 1e-4 in one pass; further passes
+with b - d p in the place of b take that away.
 """
 
 import numpy as np

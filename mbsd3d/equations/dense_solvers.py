@@ -47,12 +47,8 @@ def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, 
 
 
 def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """(v_dot (6 n,), lam (m,)) from the dense matrix; needs independent rows.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If rows are redundant: `solve_svd` takes those.
+    """(v_dot (6 n,), lam (m,)) from the dense matrix, for independent rows; LinAlgError if some are redundant: see
+    `solve_svd`.
     """
     M, force, J, gamma, _ = equations(system, state)
     n, m = M.shape[0], J.shape[0]

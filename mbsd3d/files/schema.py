@@ -146,10 +146,7 @@ def place_of(path: tuple) -> str:
 def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> None:
     """Refuse data that do not fit a schema.
 
-    Raises
-    ------
-    ValueError
-        Saying what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
+    ValueError with what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
     """
     try:
         msgspec.convert(data, schema)

@@ -189,10 +189,7 @@ def find_generator(
 ) -> tuple[Generator, Variations, np.ndarray]:
     """(generator, variations at a later state of the same motion, rotation of X up to there).
 
-    Raises
-    ------
-    ValueError
-        With the body or joint, the residual and what to do.
+    ValueError for any other motion, with the body or joint, the residual and the remedy.
     """
     model, system = field.compiled.model, field.compiled.system
     wrong, changing = [], []

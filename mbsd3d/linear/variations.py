@@ -227,13 +227,7 @@ def free_basis(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
-    """E at a state.
-
-    Raises
-    ------
-    ValueError
-        If a row that is redundant here is not so for neighbouring states: a singular position.
-    """
+    """E at a state; ValueError at a singular position, where a redundant row is independent beside it."""
     model, n = compiled.model, 6 * compiled.model.body.size
     columns = displacement_units(model.length, model.body.size)
     rows = model.row["scale"][:, None]

@@ -41,12 +41,8 @@ def buffer_size(wanted: int, width: int) -> int:
 class Samples:
     """Arrays (samples, width) of the quantities of a run, by name.
 
-    Parameters
-    ----------
-    widths : tuple of int
-        Numbers per sample of each of QUANTITIES.
-    expected : int
-        Samples to make room for; more of them make the arrays grow.
+    ``widths``: numbers per sample of each of QUANTITIES; ``expected``: samples to make room for, more make the arrays
+    grow.
     """
 
     def __init__(self, widths: tuple[int, ...], expected: int) -> None:

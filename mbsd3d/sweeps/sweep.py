@@ -219,6 +219,7 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
     count = len(grid.cells)
     good = {cell: outcome for cell, outcome in results.items() if not outcome.error}
     errors = [results[cell].error if cell in results else "not run" for cell in range(count)]
+    unit_of = {name: {"units": unit} for name, unit in units.items()}
     variables = {"error": (grid.dims, np.array(errors, dtype=str).reshape(grid.shape), {})}
     for name, length in shapes(good[min(good)]).items() if good else ():
         whole = np.full((count,) if length is None else (count, length), np.nan)
@@ -226,8 +227,8 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
             whole[cell] = outcome.values[name]
         extra = () if length is None else (f"{name}_index",)
         shape = (*grid.shape, *whole.shape[1:])
-        variables[name] = ((*grid.dims, *extra), whole.reshape(shape), unit_of(units, name))
-    coordinates = {name: (dim, values, unit_of(units, name)) for name, (dim, values) in grid.columns.items()}
+        variables[name] = ((*grid.dims, *extra), whole.reshape(shape), unit_of.get(name, {}))
+    coordinates = {name: (dim, values, unit_of.get(name, {})) for name, (dim, values) in grid.columns.items()}
     attrs = attrs | {
         "cells": count,
         "failed": sum(bool(outcome.error) for outcome in results.values()),
@@ -235,8 +236,3 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
         "stopped_by": f"stopped after {len(results)} of {count} cells" if len(results) < count else "",
     }
     return xarray.Dataset(variables, coordinates, attrs)
-
-
-def unit_of(units: Mapping[str, str], name: str) -> dict[str, str]:
-    """Attributes of a variable."""
-    return {"units": units[name]} if name in units else {}

@@ -25,13 +25,7 @@ URDF = frozenset(
 
 @dataclass
 class Scan:
-    """A model and all it includes.
-
-    Parameters
-    ----------
-    root : Path
-        The file the user gave.
-    """
+    """A model, given by its file ``root``, and all it includes."""
 
     root: Path
     bytes: int = 0

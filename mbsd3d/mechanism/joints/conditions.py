@@ -16,8 +16,6 @@ from .joint import AxisJoint, Joint, PointJoint
 class PointOnLine(AxisJoint):
     """A point of b slides on a line fixed in a (2 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, PointOnLine
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in PointOnLine(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
@@ -35,8 +33,6 @@ class PointOnLine(AxisJoint):
 class PointOnPlane(PointJoint):
     """A point of b moves in a plane fixed in a (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, PointOnPlane
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in PointOnPlane(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
@@ -57,8 +53,6 @@ class PointOnPlane(PointJoint):
 class Distance(Joint):
     """A massless rod between a point of a and a point of b keeps their distance (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Distance
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> round(Distance(GROUND, part, at_a=(0, 0, 0), at_b=(0.3, 0.0, 0.4)).length, 12)
@@ -91,8 +85,6 @@ class Distance(Joint):
 class Parallel(Joint):
     """An axis of b stays parallel to an axis of a (2 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Parallel
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Parallel(GROUND, part, axis=(1, 2, 2)).rows())
@@ -120,8 +112,6 @@ class Parallel(Joint):
 class Perpendicular(Joint):
     """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Perpendicular
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Perpendicular(GROUND, part, axis_a=(1, 2, 2), axis_b=(2, 1, -2)).rows())
@@ -150,8 +140,6 @@ class ConstantVelocity(PointJoint):
 
     With n the common normal of the shafts: x_a . y_b - y_a . x_b = 0 for x = n, y = axis x n on both sides.
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, ConstantVelocity
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> joint = ConstantVelocity(GROUND, part, at=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0.8, 0.6, 0))

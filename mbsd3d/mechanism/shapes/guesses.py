@@ -20,10 +20,7 @@ THIN = 0.02  # thickness in parts of the largest extent that rods and plates hav
 def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
     """The shape of a body as it is kept: None, one of the texts, a shape, or a tuple of shapes.
 
-    Raises
-    ------
-    ValueError
-        Naming the body: a shape that is unknown, or a solid that cannot have the inertia of this body.
+    ValueError, naming the body, for an unknown shape or a solid that cannot have the inertia of this body.
     """
     shape = body.shape
     if shape is None or isinstance(shape, Shape):
@@ -50,26 +47,11 @@ def shapes_of(body: Shaped) -> tuple[Shape, ...]:
 
 
 def homogeneous(body: Shaped, kind: str) -> Shape:
-    """The homogeneous solid with the mass and inertia of a body, but at least a fiftieth as thick as it is long.
+    """The homogeneous solid with the mass and inertia of a body, about its centre of mass in its principal axes.
 
     With moments per mass j and s = (j1 + j2 + j3) - 2 j: half axes sqrt(5 s / 2) of an ellipsoid, edges sqrt(6 s) of a
-    box; radius sqrt(2 j_along) and length sqrt(12 j_across - 6 j_along) of a cylinder.
-
-    Parameters
-    ----------
-    body : Body
-        With inertia.
-    kind : "ellipsoid", "box" or "cylinder"
-
-    Returns
-    -------
-    Shape
-        In the principal axes of the body, about its centre of mass.
-
-    Raises
-    ------
-    ValueError
-        Naming the body: without inertia, or a cylinder where no two principal moments are equal.
+    box; radius sqrt(2 j_along) and length sqrt(12 j_across - 6 j_along) of a cylinder. At least a fiftieth as thick as
+    it is long. ValueError, naming the body, without inertia or for a cylinder where no two principal moments are equal.
     """
     if not body.inertia.any():
         raise ValueError(

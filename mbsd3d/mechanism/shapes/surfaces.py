@@ -123,12 +123,9 @@ def capsule(radius: float, length: float) -> Mesh:
 
 
 def read_mesh(path: str, what: str) -> Mesh:
-    """Triangles of a file as they are, with separate vertices at edges sharper than 30 degrees.
+    """Triangles of a file, with separate vertices at edges sharper than 30 degrees.
 
-    Raises
-    ------
-    ValueError
-        For a file that is missing, too large, no mesh, or has too many triangles, none, or some not finite.
+    ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
     import trimesh
 
