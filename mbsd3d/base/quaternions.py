@@ -40,7 +40,8 @@ def logarithm(e: ArrayLike) -> np.ndarray:
 
     ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` with the sign of e chosen such that e0 >= 0; zero is a ValueError.
     """
-    e = _nonzero_quaternion(e)
+    e = _stack(e, 4, "quaternion")
+    _check_nonzero(np.sum(e * e, axis=-1))
     e = np.where(e[..., :1] < 0.0, -e, e)
     scalar, vector = e[..., :1], e[..., 1:]
     norm = np.linalg.norm(vector, axis=-1, keepdims=True)
@@ -74,13 +75,6 @@ def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
     if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
         raise ValueError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
-
-
-def _nonzero_quaternion(e: ArrayLike) -> np.ndarray:
-    """Stack of quaternions of which none is zero or contains NaN."""
-    e = _stack(e, 4, "quaternion")
-    _check_nonzero(np.sum(e * e, axis=-1))
-    return e
 
 
 def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:

@@ -57,11 +57,7 @@ def sorting(value: complex) -> tuple[int, int, bool]:
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
-
-    ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
-    all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
-    """
+    """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
     linearization: Any
     eigenvalue: complex

@@ -13,8 +13,11 @@ def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
     """`Solution.reaction` of every joint at the given samples, by one pass over them instead of one per joint."""
     compiled, joints = solution.compiled, solution.system.joints
     unique = [unique_wrench(compiled, solution._middle, [joint]) for joint in joints]
-    t, states, lam = solution.t[samples], solution.arrays["state"][samples], multipliers(solution, unique)[samples]
-    wrenches = wrenches_about_O(compiled, t, states, lam)
+    lam = solution.arrays["lam"][samples]
+    for joint in (joint for joint, certain in zip(joints, unique, strict=True) if not certain):
+        rows = compiled.rows[id(joint)]
+        lam[:, rows] = solution._multipliers[samples, rows]
+    wrenches = wrenches_about_O(compiled, solution.t[samples], solution.arrays["state"][samples], lam)
     found = []
     for k, joint in enumerate(joints):
         point = joint.reaction_points(solution)[samples]
@@ -22,16 +25,6 @@ def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
         force = wrenches[:, k, :3]
         found.append(Reaction(force, wrenches[:, k, 3:] - np.cross(point - origin, force), point, unique[k]))
     return found
-
-
-def multipliers(solution: RunSamples, unique: list[bool]) -> np.ndarray:
-    """(samples, rows) multipliers, of least norm for the joints (in their order) whose wrench is not unique."""
-    lam = solution.arrays["lam"].copy()
-    for joint, certain in zip(solution.system.joints, unique, strict=True):
-        if not certain:
-            rows = solution.compiled.rows[id(joint)]
-            lam[:, rows] = solution._multipliers[:, rows]
-    return lam
 
 
 def wrenches_about_O(compiled: Compiled, t: np.ndarray, states: np.ndarray, lam: np.ndarray) -> np.ndarray:

@@ -69,14 +69,10 @@ class Experiment:
         if not isinstance(measured, Mapping):
             name = getattr(self.measure, "__name__", "value")
             measured = {name if name.isidentifier() else "value": measured}
-        return {self.name(key): plain(key, value) for key, value in measured.items()}
-
-    @staticmethod
-    def name(key: Any) -> str:
-        """A name that a variable of a dataset may have."""
-        if not isinstance(key, str) or not key or key == "error":
-            raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
-        return key
+        for key in measured:
+            if not isinstance(key, str) or not key or key == "error":
+                raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
+        return {key: plain(key, value) for key, value in measured.items()}
 
 
 def plain(name: str, value: Any) -> float | list[float]:
