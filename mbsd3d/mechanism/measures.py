@@ -199,19 +199,8 @@ def distance(
 
 
 def state(force: ForceElement, index: int = 0) -> Measure:
-    """An own state of a force element, e.g. of a filter or of a `CustomForce`.
-
-    Parameters
-    ----------
-    force : ForceElement
-        One with own states.
-    index : int
-        Which of them, from 0.
-
-    Raises
-    ------
-    ValueError
-        If there is no such state.
+    """Own state no. ``index``, from 0, of a force element, e.g. of a filter or of a `CustomForce`; ValueError if it has
+    none.
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()

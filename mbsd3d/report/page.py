@@ -37,16 +37,7 @@ MEANING = {
 
 @dataclass(frozen=True, repr=False)
 class Report(HtmlPage):
-    """One offline HTML page about a run.
-
-    Attributes
-    ----------
-    html : str
-        The whole page.
-    title : str
-    passed : bool
-        Verdict of the certificate.
-    """
+    """One offline HTML page about a run; ``passed`` is the verdict of its certificate."""
 
     html: str
     title: str

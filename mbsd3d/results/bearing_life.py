@@ -27,24 +27,12 @@ AXIAL_FACTOR = (2.30, 1.99, 1.71, 1.55, 1.45, 1.31, 1.15, 1.04, 1.00)
 
 @dataclass(frozen=True)
 class RatingLife:
-    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever.
+    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever."""
 
-    Attributes
-    ----------
-    load : float
-        Mean equivalent dynamic load P_m [N].
-    speed : float
-        Mean of the magnitude of the speed [rad/s].
-    revolutions : float
-        L10 [millions of revolutions].
-    hours : float
-        L10h [h].
-    """
-
-    load: float
-    speed: float
-    revolutions: float
-    hours: float
+    load: float  # mean equivalent dynamic load P_m [N]
+    speed: float  # mean of the magnitude of the speed [rad/s]
+    revolutions: float  # L10 [millions of revolutions]
+    hours: float  # L10h [h]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +76,8 @@ class Rating(Frozen):
     def life(self, load: BearingLoad) -> RatingLife:
         """L10 and L10h under the loads and speeds of a run.
 
-        Raises
-        ------
-        ValueError
-            If the bearing does not turn, is never loaded, cannot carry axial forces (Y = 0) or tilting moments that
-            are there.
+        ValueError if the bearing does not turn, is never loaded, or cannot carry the axial forces (Y = 0) or tilting
+        moments.
         """
         what = f"{type(self).__name__}.life: '{load.name}'"
         zero = ROUNDING * np.abs(load.force).max(initial=0.0)

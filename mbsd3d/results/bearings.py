@@ -16,28 +16,16 @@ from .run_result import RunResult
 
 @dataclass(frozen=True, eq=False)
 class BearingLoad:
-    """What a bearing carries at the samples of a run.
-
-    Attributes
-    ----------
-    t : (samples,) ndarray
-        [s].
-    force, moment : (samples, 3) ndarray
-        On body b at ``point`` [N, N m], in the joint's frame: two directions across the axis, then the axis.
-    point : (samples, 3) ndarray
-        World [m].
-    speed : (samples,) ndarray
-        Rate of b relative to a about the axis [rad/s].
-    length : float
-        Length of the model [m], which says what is rounding in a moment.
+    """The load of a bearing at the samples of a run; forces and moments in the joint's frame: two axes across, then the
+    axis.
     """
 
-    t: np.ndarray
-    force: np.ndarray
-    moment: np.ndarray
-    point: np.ndarray
-    speed: np.ndarray
-    length: float
+    t: np.ndarray  # (samples,) [s]
+    force: np.ndarray  # (samples, 3) on body b at ``point`` [N]
+    moment: np.ndarray  # (samples, 3) [N m]
+    point: np.ndarray  # (samples, 3) world [m]
+    speed: np.ndarray  # (samples,) rate of b relative to a about the axis [rad/s]
+    length: float  # of the model [m]: decides what is rounding in a moment
     name: str
 
     @property

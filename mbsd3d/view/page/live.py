@@ -26,21 +26,11 @@ HOST = "127.0.0.1"  # nobody else on the network sees it
 class LiveView:
     """A running view; a context manager that stops it at its end.
 
-    Examples
-    --------
-    ::
+    ``playing``, ``speed`` (seconds of the run per second) and ``time`` (shown [s]) can be read and set::
 
         with solution.animate(live=True) as view:
             view.open()
             view.wait()
-
-    Attributes
-    ----------
-    playing : bool
-    speed : float
-        Seconds of the run per second.
-    time : float
-        Shown [s].
     """
 
     def __init__(self, content: Content, dark: bool | None = None) -> None:
