@@ -127,25 +127,10 @@ class Solution(RunResult, Viewable):
     ) -> "Report":
         """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
 
-        Parameters
-        ----------
-        path : str or Path, optional
-            Where to write it as well.
-        title : str, optional
-            None = the names of the bodies.
-        curves : sequence of str and (str, part, ...), optional
-            One figure each, as `Solution.plot` takes them; None = the most telling ones.
-        dark : bool, optional
-            Dark or light paper; None = as the reader's screen is set. It prints on light paper anyway.
-
-        Returns
-        -------
-        Report
-
-        Raises
-        ------
-        ValueError
-            For a solution without samples, an unknown quantity or part, or a folder that cannot be written.
+        ``path``: where to write it too. ``title``: None = the names of the bodies. ``curves``: one figure each, as
+        `plot` takes them, None = the most telling ones. ``dark``: dark or light paper, None = as the reader's screen is
+        set; it prints on light paper anyway. ValueError for a solution without samples, an unknown quantity or part, or
+        a folder that cannot be written.
         """
         from ..report.page import make_report
 
@@ -154,22 +139,8 @@ class Solution(RunResult, Viewable):
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file without pickle, which `mbsd3d.load` reads back.
 
-        Of a `CustomForce` all but its function is kept.
-
-        Parameters
-        ----------
-        path : str or Path
-            ".npz" is appended if missing; an existing file is replaced atomically.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        ValueError
-            If a part cannot be described, or the folder cannot be written.
+        ".npz" is appended if missing; an existing file is replaced atomically. Of a `CustomForce` all but its function
+        is kept. Returns the file; ValueError if a part cannot be described or the folder cannot be written.
         """
         from ..files.solutions import save
 
@@ -191,22 +162,8 @@ class Solution(RunResult, Viewable):
     def to_csv(self, path: str | Path) -> Path:
         """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
 
-        The numbers read back equal.
-
-        Parameters
-        ----------
-        path : str or Path
-            ".csv" is appended if missing; an existing file is replaced atomically.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        ValueError
-            If the folder cannot be written.
+        The numbers read back equal. ".csv" is appended if missing; an existing file is replaced atomically. Returns the
+        file; ValueError if the folder cannot be written.
         """
         from ..files.tables import to_csv
 

@@ -198,31 +198,16 @@ class Viewable:
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:
-        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
+        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open; returns the
+        file.
 
-        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
-        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
+        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres and
+        seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch. ".glb" is appended if
+        missing; the same solution gives the same bytes.
 
-        Parameters
-        ----------
-        path : str or Path
-            ".glb" is appended if missing; an existing file is replaced atomically.
-        frames : int, optional
-            Number of frames in equal steps of time; None = enough for a smooth film.
-        traces : sequence of (body, (3,) array_like), optional
-            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
-            move, () = none.
-
-        Returns
-        -------
-        Path
-            The file; the same solution gives the same bytes.
-
-        Raises
-        ------
-        ValueError
-            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
-            the system, or the folder cannot be written.
+        ``frames``: their number in equal steps of time, None = enough for a smooth film. ``traces``: points whose paths
+        are drawn, as in `animate`. ValueError if the package pygltflib is missing, there is no sample, a shape cannot
+        be drawn, a point's body is not in the system, or the folder cannot be written.
         """
         from ..view.gltf.export import export_run
 

@@ -16,26 +16,15 @@ TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where roun
 class MassProperties:
     """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
 
-    Parameters
-    ----------
-    mass : float
-        Mass [kg].
-    com : (3,) ndarray
-        Centre of mass in the axes and from the origin the parts were given in [m].
-    inertia : (3, 3) ndarray
-        Inertia about ``com``, in the same axes [kg m^2].
-
-    Examples
-    --------
     >>> from mbsd3d.inertia import box, rod
     >>> hammer = combine([(0.3, (0, 0, 0.15), rod(0.3, 0.3)), (0.5, (0, 0, 0.3), box(0.5, (0.1, 0.03, 0.03)))])
     >>> hammer.com.round(5)
     array([0.     , 0.     , 0.24375])
     """
 
-    mass: float
-    com: np.ndarray
-    inertia: np.ndarray
+    mass: float  # [kg]
+    com: np.ndarray  # (3,) in the axes and from the origin the parts were given in [m]
+    inertia: np.ndarray  # (3, 3) about ``com``, in the same axes [kg m^2]
 
 
 def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
@@ -43,25 +32,11 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
     ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
 
-    Parameters
-    ----------
-    parts : sequence of (mass, com, inertia) or (mass, com, inertia, orientation)
-        Mass [kg]; centre of mass [m] (3,) in the common axes; inertia about it [kg m^2] (3,) or (3, 3) in the part's
-        axes; orientation part axes -> common axes as a quaternion or matrix (common axes if left out).
-        An earlier result of `combine` in the same axes is a part too.
+    A part is (mass, com, inertia) or (mass, com, inertia, orientation): mass [kg]; centre of mass (3,) in the common
+    axes [m]; inertia about it, (3,) or (3, 3), in the part's axes [kg m^2]; orientation part axes -> common axes as a
+    quaternion or matrix (none: common axes). A result of `combine` in the same axes is a part too. ValueError for no
+    part, a part of another form or with an impossible inertia, or masses that add up to zero.
 
-    Returns
-    -------
-    MassProperties
-        In the common axes.
-
-    Raises
-    ------
-    ValueError
-        If there is no part, a part has the wrong form or an impossible inertia, or the masses add up to zero.
-
-    Examples
-    --------
     >>> from mbsd3d.inertia import sphere
     >>> barbell = combine([(2.0, (0, 0, 0.5), sphere(2.0, 0.1)), (2.0, (0, 0, -0.5), sphere(2.0, 0.1))])
     >>> barbell.mass, barbell.inertia.diagonal().round(3)

@@ -22,29 +22,11 @@ TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisat
 
 
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
-    """Unit quaternion of the rotation by ``angle`` about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
+    """Unit quaternion, body -> world, of a rotation about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
 
-    Parameters
-    ----------
-    axis : "x", "y", "z" or (3,) array_like
-        Axis of the rotation, of any length; right-hand rule.
-    angle : (...) array_like
-        Angle [rad, or degrees if ``degrees``].
-    degrees : bool
-        Read ``angle`` in degrees.
+    ``axis`` is "x", "y", "z" or a vector (3,) of any length, right-hand rule; ``angle`` (...) [rad], or in degrees if
+    ``degrees``. Returns (..., 4). ValueError for another axis, one of zero length, or a number that is not finite.
 
-    Returns
-    -------
-    (..., 4) ndarray
-        Unit quaternion, body -> world.
-
-    Raises
-    ------
-    ValueError
-        If the axis is not one of the letters x, y, z, has zero length or the wrong shape, or if a number is not finite.
-
-    Examples
-    --------
     >>> rotation("z", 180, degrees=True).round(12)
     array([0., 0., 0., 1.])
     """

@@ -117,26 +117,10 @@ class Mode:
     def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
         """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
 
-        Parameters
-        ----------
-        amplitude : float
-            Of the largest displacement at its largest [model lengths or radians].
-        cycles : float
-            Periods; for a mode that does not oscillate, time constants; for a zero eigenvalue, to and fro.
-        samples : int
-            At least 2.
-
-        Returns
-        -------
-        Motion
-            With ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``.
-
-        Raises
-        ------
-        ValueError
-            For fewer than 2 samples, or an amplitude or number of cycles that is not a number.
-        AssemblyError
-            If the joints do not close at so large an amplitude.
+        ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
+        mode that does not oscillate time constants, for a zero eigenvalue to and fro; ``samples`` at least 2. The
+        `Motion` has ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``. ValueError for other
+        numbers; AssemblyError if the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
         if samples < 2:

@@ -158,26 +158,9 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
 
 
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
-    """Write a figure as PNG (150 dpi) and SVG; the same figure gives the same bytes.
+    """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        What to write.
-    path : str or Path
-        Without suffix.
-    pdf : bool
-        Write a PDF too.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be written.
+    ``path`` has no suffix; returns the files. ValueError if the folder cannot be written.
     """
     path, written = Path(path), []
     options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}

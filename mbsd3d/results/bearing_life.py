@@ -39,14 +39,8 @@ class RatingLife:
 class Rating(Frozen):
     """Base class of rolling bearings.
 
-    Parameters
-    ----------
-    C : float
-        Basic dynamic load rating [N] > 0.
-    p : float
-        Load-life exponent: `BALL` = 3, `ROLLER` = 10/3.
-    tilting : float
-        Tilting moment it can carry besides [N m].
+    ``C``: basic dynamic load rating [N] > 0; ``p``: load-life exponent, `BALL` = 3 or `ROLLER` = 10/3; ``tilting``:
+    tilting moment it can carry besides [N m].
     """
 
     C: float
@@ -109,15 +103,9 @@ class Rating(Frozen):
 class RollingBearing(Rating):
     """A bearing with the factors of its catalogue; the defaults are those of one that carries radial loads alone.
 
-    Parameters
-    ----------
-    C, p, tilting : float
-        As `Rating`.
-    X, Y, e : float
-        Radial and axial factor, and the ratio |F_a| / F_r above which they count.
+    ``X``, ``Y``: radial and axial factor; ``e``: the ratio |F_a| / F_r above which they count; ``C, p, tilting`` as
+    `Rating`.
 
-    Examples
-    --------
     >>> bearing = RollingBearing(C=7350.0, X=0.56, Y=1.6, e=0.3)
     >>> round(float(bearing.equivalent(2500.0, 1000.0)), 6)
     3000.0
@@ -139,19 +127,10 @@ class RollingBearing(Rating):
 class DeepGrooveBallBearing(Rating):
     """A single-row deep groove ball bearing of normal clearance: Y and e from f0 F_a / C0 by the table of ISO 281.
 
-    Values between the rows are interpolated; below the first row its values hold, above the last is an error.
+    Values between the rows are interpolated; below the first row its values hold, above the last is an error. ``C``,
+    ``C0``: basic dynamic and static load rating [N] > 0; ``f0``: factor of the catalogue, 11 ... 17 by size; ``p,
+    tilting`` as `Rating`.
 
-    Parameters
-    ----------
-    C, C0 : float
-        Basic dynamic and static load rating [N] > 0.
-    f0 : float
-        Factor of the catalogue, 11 ... 17 by size.
-    p, tilting : float
-        As `Rating`.
-
-    Examples
-    --------
     >>> bearing = DeepGrooveBallBearing(C=30700.0, C0=19000.0, f0=14.0)
     >>> [round(float(x), 3) for x in bearing.factors(19000.0 / 14.0 * 1.205)]  # half-way between two rows
     [0.56, 1.5, 0.29]
@@ -177,13 +156,8 @@ class DeepGrooveBallBearing(Rating):
 def reliability_factor(reliability: float) -> float:
     """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
 
-    Parameters
-    ----------
-    reliability : float
-        R, 0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
+    0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
 
-    Examples
-    --------
     >>> round(reliability_factor(0.95), 2)
     0.62
     """

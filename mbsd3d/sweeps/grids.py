@@ -15,22 +15,10 @@ METHODS = ("sobol", "latin hypercube", "random")
 
 @dataclass(frozen=True, eq=False)
 class Samples(Frozen):
-    """Points of named parameters.
+    """Points (count, k) of k named parameters, in their units: one cell of a sweep per row.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The k parameters.
-    points : (count, k) array_like
-        One cell of the sweep per row, in the units of the parameters.
+    ValueError if the shape does not fit the names, or a number is not finite.
 
-    Raises
-    ------
-    ValueError
-        If the shape does not fit the names, or a number is not finite.
-
-    Examples
-    --------
     >>> Samples(("bend", "rate"), [[0.1, 8.0], [0.4, 12.0]]).points.shape
     (2, 2)
     """
@@ -50,31 +38,12 @@ class Samples(Frozen):
 
 
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
-    """Points spread over named ranges, the same for the same seed.
+    """Points spread over named ranges, the same for the same seed, for `sweep`; its dataset has the dimension "sample".
 
-    Parameters
-    ----------
-    ranges : mapping
-        Name -> (least, greatest) value of the parameter.
-    count : int
-        Number of points; a power of two for "sobol", whose points are even only then.
-    method : str
-        "sobol" (scrambled Sobol sequence), "latin hypercube" or "random"; see `scipy.stats.qmc`.
-    seed : int
-        Of the random numbers.
+    ``ranges``: name -> (least, greatest) value of the parameter. ``count``: number of points; a power of two for
+    "sobol", whose points are even only then. ``method``: "sobol" (scrambled Sobol sequence), "latin hypercube" or
+    "random"; see `scipy.stats.qmc`. ValueError for an empty range, an unknown method, or another count.
 
-    Returns
-    -------
-    Samples
-        For `sweep`; its dataset has the dimension "sample".
-
-    Raises
-    ------
-    ValueError
-        For an empty range, an unknown method, or a count that is not positive (or no power of two for "sobol").
-
-    Examples
-    --------
     >>> points = samples({"bend": (0.1, 0.5), "rate": (5.0, 10.0)}, 4, seed=3).points
     >>> bool((points.min(axis=0) >= (0.1, 5.0)).all() and (points.max(axis=0) <= (0.5, 10.0)).all())
     True

@@ -30,19 +30,9 @@ class Shaped(Protocol):
 class Shape(Frozen):
     """Base class of shapes: a place in the body, and perhaps a colour.
 
-    Parameters
-    ----------
-    at : (3,) array_like or None
-        Centre of the shape from O, body axes [m]; None = centre of mass of the body (`MeshFile`, `Lines`: O).
-    orientation : (4,) or (3, 3) array_like
-        Axes of the shape -> body axes: unit quaternion, scalar first, or rotation matrix; see `rotation`.
-    colour : str or None
-        "#rrggbb" or a name matplotlib knows; None = that of the body.
-
-    Raises
-    ------
-    ValueError
-        Naming shape, value and remedy.
+    ``at``: centre of the shape (3,) from O, body axes [m]; None = centre of mass of the body (`MeshFile`, `Lines`: O).
+    ``orientation``: axes of the shape -> body axes, unit quaternion, scalar first, or rotation matrix. ``colour``:
+    "#rrggbb" or a name matplotlib knows; None = that of the body. ValueError naming shape, value and remedy.
     """
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields that are lengths > 0 [m]
