@@ -35,12 +35,12 @@ from .mechanism.drivers import Driver as Driver
 from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
+from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.loads import AeroDrag as AeroDrag
 from .mechanism.forces.loads import Force as Force
 from .mechanism.forces.loads import Torque as Torque
-from .mechanism.forces.springs import Bushing as Bushing
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring

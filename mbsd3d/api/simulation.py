@@ -114,7 +114,7 @@ def accelerations(system: System, state: State | None = None) -> Solution:
 
 
 def start_of(system: System, state: State | None, what: str, as_built: float | None = None) -> State:
-    """The state that was given, or the one a system starts from by itself."""
+    """The given state, or the system's own start."""
     check_system(system, what)
     check_state(state, what)
     return state or system.state(as_built=as_built)

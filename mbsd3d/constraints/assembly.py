@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
@@ -165,7 +164,7 @@ def assemble(
     rates: Mapping,
     measures: Mapping,
     pinned: tuple,
-    near: Any,
+    near: State | None,
     t: float,
 ) -> State:
     """See `System.assemble`."""

@@ -1,7 +1,6 @@
 """What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -127,7 +126,7 @@ def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
 
 
 def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
-    """Relative cut-off of singular values that stand for misfits below ``as_built`` metres."""
+    """Relative cut-off of singular values that belong to misfits below ``as_built`` metres."""
     return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
 
 
@@ -151,7 +150,7 @@ def violation(found: Analysis, tolerance: float) -> float:
 def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
     """Violation of the spared rows of a core (scaled, norm).
 
-    Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
+    Rows are kept in the order of the joints, so the last joints show the misfit.
     """
     kept, basis = [], np.zeros((0, core.columns.size))
     for k, row in enumerate(core.F):
@@ -190,7 +189,7 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     pose, residual = close_pose(compiled, start, [], [], set())
     if gap_size(compiled, residual) <= 1e-9:
         return pose, 0.0, None
-    # joints that close loops get little weight, so that the gap stands there and not in every joint
+    # joints that close loops get little weight, so that the gap appears there and not in every joint
     pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
     part, gap = worst_joint(compiled, residual)
     if gap <= as_built:
@@ -236,16 +235,12 @@ def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Sha
         moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
         on = rows.body[own] == compiled.body_index[id(moving)]
         G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
-        moment = G[3:] - np.cross(moment_arm(compiled, joint, moving), G[:3], axis=0)
+        arm = (joint.point() - moving.position) / compiled.model.length  # from O, at the reference pose
+        moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
         force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
         shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
     return shares
-
-
-def moment_arm(compiled: Compiled, joint: Any, body: Any) -> np.ndarray:
-    """From O of the body to the joint's point, world at the reference pose, in model lengths."""
-    return np.asarray((joint.point() - body.position) / compiled.model.length).reshape(3, 1)
 
 
 def verdict_text(

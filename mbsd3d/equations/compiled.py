@@ -130,7 +130,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     signals, length = Signals(), own_length(system)
     bodies, singular = body_table(system)
-    forces = force_table(records, index, where, signals, len(measures))
+    forces = force_table(system, records, index, where, signals, len(measures))
     first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
     rows_table = primitive_table(primitives, index, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)

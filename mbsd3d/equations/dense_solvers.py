@@ -10,12 +10,12 @@ import numpy as np
 import scipy.linalg
 
 from ..base.rotations import matrix
-from ..kernels.loads import loads
+from ..dynamics.loads import loads
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state
 from .compiled import Compiled, compile_system
-from .jacobian import RANK_TOLERANCE, dense_jacobian, displacement_units, scaled_jacobian
+from .jacobian import RANK_TOLERANCE, block_rows, displacement_units
 from .mass_matrix import sparse_mass_matrix
 
 
@@ -42,17 +42,13 @@ def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, 
     load_state(compiled, data, state)
     loads(compiled.model, data, state.t)
     force = data.body["Q"][:n].reshape(6 * n) - quadratic_term(system, state)
-    J, gamma = dense_jacobian(compiled.model, data), data.row["gamma"].copy()
+    J, gamma = block_rows(compiled.model, data).dense(), data.row["gamma"].copy()
     return mass_matrix(system, state), force, J, gamma, compiled
 
 
 def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """(v_dot (6 n,), lam (m,)) from the dense matrix; needs independent rows.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If rows are redundant: `solve_svd` takes those.
+    """(v_dot (6 n,), lam (m,)) from the dense matrix, for independent rows; LinAlgError if some are redundant: see
+    `solve_svd`.
     """
     M, force, J, gamma, _ = equations(system, state)
     n, m = M.shape[0], J.shape[0]
@@ -70,7 +66,7 @@ def solve_svd(system: Mechanism, state: State, tolerance: float = RANK_TOLERANCE
     M, force, J, gamma, compiled = equations(system, state)
     model = compiled.model
     rows, columns = model.row["scale"], displacement_units(model.length, model.body.size)
-    U, s, Vt = scipy.linalg.svd(scaled_jacobian(model, J))
+    U, s, Vt = scipy.linalg.svd(J * rows[:, None] * columns)
     rank = int((s > tolerance * s[0]).sum()) if s.size else 0
     V1, V2 = columns[:, None] * Vt[:rank].T, columns[:, None] * Vt[rank:].T
     v_dot = V1 @ ((U[:, :rank].T @ (gamma * rows)) / s[:rank])

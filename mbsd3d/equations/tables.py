@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from ..base.directions import matched_perpendiculars, perpendiculars
+from ..dynamics.loads import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
+from ..mechanism.force_element import ForceRecord
 from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
@@ -131,16 +133,21 @@ def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) ->
 
 
 def force_table(
-    records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals, first_measure: int
+    system: Mechanism,
+    records: list[ForceRecord],
+    index: dict[int, int],
+    where: dict[tuple, int],
+    signals: Signals,
+    first_measure: int,
 ) -> np.ndarray:
-    """The table of force elements; the measures they read stand in order from ``first_measure`` on."""
+    """The table of force elements; the measures they read follow in order from ``first_measure``."""
     out = table(FORCE, len(records))
     for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
         out[counts] = [len(getattr(r, counts)) for r in records]
         out[name] = np.cumsum([0, *out[counts]])[:-1]
     out["measure"] += first_measure
     for i, r in enumerate(records):
-        out["kind"][i] = r.kind
+        out["kind"][i] = number_of_law(system.forces[i], system.name(system.forces[i]))
         out["bodies"][i] = len(r.bodies)
         out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
         out["signal"][i] = [signals.add(s) for s in r.signals]
@@ -166,7 +173,7 @@ def measure_table(
     return out
 
 
-def state_layout(system: Mechanism, records: list, n_driven: int, length: float) -> dict[str, Any]:
+def state_layout(system: Mechanism, records: list[ForceRecord], n_driven: int, length: float) -> dict[str, Any]:
     """Layout of z and the units its errors are measured in."""
     scales = [scale for r in records for scale in r.scales]
     own, n_forces = len(scales), len(system.forces)

@@ -26,25 +26,7 @@ BROKEN = (
 
 
 def save(solution: RunResult, path: str | Path) -> Path:
-    """Write a solution and its system to one file: arrays, and the rest as JSON text; no pickle.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of a system that `describe` can write; of a CustomForce all but its function is kept.
-    path : str or Path
-        ".npz" is appended if it is missing; an older file is replaced in one go.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If a part cannot be described, or the folder cannot be written.
-    """
+    """See `Solution.save`: arrays, and the rest as JSON text."""
     system, record = solution.system, solution.record
     write, (error, order) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
@@ -72,7 +54,7 @@ def read_run(path: str | Path) -> RunResult:
     """The result in a file of `save`; see `mbsd3d.load`."""
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():
-        raise ValueError(f"'{source}': there is no such file; give one written by solution.save(path)")
+        raise ValueError(f"'{source}' does not exist; give a file written by solution.save(path)")
     try:
         with source.open("rb") as handle:
             return read_solution(handle)

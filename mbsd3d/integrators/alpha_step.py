@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
+from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import evaluate_start, full, hermite, interpolate, outputs

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
+from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method
 from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, write

@@ -6,13 +6,13 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..saddle.solve import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output

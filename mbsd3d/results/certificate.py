@@ -4,18 +4,15 @@ Every check is made from the stored samples with the true equations, whatever th
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
 """
 
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..dynamics.batch import newton_euler, row_defects
 from ..equations.compiled import Switches
 from ..integrators.method import Method
-from ..kernels.batch import newton_euler, row_defects
 from ..mechanism.forces.custom import SavedForce
-
-if TYPE_CHECKING:
-    from .run_result import RunResult
+from .run_samples import RunSamples
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Certificate:
     """How a result was computed and how far it can be trusted.
 
     ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` says what is not.
-    ``error`` and ``order`` are None until `estimate` has compared with a tighter run.
+    ``error`` and ``order`` are None until `Solution.estimate` has compared with a tighter run.
     """
 
     method: str
@@ -58,7 +55,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """True if nothing speaks against the result."""
+        """True if no check fails and the run was not interrupted."""
         return not self.failures
 
     @property
@@ -96,7 +93,7 @@ class Certificate:
         return "\n".join(lines)
 
 
-def certify(solution: "RunResult") -> Certificate:
+def certify(solution: RunSamples) -> Certificate:
     """Make all checks of a solution."""
     record = solution.record
     limit = max(1e3 * record.rtol, 1e-9)  # the local error adds up over the run
@@ -117,20 +114,20 @@ def certify(solution: "RunResult") -> Certificate:
     )
 
 
-def notes(solution: "RunResult") -> tuple[str, ...]:
-    """Facts that are neither good nor bad."""
+def notes(solution: RunSamples) -> tuple[str, ...]:
+    """Rank events, and checks that could not be made."""
     events = solution.record.rank_events
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
 
 
-def lost(solution: "RunResult") -> list[str]:
-    """Names of the forces whose functions are not there any more."""
+def lost(solution: RunSamples) -> list[str]:
+    """Names of the forces whose functions were not saved."""
     system = solution.system
     return [f"force '{system.name(force)}'" for force in system.forces if isinstance(force, SavedForce)]
 
 
-def residual_checks(solution: "RunResult") -> list[Check]:
+def residual_checks(solution: RunSamples) -> list[Check]:
     """Constraint residuals at the samples."""
     model, drift = solution.compiled.model, solution.drift()
     reach = 1.0 + float(np.abs(solution.arrays["q"][..., :3]).max(initial=0.0)) / model.length
@@ -157,7 +154,7 @@ class Scales:
     energy: float
 
 
-def scales_of(solution: "RunResult") -> Scales:
+def scales_of(solution: RunSamples) -> Scales:
     """Sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too."""
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     spin = float(np.abs(arrays["v"][..., 3:]).max(initial=0.0))
@@ -179,7 +176,7 @@ def scales_of(solution: "RunResult") -> Scales:
     )
 
 
-def balance_checks(solution: "RunResult", limit: float) -> list[Check]:
+def balance_checks(solution: RunSamples, limit: float) -> list[Check]:
     """Energy against work, momentum against impulse."""
     model, energy, momentum = solution.compiled.model, solution.energy(), solution.momentum()
     if solution.record.kinematic:
@@ -196,7 +193,7 @@ def balance_checks(solution: "RunResult", limit: float) -> list[Check]:
 
 
 def energy_meaning(method: Method) -> str:
-    """What a lack of energy may come from."""
+    """The likely cause of an energy defect."""
     if method.rho < 1.0:
         return f"energy vanishes, by numerical damping of rho = {method.rho:g} if by nothing else: shorten the step"
     return "energy appears or vanishes"
@@ -212,7 +209,7 @@ def largest(values: np.ndarray) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 
-def equation_checks(solution: "RunResult") -> list[Check]:
+def equation_checks(solution: RunSamples) -> list[Check]:
     """Newton-Euler residual per body, and rows against the accelerations, with the true terms."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     data, n, scale = compiled.data(), len(solution.system.bodies), scales_of(solution)
@@ -232,40 +229,3 @@ def equation_checks(solution: "RunResult") -> list[Check]:
         error, tolerance = largest(defect) * model.length / scale.acceleration, max(1e-8, solution.record.tolerance)
         checks.append(Check("acceleration rows", error, tolerance, "accelerations tear the joints apart"))
     return checks
-
-
-def estimate(solution: "RunResult") -> Certificate:
-    """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
-
-    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions (model
-    lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed
-    steps, and the exponent of rtol for adaptive ones.
-    """
-    record = solution.record
-    if record.method.dt is None and record.rtol < 3.2e-12:
-        raise ValueError(
-            f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
-        )
-    finer, finest = refined(solution, 1), refined(solution, 2)
-    first, second = distance(solution, finest), distance(finer, finest)
-    factor = 32.0 if record.method.dt is None else 2.0
-    order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-    return replace(solution.certificate, error=first, order=order)
-
-
-def refined(solution: "RunResult", level: int) -> "RunResult":
-    """The run again, ``level`` times refined."""
-    method = solution.record.method
-    if method.dt is None:
-        return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
-    return solution.again(method=replace(method, dt=method.dt / 2**level))
-
-
-def distance(one: "RunResult", other: "RunResult") -> float:
-    """Largest difference of poses at common samples: positions in model lengths, rotation angles in radians."""
-    a, b = one.arrays["q"], other.arrays["q"]
-    shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
-    turn = 2.0 * np.minimum(
-        np.linalg.norm(a[..., 3:] - b[..., 3:], axis=-1), np.linalg.norm(a[..., 3:] + b[..., 3:], axis=-1)
-    )
-    return float(np.maximum(shift, turn).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""What a run notes about itself; a solution keeps it, files store it, the certificate judges by it."""
+"""The record of a run, kept by solutions and files and judged by the certificate."""
 
 from dataclasses import dataclass, field
 
@@ -41,12 +41,8 @@ def buffer_size(wanted: int, width: int) -> int:
 class Samples:
     """Arrays (samples, width) of the quantities of a run, by name.
 
-    Parameters
-    ----------
-    widths : tuple of int
-        Numbers per sample of each of QUANTITIES.
-    expected : int
-        Samples to make room for; more of them make the arrays grow.
+    ``widths``: numbers per sample of each of QUANTITIES; ``expected``: samples to make room for, more make the arrays
+    grow.
     """
 
     def __init__(self, widths: tuple[int, ...], expected: int) -> None:

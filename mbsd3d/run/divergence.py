@@ -1,4 +1,4 @@
-"""Motions that forces with feedback or functions of one's own feed without end: found before they take for ever."""
+"""Motions that grow without end, fed by feedback or custom forces: stopped before they take for ever."""
 
 import numpy as np
 

@@ -9,6 +9,8 @@ from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.row_choice import choose_rows
+from ..dynamics.loads import loads
+from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.elimination import eliminate
@@ -17,18 +19,16 @@ from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
 from ..kernels.coordinates import measure, remember
-from ..kernels.dynamics import FAR, PROJECTED, project_and_evaluate
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Data
-from ..kernels.loads import loads
-from ..kernels.saddle import SOLVED
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
+from ..saddle.solve import SOLVED
 from .divergence import DivergenceWatch
 from .stiffness import check_forces
 

@@ -68,7 +68,7 @@ def check_system(system: Any, what: str) -> None:
 
 
 def check_state(state: Any, what: str) -> None:
-    """ValueError for a start that is no State."""
+    """ValueError for a start that is not a State."""
     if state is not None and not isinstance(state, State):
         raise ValueError(f"{what}: state {state!r} is not a State; give one of system.assemble() or solution.final")
 

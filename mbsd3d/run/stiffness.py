@@ -9,12 +9,12 @@ import scipy.linalg
 from ..base.errors import IntegrationError
 from ..base.rotations import matrix
 from ..constraints.nearby_poses import nudged
+from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin
 from ..integrators.runge_kutta import FAST
 from ..kernels.layout import Data, Model
-from ..kernels.loads import loads
 from ..results.run_result import RunResult
 
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits

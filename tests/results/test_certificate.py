@@ -36,7 +36,6 @@ from mbsd3d import (
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.mechanism import measures
-from mbsd3d.results.certificate import estimate
 from validation import cases
 from validation.cases.comparison import compare
 from validation.suite.trials.references import allowed
@@ -403,7 +402,7 @@ def top_error(solution, case):
 def test_estimate_is_near_the_true_error(options, shift):
     case = cases.load("heavy_top_fast", shift)
     solution = simulate(case.system, 2.0, output=case.times, **options)
-    found, true = estimate(solution), top_error(solution, case)
+    found, true = solution.estimate(), top_error(solution, case)
     assert found.error is not None and true / 30 < found.error < 30 * true  # of the brief
     assert f"{found.error:.2e}" in str(found)
 
@@ -413,7 +412,7 @@ def test_estimate_is_the_angle_that_a_wheel_lags_behind():
     solution = simulate(system, 1.0, method=DOP853(dt=0.1))
     lag = np.abs(solution.angle(hinge) - 31.0 * solution.t).max()
     assert lag > 1e-5  # far above the tightest run's own, smaller by 4^8
-    assert estimate(solution).error == pytest.approx(lag, rel=1e-3)
+    assert solution.estimate().error == pytest.approx(lag, rel=1e-3)
 
 
 # errors of 2e-6 and 1e-8: far above rounding, also after two halvings of the step
@@ -421,16 +420,16 @@ def test_estimate_is_the_angle_that_a_wheel_lags_behind():
 def test_estimate_observes_the_order(method, order):
     case = cases.load("heavy_top_fast", 7)
     solution = simulate(case.system, 0.5, output=6, method=method)
-    assert estimate(solution).order == pytest.approx(order, abs=0.5)  # two refinements only
+    assert solution.estimate().order == pytest.approx(order, abs=0.5)  # two refinements only
 
 
 def test_estimate_of_an_adaptive_run_observes_an_exponent_of_one():
     case = cases.load("heavy_top_fast", 7)
-    found = estimate(simulate(case.system, 0.5, output=6, rtol=1e-6))
+    found = simulate(case.system, 0.5, output=6, rtol=1e-6).estimate()
     assert found.order == pytest.approx(1.0, abs=0.3)  # error per step proportional to rtol
 
 
 def test_estimate_keeps_the_checks_of_the_run():
     solution = run(swinging, centripetal=False)
-    found = estimate(solution)
+    found = solution.estimate()
     assert not found.passed and found.checks == solution.certificate.checks

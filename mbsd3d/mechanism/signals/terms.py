@@ -30,26 +30,8 @@ class Term(NamedTuple):
 
 
 def evaluate(terms: list[Term], t: ArrayLike, order: int = 0) -> np.ndarray:
-    """Sum of terms or its derivative, ``d^order f / dt^order``.
-
-    Parameters
-    ----------
-    terms : list of Term
-        Summands.
-    t : (...) array_like
-        Times [s].
-    order : int
-        0, 1 or 2.
-
-    Returns
-    -------
-    (...) ndarray
-        In the unit of f per s^order.
-
-    Raises
-    ------
-    ValueError
-        If ``order`` is not 0, 1 or 2.
+    """Sum of terms at times t (...) [s], or its derivative ``d^order f / dt^order``; another order than 0, 1, 2:
+    ValueError.
     """
     if order not in (0, 1, 2):
         raise ValueError(f"evaluate: order is {order!r}; give 0, 1 or 2")
