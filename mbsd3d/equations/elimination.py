@@ -165,7 +165,7 @@ def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
         "loop": loops, "loop.row": loops, "loop.first": first_column, "loop.line": start_of_line,
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
-        "entry.next": np.array([at.get(key, -1) for key in zip(up[owner].tolist(), entry_place.tolist())], int),
+        "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
         "entry.slot": slot, "entry.twin": twin,
     }  # fmt: skip
 
