@@ -12,6 +12,7 @@ from .api.small_motions import Linearization as Linearization
 from .api.small_motions import Mode as Mode
 from .api.small_motions import linearize as linearize
 from .api.solution import Solution as Solution
+from .api.stepper import Stepper as Stepper
 from .api.system import System as System
 from .base.errors import AssemblyError as AssemblyError
 from .base.errors import IntegrationError as IntegrationError
@@ -60,6 +61,7 @@ from .mechanism.joints import Screw as Screw
 from .mechanism.joints import Spherical as Spherical
 from .mechanism.joints import Universal as Universal
 from .mechanism.signals import Constant as Constant
+from .mechanism.signals import Input as Input
 from .mechanism.signals import Polynomial as Polynomial
 from .mechanism.signals import Pulse as Pulse
 from .mechanism.signals import Ramp as Ramp

@@ -1,6 +1,6 @@
 """The tables of the kernels from the parts of a system: one function per table of `Model`."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,15 @@ def own_length(system: Mechanism) -> float:
     return largest or 1.0
 
 
+class InputTerm(NamedTuple):
+    """Where the value of an `Input` stands in the tables."""
+
+    name: str
+    start: float  # its value before anything is set
+    term: int  # index of its term, a polynomial of one coefficient: factor times the value
+    factor: float
+
+
 class Signals:
     """Collects signals into the flat tables of the kernels."""
 
@@ -42,6 +51,7 @@ class Signals:
         self.spans: list[tuple[int, int]] = []
         self.terms: list[tuple[int, int, int]] = []
         self.data: list[float] = []
+        self.inputs: list[InputTerm] = []
 
     def add(self, signal: Signal | None) -> int:
         """Index of a signal, -1 for none."""
@@ -51,6 +61,8 @@ class Signals:
         for term in signal.terms():
             start = len(self.data)
             self.data.extend(np.asarray(term.data, float))
+            if term.input:
+                self.inputs.append(InputTerm(*term.input, len(self.terms), term.factor))
             self.terms.append((term.kind, start, len(self.data)))
         self.spans.append((first, len(self.terms)))
         return len(self.spans) - 1

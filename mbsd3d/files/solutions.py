@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system
+from ..equations.inputs import with_history
 from ..mechanism.state import State
 from ..results.record import Record
 from ..results.run_result import RunResult
@@ -97,7 +98,7 @@ def read_solution(handle: Any) -> RunResult:
     record = reader.part(document["record"], ("record",), Record)
     final = reader.part(document["final"], ("final",), State)
     record.rank_events = list(record.rank_events)
-    compiled = compile_system(system, (), record.switches)
+    compiled = with_history(compile_system(system, (), record.switches), record.inputs)
     check_arrays(compiled, arrays, final)
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)

@@ -209,7 +209,7 @@ class Job:
         relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / model.length
         rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
         rate = rate if np.isfinite(rate) else 1.0
-        rate = max(rate, 1.0 / horizon)
+        rate = max(rate, 1.0 / horizon) or 1.0  # a run without horizon may start at rest
         run.now.speed, run.now.turn = rate * model.length, rate
         if self.record.kinematic:
             run.now.turn = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
@@ -243,6 +243,8 @@ class Job:
 
     def diverges(self) -> bool:
         """True for a motion that grows without end."""
+        if not self.divergence.active:
+            return False
         run = self.memory
         return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
 

@@ -179,7 +179,7 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     ValueError
         If it is neither, or a number that is not finite.
     """
-    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
+    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):
