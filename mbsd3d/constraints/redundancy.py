@@ -14,10 +14,12 @@ from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
+from .contradictions import find_contradiction
 from .elimination import SAFE, Core
 from .rank import Analysis
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
+from .spins import free_spins
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,15 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     shares = tuple(joint_shares(compiled, rows, N))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    load_state(compiled, data, pose)
+    spins, clash = free_spins(compiled, data, rows), find_contradiction(compiled, data, pose.t)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
-    notes = (
-        [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
-        if neighbours and (max(neighbours) > found.rank)
-        else []
-    )
+    loose_ends = [spin for spin in spins if spin.massless]
+    if clash or loose_ends:
+        verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
+    notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
+    if neighbours and max(neighbours) > found.rank:
+        notes.append(f"a position away from here the rank is {max(neighbours)}: this pose is singular")
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,

@@ -81,7 +81,7 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     for i, body in enumerate(system.bodies):
         out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
         moments, C = np.linalg.eigh(body.inertia)
-        if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
+        if body.mass == 0.0 or moments[0] <= 1e-12 * moments[-1]:
             singular = True
             continue
         out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()
