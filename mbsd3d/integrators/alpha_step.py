@@ -16,6 +16,7 @@ from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_sca
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
+STALLED = 0.5  # contraction above which corrections as small as rounding are rounding
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
@@ -95,8 +96,9 @@ def solve_step(m, d, s, run, g, c, t, h):
     change = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
     reach = 1.0 + m.length / (h * run.now.speed)  # rounding of q is one of v, divided by h
-    held = run.task.rtol if run.task.steps == 0 else min(run.task.rtol, 1e-8)  # fixed steps: dt alone sets the error
-    tolerance = max(NEWTON * held, 10.0 * reach * rounding(m, run.y))
+    fixed = run.task.steps > 0  # dt alone sets the error
+    held = NEWTON * (min(run.task.rtol, 1e-8) / run.task.steps if fixed else run.task.rtol)
+    tolerance = max(held, 10.0 * reach * rounding(m, run.y))
     stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
     before = 0.0
     for k in range(ITERATIONS):
@@ -114,7 +116,11 @@ def solve_step(m, d, s, run, g, c, t, h):
         if not np.isfinite(moved):
             return False
         contraction = moved / before if before > 0.0 else 0.1
-        if moved <= tolerance or (contraction < 0.9 and moved * contraction / (1.0 - contraction) <= tolerance):
+        left = moved * contraction / (1.0 - contraction) if contraction < 0.9 else moved
+        done = min(moved, left) <= tolerance
+        if fixed:  # what is left has the same sign in every step and adds up: on to where rounding ends the contraction
+            done = left <= held or (moved <= tolerance and (contraction > STALLED or k == ITERATIONS - 1))
+        if done:
             return converged(m, d, s, run, g, c, t, h, h_v)
         stale = k > 0 and contraction > SLOW
         before = moved
