@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..mechanism.state import State
-from ..results.certificate import Certificate, estimate
+from ..results.certificate import Certificate
+from ..results.global_error import estimate
 from ..results.run_result import RunResult
 from .viewable import Viewable
 
@@ -110,9 +111,9 @@ class Solution(RunResult, Viewable):
         return to_csv(self, path)
 
     def estimate(self) -> Certificate:
-        """The certificate with a global error estimate from two tighter runs; see `certificate.estimate`."""
+        """The certificate with a global error estimate from two tighter runs; see `global_error.estimate`."""
         return estimate(self)
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
-        """The same solution with the global error and order of a certificate of `estimate`."""
-        return replace(self, estimated=(certificate.error, certificate.order))
+        """The same solution with the global error of a certificate of `estimate`."""
+        return replace(self, estimated=(certificate.error, certificate.order, certificate.doubling))

@@ -47,7 +47,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
         If a part cannot be described, or the folder cannot be written.
     """
     system, record = solution.system, solution.record
-    write, (error, order) = Writer(system), solution.estimated
+    write, (error, order, doubling) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
     final = solution.final
     if final.coordinates is not None:
@@ -59,7 +59,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
         "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
-        "estimate": {"error": error, "order": order},
+        "estimate": {"error": error, "order": order, "doubling": doubling},
     }
     arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in DERIVED}
     arrays["coordinate"] = arrays["coordinate"][:, :count]
@@ -104,7 +104,7 @@ def read_solution(handle: Any) -> RunResult:
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
     estimate = document["estimate"]
-    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"]))
+    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"], estimate.get("doubling")))
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:

@@ -53,7 +53,8 @@ class RunResult(Poses):
     arrays: dict[str, np.ndarray]
     record: Record
     final: State
-    estimated: tuple[float | None, float | None] = (None, None)  # global error and its order, from `estimate`
+    estimated: tuple[float | None, float | None, float | None] = (None, None, None)  # of the global error, `estimate`:
+    # itself, its order, and the time in which it doubles [s]
 
     @classmethod
     def from_run(
@@ -209,8 +210,8 @@ class RunResult(Poses):
     @cached_property
     def certificate(self) -> Certificate:
         """What can be said for this result; see `Certificate`."""
-        error, order = self.estimated
-        return replace(certify(self), error=error, order=order)
+        error, order, doubling = self.estimated
+        return replace(certify(self), error=error, order=order, doubling=doubling)
 
     def state(self, sample: int = -1) -> State:
         """The state at a sample, to start another run from."""
