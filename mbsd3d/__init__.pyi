@@ -23,6 +23,7 @@ from .files.importing.builder import Imported as Imported
 from .integrators.dop853 import DOP853 as DOP853
 from .integrators.driven import Kinematic as Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
+from .integrators.radau import RadauIIA as RadauIIA
 from .integrators.rk4 import RK4 as RK4
 from .mechanism.bodies import GROUND as GROUND
 from .mechanism.bodies import Body as Body

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base.errors import AssemblyError
 from ..equations.compiled import Compiled
-from ..equations.jacobian import BlockRows, scaled_rows
+from ..equations.jacobian import scaled_rows
 from ..kernels.layout import Data
 from ..kernels.rows import rows
 from ..mechanism.drivers import AngleDriver, SlideDriver, SpeedDriver
@@ -61,16 +61,22 @@ class Contradiction:
         )  # fmt: skip
 
 
-def find_contradiction(compiled: Compiled, data: Data, t: float, last: float = np.inf) -> Contradiction | None:
+def find_contradiction(
+    compiled: Compiled, data: Data, t: float, last: float = np.inf, N: np.ndarray | None = None,
+    slack: float = TOLERANCE,
+) -> Contradiction | None:  # fmt: skip
     """The first contradiction among the drivers at the pose in ``data`` and time t, until the time ``last`` [s].
 
-    With N' J = 0, J v = b has a solution if N' b = 0.
+    With N' J = 0, J v = b has a solution if N' b = 0. ``N`` is that of all rows (scaled), if it is known, with
+    the ``slack`` of rows that only parts with play leave dependent.
     """
     found = rivals(compiled, data, t, last)
-    if found is not None or not data.row["b"].any():
+    row, b = compiled.model.row, data.row["b"]
+    if found is not None or not b.any():
         return found
-    row, onto = compiled.model.row, projector(scaled_rows(compiled.model, data))
-    return judged(compiled, np.arange(row.size), onto, row["scale"] * data.row["b"], t, True)
+    if N is None:
+        N = redundant_combinations(scaled_rows(compiled.model, data))
+    return judged(compiled, np.arange(row.size), N, row["scale"] * b, t, True, slack)
 
 
 def rivals(compiled: Compiled, data: Data, t: float, last: float) -> Contradiction | None:
@@ -83,31 +89,26 @@ def rivals(compiled: Compiled, data: Data, t: float, last: float) -> Contradicti
         if isinstance(joint, OF_HINGES):
             pairs.setdefault(frozenset(map(id, joint.bodies())), []).append(k)
     for group in (np.array(rows_of_pair) for rows_of_pair in pairs.values() if len(rows_of_pair) > 1):
-        onto = projector(scaled_rows(compiled.model, data).take(group))
-        if not onto.any():
+        N = redundant_combinations(scaled_rows(compiled.model, data).take(group))
+        if not N.size:
             continue
-        found = judged(compiled, group, onto, (row["scale"] * data.row["c"])[group], t, False)
+        found = judged(compiled, group, N, (row["scale"] * data.row["c"])[group], t, False)
         for later in times(compiled, t, last):
             rows(compiled.model, data, later)
-            found = found or judged(compiled, group, onto, (row["scale"] * data.row["b"])[group], later, True)
+            found = found or judged(compiled, group, N, (row["scale"] * data.row["b"])[group], later, True)
         rows(compiled.model, data, t)
         if found is not None:
             return found
     return None
 
 
-def projector(some: BlockRows) -> np.ndarray:
-    """N N' onto the left null space of rows."""
-    N = redundant_combinations(some)
-    return N @ N.T
-
-
 def judged(
-    compiled: Compiled, where: np.ndarray, onto: np.ndarray, values: np.ndarray, t: float, rates: bool
-) -> Contradiction | None:
-    """The contradiction in the prescribed values of the rows ``where``: what a projector leaves of them."""
-    gap = np.abs(onto @ values)
-    if gap.max() <= TOLERANCE * max(1.0, np.abs(values).max()):
+    compiled: Compiled, where: np.ndarray, N: np.ndarray, values: np.ndarray, t: float, rates: bool,
+    slack: float = TOLERANCE,
+) -> Contradiction | None:  # fmt: skip
+    """The contradiction in the prescribed values of the rows ``where``: their part N N' values (N orthonormal)."""
+    gap = np.abs(N @ (N.T @ values))
+    if gap.max() <= slack * max(1.0, np.abs(values).max()):
         return None
     own = [k for k in range(where.size) if gap[k] > 1e-6 * gap.max() and compiled.model.row["drive"][where[k]] >= 0]
     joints = [compiled.system.joints[compiled.row_joint[where[k]]] for k in own]

@@ -11,7 +11,7 @@ from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
 from .memory import CHOOSE_ROWS, DONE, FULL, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
-from .outputs import evaluate_start, full, hermite, interpolate, outputs
+from .outputs import along_cubic, cubic, evaluate_start, full, outputs
 from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
@@ -201,22 +201,6 @@ def end_rates(m, run, g, h):
 
 
 @merged_kernel
-def dense(m, d, s, g, run, h):
-    """The cubic through both ends of the step."""
-    hermite(run, h)
-    return True
-
-
-@merged_kernel
-def advance_to(m, d, s, g, run, t, x, h):
-    """The trial state at t by dense output, x after the start of the step, projected, with its rate."""
-    interpolate(run, x / h, run.trial)
-    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
-    run.now.evaluations += 1
-    return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
-
-
-@merged_kernel
 def accept(m, run, g, c, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
@@ -251,7 +235,7 @@ def step(m, d, s, g, run):
     if solved != SOLVED:
         return NO_SOLUTION
     end_rates(m, run, g, h)
-    status = outputs(m, d, s, g, run, t_new, h, dense, advance_to)
+    status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
     remember(m, d, t_new)

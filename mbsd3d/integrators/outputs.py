@@ -144,7 +144,7 @@ def slope(m, d, run, t, y, dy, h):
 
 @merged_kernel
 def may_come_true(m, d, run, h, t_new):
-    """True if the condition holds at the end of the step, or rises at its start and falls at its end, or is not armed."""
+    """True if the condition holds at the end of the step, rises at its start and falls at its end, or is not armed."""
     if run.now.armed == 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
     rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
@@ -246,6 +246,22 @@ def halt(m, d, s, run, t):
     run.now.t = t
     run.now.steps += 1
     return STOPPED
+
+
+@merged_kernel
+def cubic(m, d, s, own, run, h):
+    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
+    hermite(run, h)
+    return True
+
+
+@merged_kernel
+def along_cubic(m, d, s, own, run, t, x, h):
+    """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
+    interpolate(run, x / h, run.trial)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    run.now.evaluations += 1
+    return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
 
 @merged_kernel

@@ -39,7 +39,7 @@ def refined(solution: RunResult, level: int) -> RunResult:
 
 
 def distances(one: RunResult, other: RunResult) -> np.ndarray:
-    """(samples,) largest difference of poses over the bodies: positions in model lengths, rotation angles in radians."""
+    """(samples,) largest difference of poses over the bodies: positions in model lengths, rotations in radians."""
     a, b = one.arrays["q"], other.arrays["q"]
     shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
     turn = 2.0 * np.minimum(

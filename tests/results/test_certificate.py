@@ -443,7 +443,7 @@ def test_estimate_keeps_the_checks_of_the_run():
 
 
 def test_limits_never_exceed_what_is_useful():
-    """At rtol 1e-2 the limits were 10: nothing could fail. A top turned wrong by 0.1 rad and more fails its estimate."""
+    """At rtol 1e-2 the limits were 10: nothing could fail. A top turned wrong by 0.1 rad fails its estimate."""
     system, state = spinning()
     for options in ({"rtol": 1e-2}, {"rtol": 1e-3, "method": GeneralizedAlpha()}):
         solution = simulate(system, 2.0, state=state, output=51, **options)
