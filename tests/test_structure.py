@@ -10,7 +10,8 @@ from mbsd3d import extend
 
 ROOT = Path(__file__).parent.parent
 STACK = (
-    "base", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints", "results", "run", "linear",
+    "base", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints", "results", "run",
+    "linear",
     "files", "plotting", "view", "report", "api", "sweeps", "demos", "cli",
 )  # fmt: skip
 PUBLIC_MODULES = ("inertia", "measures", "rotations", "shapes", "signals")

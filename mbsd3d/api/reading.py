@@ -7,8 +7,8 @@ from pathlib import Path
 from ..files.importing.builder import Imported
 from ..files.importing.importers import read_xml
 from ..files.solutions import read_run
-from .simulation import simulate
 from .solution import Solution
+from .stepper import rerun
 from .system import System
 
 
@@ -28,7 +28,8 @@ def load(path: str | Path) -> Solution:
     True
     """
     found = read_run(path)
-    return Solution.of(replace(found, compiled=replace(found.compiled, system=System.of(found.system))), simulate)
+    system = System.of(found.system)
+    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found.record.inputs))
 
 
 def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..mechanism.state import State
 from ..results.certificate import Certificate
+from ..results.global_error import estimate
 from ..results.run_result import RunResult
 from .viewable import Viewable
 
@@ -170,33 +171,9 @@ class Solution(RunResult, Viewable):
         return to_csv(self, path)
 
     def estimate(self) -> Certificate:
-        """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
-
-        Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions
-        (model lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences
-        for fixed steps, and the exponent of rtol for adaptive ones.
-        """
-        method, rtol = self.record.method, self.record.rtol
-        if method.dt is not None:
-            factor, runs = 2.0, [self.again(method=replace(method, dt=method.dt / k)) for k in (2, 4)]
-        elif rtol < 3.2e-12:
-            raise ValueError(f"estimate: rtol {rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser")
-        else:
-            factor, runs = 32.0, [self.again(rtol=max(rtol / 32**k, 1e-13)) for k in (1, 2)]
-        first, second = distance(self, runs[1]), distance(*runs)
-        order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
-        return replace(self.certificate, error=first, order=order)
+        """The certificate with a global error estimate from two tighter runs; see `global_error.estimate`."""
+        return estimate(self)
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
-        """The same solution with the global error and order of a certificate of `estimate`."""
-        return replace(self, estimated=(certificate.error, certificate.order))
-
-
-def distance(one: RunResult, other: RunResult) -> float:
-    """Largest difference of poses at common samples: positions in model lengths, rotation angles in radians."""
-    a, b = one.arrays["q"], other.arrays["q"]
-    shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
-    turn = 2.0 * np.minimum(
-        np.linalg.norm(a[..., 3:] - b[..., 3:], axis=-1), np.linalg.norm(a[..., 3:] + b[..., 3:], axis=-1)
-    )
-    return float(np.maximum(shift, turn).max(initial=0.0))
+        """The same solution with the global error of a certificate of `estimate`."""
+        return replace(self, estimated=(certificate.error, certificate.order, certificate.doubling))

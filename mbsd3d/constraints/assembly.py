@@ -20,6 +20,7 @@ from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from .contradictions import find_contradiction
 from .least_squares import least
 from .nearby_poses import nudged
 from .spanning_tree import loop_weights, swing
@@ -46,6 +47,9 @@ def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
     pose = State(pose.t, pose.q, pose.v, pose.z, driven_coordinates(compiled, pose.t))
     load_state(compiled, data, pose)
     if gap_size(compiled, data.row["c"]) > tolerance:
+        clash = find_contradiction(compiled, data, pose.t, pose.t)
+        if clash is not None:
+            raise clash.error()
         part, gap = worst_joint(compiled, data.row["c"])
         raise AssemblyError(
             "the reference pose does not close (m or rad)",

@@ -13,10 +13,12 @@ from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
+from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
 from .rank import Analysis
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
+from .spins import free_spins
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,9 @@ class Diagnosis:
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
-    ``misfit`` [m] is by how much the parts as built miss their joints.
+    ``misfit`` [m] is by how much the parts as built miss their joints. ``notes`` say which body spins without moving
+    another one, and whether the pose is singular. The verdict names drivers that contradict each other and bodies whose
+    spin nothing determines.
     """
 
     coordinates: int
@@ -94,12 +98,18 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     shares = tuple(joint_shares(compiled, rows, N))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    load_state(compiled, data, pose)
+    spins = free_spins(compiled, data, rows)
+    orthonormal = scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
+    slack = 10.0 * as_built / length if misaligned else TOLERANCE
+    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=slack)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
-    notes = (
-        [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
-        if neighbours and (max(neighbours) > found.rank)
-        else []
-    )
+    loose_ends = [spin for spin in spins if spin.massless]
+    if clash or loose_ends:
+        verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
+    notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
+    if neighbours and max(neighbours) > found.rank:
+        notes.append(f"a position away from here the rank is {max(neighbours)}: this pose is singular")
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,

@@ -1,6 +1,6 @@
 """The tables of the kernels from the parts of a system: one function per table of `Model`."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +37,15 @@ def own_length(system: Mechanism) -> float:
     return largest or 1.0
 
 
+class InputTerm(NamedTuple):
+    """Where the value of an `Input` stands in the tables."""
+
+    name: str
+    start: float  # its value before anything is set
+    term: int  # index of its term, a polynomial of one coefficient: factor times the value
+    factor: float
+
+
 class Signals:
     """Collects signals into the flat tables of the kernels."""
 
@@ -44,6 +53,7 @@ class Signals:
         self.spans: list[tuple[int, int]] = []
         self.terms: list[tuple[int, int, int]] = []
         self.data: list[float] = []
+        self.inputs: list[InputTerm] = []
 
     def add(self, signal: Signal | None) -> int:
         """Index of a signal, -1 for none."""
@@ -53,6 +63,8 @@ class Signals:
         for term in signal.terms():
             start = len(self.data)
             self.data.extend(np.asarray(term.data, float))
+            if term.input:
+                self.inputs.append(InputTerm(*term.input, len(self.terms), term.factor))
             self.terms.append((term.kind, start, len(self.data)))
         self.spans.append((first, len(self.terms)))
         return len(self.spans) - 1
@@ -71,7 +83,7 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     for i, body in enumerate(system.bodies):
         out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
         moments, C = np.linalg.eigh(body.inertia)
-        if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
+        if body.mass == 0.0 or moments[0] <= 1e-12 * moments[-1]:
             singular = True
             continue
         out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()

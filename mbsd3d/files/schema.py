@@ -22,6 +22,7 @@ from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.driven import Kinematic
 from ..integrators.generalized_alpha import GeneralizedAlpha
+from ..integrators.radau import RadauIIA
 from ..integrators.rk4 import RK4
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
@@ -42,7 +43,7 @@ WORDS = MappingProxyType(
     | dict.fromkeys(("lengths", "radii"), VECTOR)
     | {"shape": Shape | str | list}
 )
-METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
+METHODS = (DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic)
 BASES = (Joint, ForceElement, Signal, Shape)
 ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)

@@ -26,6 +26,7 @@ class Record:
     loop_seconds: float = 0.0  # of these, in the compiled time loop
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
     stopped_by: str | None = None
+    inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
 
 
 BUFFER = 2**21  # numbers (16 MB) the buffer of the time loop may hold

@@ -11,10 +11,11 @@ from .run_samples import RunSamples
 class RunResult(RunSamples):
     """Samples of a run with their certificate."""
 
-    estimated: tuple[float | None, float | None] = (None, None)  # global error and its order, from `Solution.estimate`
+    estimated: tuple[float | None, float | None, float | None] = (None, None, None)  # of the global error, `estimate`:
+    # itself, its order, and the time in which it doubles [s]
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The checks of this result; see `Certificate`."""
-        error, order = self.estimated
-        return replace(certify(self), error=error, order=order)
+        """What can be said for this result; see `Certificate`."""
+        error, order, doubling = self.estimated
+        return replace(certify(self), error=error, order=order, doubling=doubling)

@@ -163,7 +163,7 @@ class Scaled(Signal):
 
 def as_signal(value: "Signal | float", what: str) -> Signal:
     """A signal as it is, a finite number as a `Constant`; anything else is a ValueError that starts with ``what``."""
-    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
+    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):
