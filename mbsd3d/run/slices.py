@@ -52,7 +52,7 @@ class Slices(Job):
         task.every_step, task.t_end = 0, np.inf  # no horizon: the first step follows from the accelerations alone
         announce_compilation(f"time loop {method.loop.__name__}")
         self.check_start()
-        self.choose("start")
+        self.eliminate()
         self.first_step()
 
     @property
