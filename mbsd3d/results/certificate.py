@@ -1,4 +1,4 @@
-"""The certificate of a result: what was checked, how large the errors are, and why it fails if it does.
+"""The certificate of a result: the checks, the size of the errors, and why it fails if it does.
 
 Every check is made from the stored samples with the true equations, whatever the teaching switches dropped:
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
@@ -34,7 +34,7 @@ class Check:
 class Certificate:
     """How a result was computed and how far it can be trusted.
 
-    ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` says what is not.
+    ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` names the others.
     ``error`` and ``order`` are None until `Solution.estimate` has compared with a tighter run.
     """
 
