@@ -76,9 +76,7 @@ def bricard_plane(
     a, alpha, d = half.T
     numbers = np.c_[np.r_[a, a[::-1]], np.r_[alpha, -alpha[::-1]], np.r_[d, 0.0, -d[2], -d[1]]]
     _six("bricard_plane", numbers)
-    angles = closed_angles(
-        "bricard_plane", numbers, lambda x: np.array([angle, x[0], x[1], x[2], x[1], x[0]]), 3, near
-    )
+    angles = closed_angles("bricard_plane", numbers, lambda x: np.array([angle, x[0], x[1], x[2], x[1], x[0]]), 3, near)
     return built("bricard_plane", numbers, angles, links, position, orientation, gravity)
 
 
@@ -141,7 +139,9 @@ def schatz(
         If the length is not positive or the angle not finite.
     """
     if not length > 0.0 or not np.isfinite([angle, offset]).all():
-        raise ValueError(f"schatz: length {length:g} m, angle {angle:g}, offset {offset:g} m; give finite numbers, a > 0")
+        raise ValueError(
+            f"schatz: length {length:g} m, angle {angle:g}, offset {offset:g} m; give finite numbers, a > 0"
+        )
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
     numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
     square = 3.0 * np.cos(angle) ** 2

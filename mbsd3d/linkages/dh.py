@@ -60,10 +60,14 @@ def hinge_loop(
 
 def table(lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], what: str) -> np.ndarray:
     """(n, 3) of a, alpha, d."""
-    columns = [sequence(x, f"{what}: {name}") for x, name in ((lengths, "lengths"), (twists, "twists"), (offsets, "offsets"))]
+    columns = [
+        sequence(x, f"{what}: {name}") for x, name in ((lengths, "lengths"), (twists, "twists"), (offsets, "offsets"))
+    ]
     if len({len(x) for x in columns}) != 1 or len(columns[0]) < 3:
         sizes = ", ".join(str(len(x)) for x in columns)
-        raise ValueError(f"{what}: {sizes} lengths, twists and offsets; give one of each a link, for three links or more")
+        raise ValueError(
+            f"{what}: {sizes} lengths, twists and offsets; give one of each a link, for three links or more"
+        )
     return np.array(columns).T
 
 
@@ -126,7 +130,9 @@ def closed_angles(
         if starts[0].size != free:
             raise ValueError(f"{what}: near has {starts[0].size} angles; give {free}")
     else:
-        ticks = -np.pi + (np.arange(STARTS[free]) + 0.6) * (2 * np.pi / STARTS[free])  # no tick at a multiple of a right angle
+        ticks = -np.pi + (np.arange(STARTS[free]) + 0.6) * (
+            2 * np.pi / STARTS[free]
+        )  # no tick at a multiple of a right angle
         starts = [np.array(x) for x in product(ticks, repeat=free)]
     zero = spread(np.zeros(free))
     slope = np.column_stack([spread(e) - zero for e in np.eye(free)])
@@ -148,9 +154,7 @@ def closed_angles(
 def screws(numbers: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """(6, n): axes and moments of the hinges about the origin of frame 0, lengths over the size of the loop."""
     size = np.abs(numbers[:, [0, 2]]).max()
-    return np.column_stack(
-        [np.r_[T[:3, 2], np.cross(T[:3, 3] / size, T[:3, 2])] for T in frames(numbers, angles)[:-1]]
-    )
+    return np.column_stack([np.r_[T[:3, 2], np.cross(T[:3, 3] / size, T[:3, 2])] for T in frames(numbers, angles)[:-1]])
 
 
 def residual(numbers: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

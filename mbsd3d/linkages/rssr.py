@@ -83,7 +83,9 @@ def rssr(
     elif np.linalg.norm(across) > 1e-6 * rod:
         last = Universal(bodies[1], bodies[2], at=world(far), axis_a=R @ across, axis_b=R @ axis, name="rocker pin")
     else:
-        raise ValueError("rssr: the rod lies along the rocker's shaft, where a Universal cannot hold its spin; spin=True")
+        raise ValueError(
+            "rssr: the rod lies along the rocker's shaft, where a Universal cannot hold its spin; spin=True"
+        )
     return System(bodies, [ends[0], ends[1], last, ends[2]], gravity=gravity)
 
 

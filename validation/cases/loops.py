@@ -9,7 +9,7 @@ from mbsd3d import Body, Revolute, System, linkages, rotation
 from mbsd3d.extend import matrix
 from mbsd3d.inertia import MassProperties
 from validation.cases.mechanisms import four_bars
-from validation.theory.hinge_loop import HingeLoop
+from validation.theory import HingeLoop
 
 REST = (0.0, 0.0, 0.0)
 

@@ -80,7 +80,7 @@ class HingeLoop:
 
     def along(self, at: "Pose") -> tuple[float, float, float]:
         """``m``, ``m'`` and ``V'`` along the curve."""
-        tau, turns = at.tangent, at.screws * at.tangent
+        turns = at.screws * at.tangent
         before = np.cumsum(turns, axis=1) - turns  # twists of the bodies each hinge is carried by
         carried = np.column_stack([_bracket(v, s) for v, s in zip(before.T, turns.T, strict=True)])
         bend = -at.inverse @ carried.sum(axis=1)  # has no part along tau: of the pseudo-inverse
@@ -99,7 +99,7 @@ class HingeLoop:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """``screws`` (6, n) as turned; ``place``: displacements of the links; ``tangent`` (n,); pseudo-``inverse`` (n, 6)."""
+    """``screws`` (6, n) as turned; ``place``: displacements of the links; ``tangent`` (n,); pseudo-``inverse``."""
 
     screws: Array
     place: list[Array]
