@@ -46,7 +46,7 @@ test-perturbed: $(READY)
 	MBSD3D_TEST_NOISE=1e-15 $(BIN)/python -m pytest $(SPREAD) $(NUMBERS) --ignore-glob='*/test_sweep.py'
 
 pictures: $(READY)
-	$(BIN)/python -m mbsd3d.demos.pictures docs/pictures
+	$(BIN)/python docs/make_pictures.py docs/pictures
 
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures

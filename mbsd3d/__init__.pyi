@@ -13,6 +13,7 @@ from .api.small_motions import Linearization as Linearization
 from .api.small_motions import Mode as Mode
 from .api.small_motions import linearize as linearize
 from .api.solution import Solution as Solution
+from .api.stepper import Stepper as Stepper
 from .api.system import System as System
 from .base.errors import AssemblyError as AssemblyError
 from .base.errors import IntegrationError as IntegrationError
@@ -23,6 +24,7 @@ from .files.importing.builder import Imported as Imported
 from .integrators.dop853 import DOP853 as DOP853
 from .integrators.driven import Kinematic as Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
+from .integrators.radau import RadauIIA as RadauIIA
 from .integrators.rk4 import RK4 as RK4
 from .mechanism.bodies import GROUND as GROUND
 from .mechanism.bodies import Body as Body
@@ -36,12 +38,12 @@ from .mechanism.drivers import Driver as Driver
 from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
+from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.loads import AeroDrag as AeroDrag
 from .mechanism.forces.loads import Force as Force
 from .mechanism.forces.loads import Torque as Torque
-from .mechanism.forces.springs import Bushing as Bushing
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
@@ -61,6 +63,7 @@ from .mechanism.joints import Screw as Screw
 from .mechanism.joints import Spherical as Spherical
 from .mechanism.joints import Universal as Universal
 from .mechanism.signals import Constant as Constant
+from .mechanism.signals import Input as Input
 from .mechanism.signals import Polynomial as Polynomial
 from .mechanism.signals import Pulse as Pulse
 from .mechanism.signals import Ramp as Ramp

@@ -41,7 +41,7 @@ NAMES = {
     "mechanism.signals.terms": ("POLYNOMIAL", "SINE", "evaluate"),
     # the equations at one state, plain and dense, and their derivatives
     "equations.compiled": ("compile_system", "new_data"),
-    "equations.dense_solvers": ("equations", "mass_matrix"),
+    "equations.dense_solvers": ("DenseEquations", "equations", "mass_matrix", "saddle_matrix"),
     "equations.tables": ("key_of",),
     "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),

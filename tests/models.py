@@ -36,7 +36,7 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.compiled import compile_system
-from mbsd3d.equations.jacobian import dense_jacobian, scaled_jacobian
+from mbsd3d.equations.jacobian import block_rows, scaled_rows
 from mbsd3d.kernels.kinematics import kinematics
 from mbsd3d.kernels.rows import rows
 from validation.cases.examples import (  # noqa: F401  # the tests take all of them from here
@@ -141,7 +141,7 @@ class Evaluation:
         kinematics(self.model, self.data, self.state(q, v))
         rows(self.model, self.data, t)
         row = self.data.row
-        return row["c"].copy(), dense_jacobian(self.model, self.data), row["b"].copy(), row["gamma"].copy()
+        return row["c"].copy(), block_rows(self.model, self.data).dense(), row["b"].copy(), row["gamma"].copy()
 
     def speed(self, q, v, t):
         """J v - b at a state."""
@@ -298,4 +298,4 @@ def at_reference(system):
 
 def dense_rows(compiled, data):
     """The whole scaled J."""
-    return scaled_jacobian(compiled.model, dense_jacobian(compiled.model, data))
+    return scaled_rows(compiled.model, data).dense()

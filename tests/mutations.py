@@ -31,7 +31,8 @@ from mbsd3d import (
     Universal,
 )
 from mbsd3d.base.errors import Mbsd3dError
-from mbsd3d.kernels import dynamics, rows
+from mbsd3d.dynamics import state_rates
+from mbsd3d.kernels import rows
 from validation.crosscheck import cross_check
 from validation.crosscheck.verdict import DIFFERS
 
@@ -139,7 +140,7 @@ def judged(system, state, engines, t_end=None):
 
 def put(name, kernel):
     """Another function in the place of a row kernel, wherever it is called from."""
-    for module in (rows, dynamics):
+    for module in (rows, state_rates):
         if hasattr(module, name):
             setattr(module, name, kernel)
 

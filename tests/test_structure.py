@@ -10,8 +10,9 @@ from mbsd3d import extend
 
 ROOT = Path(__file__).parent.parent
 STACK = (
-    "base", "kernels", "mechanism", "integrators", "equations", "constraints", "results", "run", "linear", "files",
-    "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
+    "base", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints", "results", "run",
+    "linear",
+    "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
 )  # fmt: skip
 PUBLIC_MODULES = ("inertia", "linkages", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")

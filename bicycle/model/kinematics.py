@@ -69,6 +69,29 @@ def placed(p: Parameters, lean: complex, steer: complex, pitch: float) -> Pose:
     return Pose(frame, fork, hub, centre, head, centre + foot(fork @ Y, p.rF, p.tF))
 
 
+class Height:
+    """Height of the front contact point over the pitch at a lean and a steer angle, as `placed` finds it [m].
+
+    Only vertical components: with the frame's k = R' z = (-cos lean sin pitch, sin lean, cos lean cos pitch) an axle a
+    leans by a_z = k . a and its hub is (r - crown) sqrt(1 - a_z^2) + crown above its contact.
+    """
+
+    def __init__(self, p: Parameters, lean: float, steer: float) -> None:
+        (rear, front), (at, axis) = hubs(p), steer_axis(p)
+        turn = rotation_about(axis, steer)
+        self.arm = at - rear + turn @ (front - at)  # from hub to hub, frame axes
+        self.axle = turn @ Y  # of the front wheel
+        self.sine, self.cosine = np.sin(lean), np.cos(lean)
+        self.rear = (p.rR - p.tR) * np.sqrt(1.0 - self.sine**2) + p.tR
+        self.radius, self.crown = p.rF - p.tF, p.tF
+
+    def __call__(self, pitch: np.ndarray) -> np.ndarray:
+        x, y, z = -self.cosine * np.sin(pitch), self.sine, self.cosine * np.cos(pitch)
+        up = x * self.arm[0] + y * self.arm[1] + z * self.arm[2]
+        tilt = x * self.axle[0] + y * self.axle[1] + z * self.axle[2]
+        return self.rear + up - self.radius * np.sqrt(1.0 - tilt**2) - self.crown
+
+
 def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
     """The pose in which both wheels stand on the ground, with the pitch nearest to zero.
 
@@ -84,11 +107,8 @@ def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
     if lean == steer == 0.0:
         return placed(p, 0.0, 0.0, 0.0)
 
-    def height(pitch: float) -> float:
-        return placed(p, lean, steer, pitch).contact[2]
-
-    grid = np.linspace(-1.5, 1.5, 121)
-    heights = np.array([height(pitch) for pitch in grid])
+    height, grid = Height(p, lean, steer), np.linspace(-1.5, 1.5, 121)
+    heights = height(grid)
     below = np.flatnonzero(np.diff(np.signbit(heights)))
     if not below.size:
         raise ValueError(

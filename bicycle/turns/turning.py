@@ -5,8 +5,9 @@ scale s, accelerations of lean and steer are linear in s^2 and in the steer torq
 
     (lean'', steer'') = rest + s^2 motion + T torque = 0        (two equations, solved for s^2 and T)
 
-The three columns come from accelerations of the general model. The speed is constant too, since the motion reversed in
-time is a motion as well. The rear contact is the origin, its track heads along x.
+The three columns come from the dense equations of the general model, of which only the right side differs. The speed
+is constant too, since the motion reversed in time is a motion as well. The rear contact is the origin, its track heads
+along x.
 """
 
 from dataclasses import dataclass, replace
@@ -17,8 +18,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d import Linearization, State, accelerations, linearize, measures, simulate
+from mbsd3d.extend import DenseEquations, saddle_matrix
 
-from ..model.kinematics import Pose, X, Y, Z, foot, placed, pose_of, steer_axis
+from ..model.kinematics import Height, Pose, X, Y, Z, foot, placed, pose_of, steer_axis
 from ..model.mechanism import Bicycle, outputs, steer_torque, whipple
 from ..parameters import Parameters
 from ..rides.motion import Ride
@@ -89,16 +91,15 @@ class TurnSolver:
     def __init__(self, parameters: Parameters) -> None:
         self.p, self.system = parameters, whipple(parameters)
         self.with_torque = replace(self.system, forces=steer_torque(self.system, parameters, 1.0))
+        self.dense, self.dense_with_torque = DenseEquations(self.system), DenseEquations(self.with_torque)
+        self.bodies = {body.name: k for k, body in enumerate(self.system.bodies)}
         self.axis, self.pitch = steer_axis(parameters)[1], 0.0
         self.squares: dict[tuple[float, float], float] = {}
+        self.misfits: dict[tuple[float, float], tuple[float, float]] = {}
 
     def pose(self, lean: float, steer: float) -> Pose:
         """The pose whose pitch is next to the last one's, else that with the least pitch."""
-
-        def height(pitch: float) -> float:
-            return placed(self.p, lean, steer, pitch).contact[2]
-
-        low, high = self.pitch - NEAR, self.pitch + NEAR
+        height, low, high = Height(self.p, lean, steer), self.pitch - NEAR, self.pitch + NEAR
         if abs(lean) < np.pi / 2 and height(low) * height(high) < 0.0:
             found = placed(self.p, lean, steer, brentq(height, low, high, xtol=1e-15, rtol=1e-15))
         else:
@@ -107,26 +108,34 @@ class TurnSolver:
         self.pitch = float(-np.arctan2(along[2], along[0]))
         return found
 
-    def state(self, lean: float, steer: float, square: float) -> State:
+    def state(self, at: Pose, steer: float, square: float) -> State:
         """The state in which everything turns with the scale whose square is given."""
-        at = self.pose(lean, steer)
         v = np.sqrt(square) * unit_turn(self.p, at).velocities
         return State(0.0, at.q, v.ravel(), coordinates=np.array([0.0, float(steer), 0.0]))
 
-    def swing(self, system: Bicycle, state: State) -> np.ndarray:
-        """(2,) accelerations of lean and steer [rad/s^2] where their rates are zero."""
-        found = accelerations(system, state)
-        frame, axle = found.alpha("frame")[0], found.rotation("frame")[0] @ Y
-        axis = found.rotation("frame")[0] @ self.axis
-        lean = np.cross(frame, axle)[2] / np.hypot(axle[0], axle[1])
-        return np.array([lean, axis @ (found.alpha("fork")[0] - frame)])
+    def columns(self, lean: float, steer: float, *, torque: bool) -> list[np.ndarray]:
+        """Accelerations of lean and steer (2,) where their rates are zero: at rest, that the motion at the square g w
+        of the scale adds, and, if asked for, that a steer torque of 1 N m adds.
+
+        They belong to right sides (Q, 0), (-h, gamma) and (Q_torque, 0) of the same equations.
+        """
+        at = self.pose(lean, steer)
+        state = self.state(at, steer, self.p.g * self.p.w)
+        M, Q, h, J, gamma = self.dense.at(state)
+        sides = [(Q, 0.0 * gamma), (-h, gamma)]
+        if torque:
+            sides.append((self.dense_with_torque.at(state).Q - Q, 0.0 * gamma))
+        sides = np.array([np.concatenate(side) for side in sides])
+        v_dot = np.linalg.solve(saddle_matrix(M, J), sides.T).T[:, : Q.size].reshape(-1, 4, 6)
+        frame, fork = (v_dot[:, self.bodies[name], 3:] for name in ("frame", "fork"))
+        axle = at.frame @ Y
+        leans = (frame[:, 0] * axle[1] - frame[:, 1] * axle[0]) / np.hypot(axle[0], axle[1])
+        return list(np.column_stack([leans, (fork - frame) @ (at.frame @ self.axis)]))
 
     def balance(self, lean: float, steer: float) -> Balance:
         """The columns of the two equations."""
-        scale = self.p.g * self.p.w  # of speed^2, for accuracy
-        rest, moving = (self.swing(self.system, self.state(lean, steer, s)) for s in (0.0, scale))
-        with_torque = self.swing(self.with_torque, self.state(lean, steer, 0.0))
-        return Balance(rest, (moving - rest) / scale, with_torque - rest)
+        rest, motion, torque = self.columns(lean, steer, torque=True)
+        return Balance(rest, motion / (self.p.g * self.p.w), torque)
 
     def square(self, lean: float, steer: float) -> float:
         """Square of the speed of the rear contact at which a steer torque holds the turn [m^2/s^2]; cached."""
@@ -141,11 +150,12 @@ class TurnSolver:
         The misfit is the cross product of the two columns over sin(steer), in (g/w)^2. The product alone would vanish
         for a straight wheel too, which makes no turn at any speed.
         """
-        scale = self.p.g * self.p.w
-        rest, moving = (self.swing(self.system, self.state(lean, steer, s)) for s in (0.0, scale))
-        motion = moving - rest
-        misfit = (rest[0] * motion[1] - rest[1] * motion[0]) * (self.p.w / self.p.g) ** 2
-        return float(misfit / np.sin(steer)), float(-scale * (rest @ motion) / (motion @ motion))
+        if (lean, steer) not in self.misfits:
+            rest, motion = self.columns(lean, steer, torque=False)
+            misfit = (rest[0] * motion[1] - rest[1] * motion[0]) * (self.p.w / self.p.g) ** 2 / np.sin(steer)
+            square = -self.p.g * self.p.w * (rest @ motion) / (motion @ motion)
+            self.misfits[lean, steer] = float(misfit), float(square)
+        return self.misfits[lean, steer]
 
     def turn(self, lean: float, steer: float, square: float | None = None) -> "Turn":
         """The steady turn with these angles: hands-free if the square of the scale is given, else with a steer torque.
@@ -164,8 +174,8 @@ class TurnSolver:
                 f"bicycle '{self.p.name}': at lean {lean:.6g} rad and steer {steer:.6g} rad no speed makes a steady "
                 f"turn (its square would be {square:.6g} m^2/s^2); lean more into the turn, or steer less"
             )
-        state = self.state(lean, steer, square)
         at = self.pose(lean, steer)
+        state = self.state(at, steer, square)
         direction, smooth = unit_turn(self.p, at)[:2], course(self.p, at)[0]
         return Turn(self.p, float(lean), float(steer), square, torque, system, state, direction, smooth)
 

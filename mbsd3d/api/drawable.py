@@ -1,4 +1,4 @@
-"""What can be seen of a system: the methods by which it is drawn and exported; what moves is `mbsd3d.api.viewable`."""
+"""Drawing and exporting a system at rest; `mbsd3d.api.viewable` does it for motions."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Drawable:
-    """A system: what is drawn of it stands still."""
+    """Pictures of a system at rest."""
 
     def show(
         self,
@@ -33,16 +33,17 @@ class Drawable:
         Parameters
         ----------
         path : str or Path, optional
-            Where the page is written too; ".html" is appended if it is missing.
+            The page is also written there; ".html" is appended if missing.
         state : State, optional
             None = the reference pose.
         shown, hidden : layer or list of layers, optional
-            From the start besides and without the usual ones, see `mbsd3d.api.viewable`; all have switches.
+            Added to and removed from the usual layers at the start, see `mbsd3d.api.viewable`. The page has a switch
+            for each.
         title : str, optional
         dark : bool, optional
             None = what the reader's system prefers.
         live : bool
-            Whether a server on this machine shows it instead (``path`` is not written then).
+            Show it by a server on this machine instead; ``path`` is not written then.
 
         Returns
         -------
@@ -75,7 +76,7 @@ class Drawable:
         state : State or None
             Pose; None = the reference pose.
         shown, hidden : layer or list of layers, optional
-            Besides and without the usual ones, see `mbsd3d.api.viewable`; names are written if there are at most 14.
+            Added to and removed from the usual layers, see `mbsd3d.api.viewable`; names appear if there are at most 14.
             "ground grid" is the floor under the lowest point, with the shadows of a high sun.
         view : (float, float) or None
             Azimuth (from x about z) and elevation of the eye [degrees]; None = the view of `show`.

@@ -1,4 +1,4 @@
-"""Models a command is given: model files, models of other programs, Python files with ``build()``."""
+"""Models for the commands: model files, models of other programs, Python files with ``build()``."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -16,16 +16,13 @@ from .system import System
 def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
     """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
 
-    Raises
-    ------
-    ValueError
-        Naming the file and the place in it.
+    ValueError naming the file and the place in it.
     """
     suffix = Path(file).suffix.lower()
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
-        raise ValueError(f"--drop is for imported models (.xml, .urdf), '{file}' is none; leave it out")
+        raise ValueError(f"--drop applies to imported models (.xml, .urdf) only; leave it out for '{file}'")
     if suffix in (".json", ".toml"):
         return System.from_file(file), []
     if suffix != ".py":
@@ -45,10 +42,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
 def built_by(file: str) -> System:
     """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
 
-    Raises
-    ------
-    ValueError
-        Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
+    ValueError naming file and line: a missing file, no Python, an error while it runs, no ``build()``, no System.
     """
     path = Path(file)
     try:
@@ -82,7 +76,7 @@ def importable(module: Any, folder: Path) -> Iterator[None]:
 
 
 def guarded(file: str, function: Callable[[], Any]) -> Any:
-    """Call code of the user; its errors become a ValueError with file and line."""
+    """Call the user's code; its errors become a ValueError with file and line."""
     try:
         return function()
     except SyntaxError as error:

@@ -1,4 +1,4 @@
-"""What is read from files: solutions, and models of other programs."""
+"""Reading files: solutions, and models of other programs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,42 +7,29 @@ from pathlib import Path
 from ..files.importing.builder import Imported
 from ..files.importing.importers import read_xml
 from ..files.solutions import read_run
-from .simulation import simulate
 from .solution import Solution
+from .stepper import rerun
 from .system import System
 
 
 def load(path: str | Path) -> Solution:
-    """Read a file of ``solution.save``; everything a solution can do works on the result.
+    """Read a file written by ``solution.save``; the result is a full `Solution`.
 
-    Parameters
-    ----------
-    path : str or Path
-        With or without ".npz".
+    The same numbers, bit for bit; the certificate is checked anew. ``path`` with or without ".npz". ValueError if the
+    file is missing, truncated, of another kind or version, or its parts do not fit together.
 
-    Returns
-    -------
-    Solution
-        The same numbers, bit for bit; its certificate is checked anew.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing, truncated, of another kind or version, or its parts do not fit together.
-
-    Examples
-    --------
     >>> from tempfile import TemporaryDirectory
     >>> from mbsd3d import Body, System, load, simulate
     >>> stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 0))
     >>> flight = simulate(System([stone]), 0.5, output=3)
     >>> with TemporaryDirectory() as folder:
     ...     again = load(flight.save(f"{folder}/flight"))
-    >>> bool((again.position("stone") == flight.position(stone)).all())
+    >>> bool((again.position("stone") == flight.position("stone")).all())
     True
     """
     found = read_run(path)
-    return Solution.of(replace(found, compiled=replace(found.compiled, system=System.of(found.system))), simulate)
+    system = System.of(found.system)
+    return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found.record.inputs))
 
 
 def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
@@ -52,28 +39,12 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     that make a Cylindrical or Planar joint; bodies without joint become part of their parent; springs and dampers of
     single joints; connect, weld and linear joint equalities, which are rigid here and soft there.
 
-    Parameters
-    ----------
-    path : str or Path
-        At most 8 MB with all it includes; it may name files in its own folder only.
-    drop : sequence of str
-        Kinds to leave out: "contact", "limit", "actuator", "frictionloss", ...
-    timeout : float
-        For the process that reads the file [s].
+    ``path``: at most 8 MB with all it includes; it may name files in its own folder only. ``drop``: kinds to leave out:
+    "contact", "limit", "actuator", "frictionloss", ... ``timeout`` [s] for the process that reads the file. The result
+    has ``.system``, and what was merged, renamed and dropped. ValueError if the file holds something that can neither
+    be imported nor is dropped (the message lists it all), names a file outside its folder, holds numbers that are not
+    finite, or takes too long.
 
-    Returns
-    -------
-    Imported
-        ``.system``, and what was merged, renamed and dropped.
-
-    Raises
-    ------
-    ValueError
-        Naming the file and everything in it that cannot be imported and is not dropped, a file outside the folder,
-        numbers that are not finite, or a file that takes too long.
-
-    Examples
-    --------
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from mbsd3d import read_mjcf
@@ -117,5 +88,5 @@ def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
 
 
 def with_system(found: Imported) -> Imported:
-    """What was imported, with a `System` to work with."""
+    """The same import with a `System` for its mechanism."""
     return found._replace(system=System.of(found.system))

@@ -38,7 +38,7 @@ def simulate(
         End time [s], hit exactly.
     state : State or None
         Start; None = ``system.state()``, the reference pose with solved velocities.
-    method : DOP853, RK4, GeneralizedAlpha, Kinematic or None
+    method : DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic or None
         None = DOP853().
     rtol : float
         Ten times the local error per step, relative to the model's length, one radian and the greatest speed so far.
@@ -47,7 +47,8 @@ def simulate(
     stop_when : Condition
         A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
         at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
-        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be.
+        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be. A run may start at
+        the value: the condition can come true once it has been false.
     gyroscopic, centripetal, gamma, stabilisation, baumgarte
         Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
         factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
@@ -114,7 +115,7 @@ def accelerations(system: System, state: State | None = None) -> Solution:
 
 
 def start_of(system: System, state: State | None, what: str, as_built: float | None = None) -> State:
-    """The state that was given, or the one a system starts from by itself."""
+    """The given state, or the system's own start."""
     check_system(system, what)
     check_state(state, what)
     return state or system.state(as_built=as_built)

@@ -65,9 +65,9 @@ class Linearization(linearization.Linearization):
     A : (n, n) array
         In SI units; of the states x, or of the outputs y if any were asked for.
     states, state_units : tuple of str
-        What x (or y) stands for: "x of frame" is the displacement of the centre of mass, "theta_x of frame" the
-        rotation, "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism
-        if that turns as a whole. All other displacements follow from the constraints.
+        What each x (or y) is: "x of frame" is the displacement of the centre of mass, "theta_x of frame" the rotation,
+        "v_x" and "w_x" the changes of velocity and angular velocity; world axes, turning with the mechanism if that
+        turns as a whole. All other displacements follow from the constraints.
     eigenvalues : (n,) complex array
         [1/s] by frequency, then real part. Zeros are exact: see `mbsd3d.linear.modes.spectrum`.
     modes : tuple of Mode

@@ -1,4 +1,4 @@
-"""The public `Solution`: the result of a run, and what can be done with it."""
+"""The public `Solution`: the result of a run, with plots, reports, pages and files."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..mechanism.state import State
-from ..results.certificate import Certificate, estimate
+from ..results.certificate import Certificate
+from ..results.global_error import estimate
 from ..results.run_result import RunResult
 from .viewable import Viewable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from ..plotting.panels import Part, Wanted
     from ..report.page import Report
@@ -73,7 +75,45 @@ class Solution(RunResult, Viewable):
         dark: bool = False,
         axes: "Axes | Sequence[Axes] | None" = None,
     ) -> "Figure":
-        """Figure of a quantity over time, e.g. ``plot("angle", hinge)``; see `mbsd3d.plotting.plots.plot_quantity`."""
+        """A quantity over time, or over another one.
+
+        Parameters
+        ----------
+        quantity : str, or sequence of str and (str, part, ...)
+            "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
+            "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of
+            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
+        *parts : Body, Joint, ForceElement or str
+            Whose; none = all that have it. Components of one part share a panel; several parts are compared component
+            by component (reactions: by magnitude).
+        against : str or (str, part), optional
+            What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
+            means that of the same parts. The start is marked.
+        degrees : bool
+            Angles in degrees instead of radians.
+        dark : bool
+            On dark paper.
+        axes : matplotlib Axes, sequence of them, or None
+            Where to draw, one per panel; None = a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not shown; a notebook shows it when it is the last value of a cell, `save_figure` writes it.
+
+        Raises
+        ------
+        ValueError
+            For an unknown quantity or part, a part without the quantity, or a wrong number of axes.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, System, simulate
+        >>> top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.01, 5.0, 0.0), velocity=(0, 0, 0))
+        >>> figure = simulate(System([top], gravity=(0, 0, 0)), 2.0).plot("omega_body", degrees=True)
+        >>> figure.axes[0].get_ylabel()
+        'angular velocity, body axes of\\ntop [°/s]'
+        """
         from ..plotting.plots import plot_quantity
 
         return plot_quantity(self, quantity, *parts, against=against, degrees=degrees, dark=dark, axes=axes)
@@ -86,33 +126,54 @@ class Solution(RunResult, Viewable):
         curves: "Wanted | None" = None,
         dark: bool | None = None,
     ) -> "Report":
-        """One offline page: certificate, curves, tables of all parts; see `mbsd3d.report.page.make_report`."""
+        """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
+
+        ``path``: where to write it too. ``title``: None = the names of the bodies. ``curves``: one figure each, as
+        `plot` takes them, None = the most telling ones. ``dark``: dark or light paper, None = as the reader's screen is
+        set; it prints on light paper anyway. ValueError for a solution without samples, an unknown quantity or part, or
+        a folder that cannot be written.
+        """
         from ..report.page import make_report
 
         return make_report(self, path, title=title, curves=curves, dark=dark)
 
     def save(self, path: str | Path) -> Path:
-        """Write the solution and its system to one file (.npz, no pickle); `mbsd3d.load` reads it back."""
+        """Write the solution and its system to one file without pickle, which `mbsd3d.load` reads back.
+
+        ".npz" is appended if missing; an existing file is replaced atomically. Of a `CustomForce` all but its function
+        is kept. Returns the file; ValueError if a part cannot be described or the folder cannot be written.
+        """
         from ..files.solutions import save
 
         return save(self, path)
 
-    def to_xarray(self) -> Any:
-        """An xarray Dataset with named bodies and joints, units and frames in the attributes."""
+    def to_xarray(self) -> "Dataset":
+        """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3);
+            every variable carries units, frame and description. Quantities a joint does not have are NaN.
+        """
         from ..files.tables import to_xarray
 
         return to_xarray(self)
 
     def to_csv(self, path: str | Path) -> Path:
-        """A table with one column per component, names and units in the header."""
+        """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
+
+        The numbers read back equal. ".csv" is appended if missing; an existing file is replaced atomically. Returns the
+        file; ValueError if the folder cannot be written.
+        """
         from ..files.tables import to_csv
 
         return to_csv(self, path)
 
     def estimate(self) -> Certificate:
-        """The certificate with a global error estimate from two tighter runs; see `certificate.estimate`."""
+        """The certificate with a global error estimate from two tighter runs; see `global_error.estimate`."""
         return estimate(self)
 
     def with_certificate(self, certificate: Certificate) -> "Solution":
-        """The same solution with the global error and order of a certificate of `estimate`."""
-        return replace(self, estimated=(certificate.error, certificate.order))
+        """The same solution with the global error of a certificate of `estimate`."""
+        return replace(self, estimated=(certificate.error, certificate.order, certificate.doubling))

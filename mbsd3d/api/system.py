@@ -3,9 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint
+from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .drawable import Drawable
@@ -75,10 +77,10 @@ class System(Mechanism, Drawable):
 
     def assemble(
         self,
-        angles: Mapping[Any, float] | None = None,
-        slides: Mapping[Any, float] | None = None,
-        rates: Mapping[Any, float] | None = None,
-        measures: Mapping[Any, float] | None = None,
+        angles: Mapping[Joint | str, float] | None = None,
+        slides: Mapping[Joint | str, float] | None = None,
+        rates: Mapping[Joint | str, float] | None = None,
+        measures: Mapping[Measure, float] | None = None,
         pinned: Sequence[Body] = (),
         near: State | None = None,
         *,
@@ -106,26 +108,10 @@ class System(Mechanism, Drawable):
     def to_file(self, path: str | Path, *, replace: bool = False) -> Path:
         """Write the system to a model file that people can read and edit; every number comes back bit for bit.
 
-        Parameters
-        ----------
-        path : str or Path
-            Ends in .json or .toml.
-        replace : bool
-            Whether an older file is replaced.
+        ``path`` ends in .json or .toml; ``replace`` an existing file or refuse. Returns the file, which is written
+        whole or not at all. ValueError if the name ends otherwise, the file exists, the folder cannot be written, or a
+        part cannot be: one with a function (`CustomForce`) or of a class of your own.
 
-        Returns
-        -------
-        Path
-            The file; it is written whole or not at all.
-
-        Raises
-        ------
-        ValueError
-            If the name ends otherwise, the file exists, the folder cannot be written, or a part cannot be written: one
-            with a function (CustomForce) or of a class of your own.
-
-        Examples
-        --------
         >>> from tempfile import TemporaryDirectory
         >>> from mbsd3d import Body, System
         >>> with TemporaryDirectory() as folder:
@@ -139,22 +125,10 @@ class System(Mechanism, Drawable):
 
     @classmethod
     def from_file(cls, path: str | Path) -> "System":
-        """The system of a model file.
+        """The system of a model file, written by `to_file` or by hand, checked by the constructors of its parts.
 
-        Parameters
-        ----------
-        path : str or Path
-            Ends in .json (up to 16 MB) or .toml (up to 1 MB), written by `to_file` or by hand.
-
-        Returns
-        -------
-        System
-            Checked by the constructors of its parts.
-
-        Raises
-        ------
-        ValueError
-            Naming file and place, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
+        ``path`` ends in .json (up to 16 MB) or .toml (up to 1 MB). ValueError naming file and place, e.g. "Expected
+        `float`, got `str` - at `$.bodies[3].mass`".
         """
         from ..files.model_files import read_model
 

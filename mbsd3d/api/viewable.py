@@ -1,8 +1,8 @@
-"""What can be seen of a motion: the methods by which solutions and modes are drawn, animated and exported.
+"""Drawing, animating and exporting solutions and modes.
 
-One vocabulary for all of them, and for systems (`mbsd3d.api.drawable`): ``shown`` and ``hidden`` name layers besides
-and without the usual ones, which are bodies, joints, springs and rods, traces, ground grid, and names where there are
-few: "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", "angular velocity",
+Systems (`mbsd3d.api.drawable`) use the same options: ``shown`` adds layers to the usual ones, ``hidden`` removes some.
+Usual are bodies, joints, springs and rods, traces, the ground grid, and names where there are few. All layers:
+"bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", "angular velocity",
 "angular momentum", "reaction force", "reaction moment", "centre of mass", "reference point".
 """
 
@@ -23,7 +23,7 @@ Layers = str | Sequence[str]
 
 
 class Viewable:
-    """A run or a mode: what is drawn of it moves."""
+    """Pictures and films of a run or a mode."""
 
     def animate(
         self,
@@ -45,14 +45,14 @@ class Viewable:
         Parameters
         ----------
         path : str or Path, optional
-            Where the page is written too; ".html" is appended if it is missing.
+            The page is also written there; ".html" is appended if missing.
         curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
-            None = a few that tell most; () = none. A mode has none.
+            None = the most telling ones; () = none. A mode has none.
         traces : list of (body, world point at the reference pose [m]), optional
             Points whose paths are drawn; None = centres of mass that move; () = none.
         shown, hidden : layer or list of layers, optional
-            From the start besides and without the usual ones, e.g. ["angular momentum"], see `mbsd3d.api.viewable`;
-            all have switches.
+            Added to and removed from the usual layers at the start, e.g. ["angular momentum"]; see
+            `mbsd3d.api.viewable`. The page has a switch for each.
         frames : int, optional
             >= 2; None = as many as the motion needs and the page bears.
         speed : float, optional
@@ -61,10 +61,10 @@ class Viewable:
         dark : bool, optional
             None = what the reader's system prefers.
         live : bool
-            Whether a server on this machine shows the motion instead (``path`` is not written then).
+            Show the motion by a server on this machine instead; ``path`` is not written then.
         follow : Body or str, optional
-            Body that the camera of a page goes along with, seen from near; None = all of the motion is seen. The reader
-            may choose another one.
+            Body that the camera of a page follows from near; None = the view holds the whole motion. The reader may
+            choose another body.
 
         Returns
         -------
@@ -104,7 +104,7 @@ class Viewable:
             Points whose paths until then (of several times: from the first to the last) are drawn; None = centres of
             mass that move; () = none.
         shown, hidden : layer or list of layers, optional
-            Besides and without the usual ones, see `mbsd3d.api.viewable`; names are written if there are at most 14.
+            Added to and removed from the usual layers, see `mbsd3d.api.viewable`; names appear if there are at most 14.
             Arrows are to scale within a kind, of which the legend gives the longest; shares that the constraints leave
             open are pale.
         view, size, dark
@@ -140,12 +140,12 @@ class Viewable:
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
-        """Write the motion as an animated GIF that repeats for ever; the same run gives the same bytes.
+        """Write the motion as an animated GIF that loops; the same run gives the same bytes.
 
         Parameters
         ----------
         path : str or Path
-            ".gif" is appended if it is missing.
+            ".gif" is appended if missing.
         fps : float
             Frames per second of the film > 0, at most 50 (viewers slow down what is faster).
         speed : float, optional
@@ -153,7 +153,7 @@ class Viewable:
         width, height : int
             Of the scene [pixel]; height None = 3/4 of the width; curves come below.
         curves : list, optional
-            Below the scene, as in `animate`; None = a few that tell most; () = none.
+            Below the scene, as in `animate`; None = the most telling ones; () = none.
         traces, shown, hidden, view, dark
             See `picture`.
 
@@ -189,28 +189,8 @@ class Viewable:
     ) -> Path:
         """Write the motion as an MP4 film (H.264, yuv420p: plays everywhere) through ffmpeg.
 
-        Parameters
-        ----------
-        path : str or Path
-            ".mp4" is appended if it is missing.
-        fps : float
-            Frames per second of the film > 0.
-        speed : float, optional
-            Model time per real time; None = as `animate`.
-        width, height : int
-            As for `export_gif`, even.
-        curves, traces, shown, hidden, view, dark
-            See `export_gif`.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        ValueError
-            If there is no ffmpeg, a size is odd, or as for `export_gif`.
+        Options as `export_gif`, with these differences: ``fps`` has no upper limit, ``speed`` None means as `animate`,
+        ``width`` and ``height`` are even. ValueError also if ffmpeg is missing.
         """
         from ..view.film.film import export_mp4
 
@@ -218,31 +198,16 @@ class Viewable:
         return export_mp4(self, path, fps=fps, speed=speed, width=width, height=height, **options)
 
     def export_glb(self, path: str | Path, *, frames: int | None = None, traces: "Points | None" = None) -> Path:
-        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open.
+        """Write the motion as an animated glTF 2.0 file, which Blender, three.js and most 3D viewers open; returns the
+        file.
 
-        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres
-        and seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch.
+        One node per body, of its name, with its shape, its joints, and animated translation and rotation in metres and
+        seconds from the first frame on; a root node turns z up to glTF's y up. Springs stretch. ".glb" is appended if
+        missing; the same solution gives the same bytes.
 
-        Parameters
-        ----------
-        path : str or Path
-            ".glb" is appended if it is missing; an older file is replaced in one go.
-        frames : int, optional
-            Number of frames in equal steps of time; None = enough for a smooth film.
-        traces : sequence of (body, (3,) array_like), optional
-            Points whose paths are drawn, in world coordinates at the reference pose [m]; None = centres of mass that
-            move, () = none.
-
-        Returns
-        -------
-        Path
-            The file; the same solution gives the same bytes.
-
-        Raises
-        ------
-        ValueError
-            If the package pygltflib is missing, there is no sample, a shape cannot be drawn, a point's body is not in
-            the system, or the folder cannot be written.
+        ``frames``: their number in equal steps of time, None = enough for a smooth film. ``traces``: points whose paths
+        are drawn, as in `animate`. ValueError if the package pygltflib is missing, there is no sample, a shape cannot
+        be drawn, a point's body is not in the system, or the folder cannot be written.
         """
         from ..view.gltf.export import export_run
 

@@ -1,1 +1,1 @@
-"""What everything stands on: checks of what is given, paths, rotations, inertia, errors, style, progress."""
+"""Foundations: checks of input, paths, rotations, inertia, errors, style, progress."""

@@ -1,9 +1,20 @@
-"""What every part is given is checked by these: errors name what was given, and the remedy."""
+"""Checks of input: errors name the value and the remedy."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+
+class Frozen:
+    """Base of frozen dataclasses that check and convert their fields when they are made."""
+
+    def _store(self, **values: Any) -> None:
+        """Write converted values into the fields; arrays become read-only."""
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            object.__setattr__(self, name, value)
 
 
 def vector(value: ArrayLike, what: str) -> np.ndarray:

@@ -9,11 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import numpy  # noqa: F401  # numpy and scipy load an OpenBLAS each: both must be there to be found
 import scipy.linalg  # noqa: F401
 from threadpoolctl import ThreadpoolController
+
+P, T = ParamSpec("P"), TypeVar("T")
 
 
 @cache
@@ -27,11 +29,11 @@ def one_thread() -> AbstractContextManager:
     return _controller().limit(limits=1)
 
 
-def on_one_thread(function: Callable) -> Callable:
+def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:
     """The function with `one_thread` around it."""
 
     @wraps(function)
-    def limited(*arguments: Any, **named: Any) -> Any:
+    def limited(*arguments: P.args, **named: P.kwargs) -> T:
         with one_thread():
             return function(*arguments, **named)
 

@@ -1,14 +1,13 @@
 """Unit vectors and their perpendiculars."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .checks import vector
 from .rotations import UNIT
 
 
-def unit(value: Any, what: str) -> np.ndarray:
+def unit(value: ArrayLike, what: str) -> np.ndarray:
     """A (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
     axis = vector(value, what)
     length = np.linalg.norm(axis)

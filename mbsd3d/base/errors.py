@@ -1,4 +1,4 @@
-"""What can go wrong while a model runs: when, at which part, by how much, and what to do about it."""
+"""Run-time errors: when, at which part, by how much, and the remedy."""
 
 from typing import Any
 
@@ -7,21 +7,8 @@ class Mbsd3dError(RuntimeError):
     """A run-time failure that says where it happened; base of those below, not raised itself.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
-
-    Parameters
-    ----------
-    what : str
-        What failed, without a full stop.
-    time : float, optional
-        Time of the failure [s].
-    part : str, optional
-        The body, joint or force concerned, e.g. ``"joint 'hinge' (Revolute)"``.
-    residual : float, optional
-        The largest residual, in the unit of the row that failed (m, rad, m/s, ...).
-    solution : object, optional
-        What was computed up to ``time``; None if nothing was.
-    advice : str, optional
-        What to change, e.g. ``"use GeneralizedAlpha()"``.
+    ``time`` [s]; ``part``: the body, joint or force, e.g. "joint 'hinge' (Revolute)"; ``residual``: the largest one, in
+    the unit of the row that failed; ``solution``: what was computed up to ``time``; ``advice``: what to change.
     """
 
     def __init__(

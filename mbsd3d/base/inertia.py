@@ -1,4 +1,8 @@
-"""Moments of inertia of simple homogeneous solids about their centres of mass, and of parts put together."""
+"""Moments of inertia of simple homogeneous solids about their centres of mass, and of parts put together.
+
+Masses [kg] and lengths [m] are finite and not negative, ``axis`` is "x", "y" or "z", else a ValueError. The solids
+return the principal moments (3,) about the centre of mass, body axes [kg m^2].
+"""
 
 from collections.abc import Sequence
 
@@ -11,24 +15,10 @@ __all__ = ["MassProperties", "box", "combine", "cone", "cylinder", "rod", "spher
 
 
 def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
-    """Box with edges along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
+    """Box with edges ``lengths`` (lx, ly, lz) along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
 
-    Parameters
-    ----------
-    mass : float
-        m >= 0 [kg].
-    lengths : (3,) sequence
-        Edges lx, ly, lz >= 0 [m]; one zero makes a plate.
-
-    Returns
-    -------
-    (3,) ndarray
-        Principal moments about the centre, body axes [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If a number is negative or not finite, or there are not three edges.
+    >>> box(12.0, (1.0, 2.0, 3.0))
+    array([13., 10.,  5.])
     """
     edges = tuple(lengths)
     if len(edges) != 3:
@@ -38,26 +28,10 @@ def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
 
 
 def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.ndarray:
-    """Solid circular cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across.
+    """Solid circular cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across; length zero: a disc.
 
-    Parameters
-    ----------
-    mass : float
-        m >= 0 [kg].
-    radius, length : float
-        r, l >= 0 [m]; length zero makes a disc.
-    axis : "x", "y" or "z"
-        Axis of the cylinder in the body.
-
-    Returns
-    -------
-    (3,) ndarray
-        Principal moments about the centre, body axes [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If a number is negative or not finite, or the axis is no letter of x, y, z.
+    >>> cylinder(12.0, 1.0, 2.0, "x")
+    array([6., 7., 7.])
     """
     m, r, l = _size(mass, "cylinder", "mass"), _size(radius, "cylinder", "radius"), _size(length, "cylinder", "length")
     return _axial(0.5 * m * r**2, m * (3.0 * r**2 + l**2) / 12.0, axis, "cylinder")
@@ -66,22 +40,8 @@ def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.n
 def sphere(mass: float, radius: float) -> np.ndarray:
     """Solid sphere: ``2 m r^2 / 5`` about every axis.
 
-    Parameters
-    ----------
-    mass : float
-        m >= 0 [kg].
-    radius : float
-        r >= 0 [m].
-
-    Returns
-    -------
-    (3,) ndarray
-        Principal moments about the centre [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If a number is negative or not finite.
+    >>> sphere(5.0, 2.0)
+    array([8., 8., 8.])
     """
     return np.full(3, 0.4 * _size(mass, "sphere", "mass") * _size(radius, "sphere", "radius") ** 2)
 
@@ -89,52 +49,20 @@ def sphere(mass: float, radius: float) -> np.ndarray:
 def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.ndarray:
     """Rod: a `cylinder` named by its length first, thin (``m l^2 / 12`` across, nothing along) unless it has a radius.
 
-    Parameters
-    ----------
-    mass : float
-        m >= 0 [kg].
-    length, radius : float
-        l, r >= 0 [m].
-    axis : "x", "y" or "z"
-        Direction of the rod in the body.
-
-    Returns
-    -------
-    (3,) ndarray
-        Principal moments about the middle, body axes [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If a number is negative or not finite, or the axis is no letter of x, y, z.
+    >>> rod(12.0, 2.0)
+    array([4., 4., 0.])
     """
     m, l, r = _size(mass, "rod", "mass"), _size(length, "rod", "length"), _size(radius, "rod", "radius")
     return cylinder(m, r, l, _letter(axis, "rod"))
 
 
 def cone(mass: float, radius: float, height: float, axis: str = "z") -> np.ndarray:
-    """Solid circular cone about its centre of mass: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
+    """Solid circular cone: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
 
-    The centre of mass lies on the axis, h/4 from the base and 3h/4 from the tip.
+    The centre of mass lies on the axis, h/4 from the base and 3h/4 from the tip; which end is the tip does not matter.
 
-    Parameters
-    ----------
-    mass : float
-        m >= 0 [kg].
-    radius, height : float
-        Radius of the base r and height h, >= 0 [m].
-    axis : "x", "y" or "z"
-        Axis of the cone in the body; which end is the tip does not matter.
-
-    Returns
-    -------
-    (3,) ndarray
-        Principal moments about the centre of mass, body axes [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If a number is negative or not finite, or the axis is no letter of x, y, z.
+    >>> cone(80.0, 1.0, 2.0)
+    array([24., 24., 24.])
     """
     m, r, h = _size(mass, "cone", "mass"), _size(radius, "cone", "radius"), _size(height, "cone", "height")
     return _axial(0.3 * m * r**2, 3.0 * m * (4.0 * r**2 + h**2) / 80.0, axis, "cone")

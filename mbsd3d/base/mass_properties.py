@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import number, vector
-from .rotations import as_quaternion, matrix
+from .rotations import _numbers, _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
 
@@ -16,26 +16,15 @@ TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where roun
 class MassProperties:
     """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
 
-    Parameters
-    ----------
-    mass : float
-        Mass [kg].
-    com : (3,) ndarray
-        Centre of mass in the axes and from the origin the parts were given in [m].
-    inertia : (3, 3) ndarray
-        Inertia about ``com``, in the same axes [kg m^2].
-
-    Examples
-    --------
     >>> from mbsd3d.inertia import box, rod
     >>> hammer = combine([(0.3, (0, 0, 0.15), rod(0.3, 0.3)), (0.5, (0, 0, 0.3), box(0.5, (0.1, 0.03, 0.03)))])
     >>> hammer.com.round(5)
     array([0.     , 0.     , 0.24375])
     """
 
-    mass: float
-    com: np.ndarray
-    inertia: np.ndarray
+    mass: float  # [kg]
+    com: np.ndarray  # (3,) in the axes and from the origin the parts were given in [m]
+    inertia: np.ndarray  # (3, 3) about ``com``, in the same axes [kg m^2]
 
 
 def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
@@ -43,25 +32,11 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
     ``I = sum R_i I_i R_i' + m_i (d_i'd_i 1 - d_i d_i')`` with ``d_i = c_i - c``.
 
-    Parameters
-    ----------
-    parts : sequence of (mass, com, inertia) or (mass, com, inertia, orientation)
-        Mass [kg]; centre of mass [m] (3,) in the common axes; inertia about it [kg m^2] (3,) or (3, 3) in the part's
-        axes; orientation part axes -> common axes as a quaternion or matrix (common axes if left out).
-        An earlier result of `combine` in the same axes is a part too.
+    A part is (mass, com, inertia) or (mass, com, inertia, orientation): mass [kg]; centre of mass (3,) in the common
+    axes [m]; inertia about it, (3,) or (3, 3), in the part's axes [kg m^2]; orientation part axes -> common axes as a
+    quaternion or matrix (none: common axes). A result of `combine` in the same axes is a part too. ValueError for no
+    part, a part of another form or with an impossible inertia, or masses that add up to zero.
 
-    Returns
-    -------
-    MassProperties
-        In the common axes.
-
-    Raises
-    ------
-    ValueError
-        If there is no part, a part has the wrong form or an impossible inertia, or the masses add up to zero.
-
-    Examples
-    --------
     >>> from mbsd3d.inertia import sphere
     >>> barbell = combine([(2.0, (0, 0, 0.5), sphere(2.0, 0.1)), (2.0, (0, 0, -0.5), sphere(2.0, 0.1))])
     >>> barbell.mass, barbell.inertia.diagonal().round(3)
@@ -77,54 +52,17 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 
 
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
-    """What a point of mass m adds to the inertia at distance d: ``m (d'd 1 - d d')``.
-
-    Parameters
-    ----------
-    mass : float
-        m [kg].
-    offset : (3,) array_like
-        d, from the new point to the centre of mass [m].
-
-    Returns
-    -------
-    (3, 3) ndarray
-        In the axes of ``offset`` [kg m^2].
-
-    Raises
-    ------
-    ValueError
-        If ``offset`` is not three finite numbers.
-    """
-    d = _vector(offset, "steiner", "offset")
+    """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
+    d = vector(offset, "steiner: offset")
     return mass * (d @ d * np.eye(3) - np.outer(d, d))
 
 
 def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
-    """Inertia as a matrix, if a body can have it.
+    """Inertia about the centre of mass as an exactly symmetric matrix (3, 3), if a body can have it; else a ValueError.
 
-    A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since
-    ``I1 + I2 - I3 = 2 int z^2 dm``. A mass without inertia is a point; without mass there is no inertia either.
-
-    Parameters
-    ----------
-    inertia : (3,) or (3, 3) array_like
-        About the centre of mass, body axes [kg m^2].
-    mass : float
-        Mass [kg].
-    what : str
-        Name of the part in error messages, e.g. ``"body 'wheel'"``.
-
-    Returns
-    -------
-    (3, 3) ndarray
-        The inertia, exactly symmetric.
-
-    Raises
-    ------
-    ValueError
-        If the shape is wrong, a number is not finite, the mass is negative, the matrix is not symmetric, or the
-        principal moments are impossible (tolerance 1e-9 of the largest entry).
+    A body has moments ``I1, I2, I3 >= 0`` of which none exceeds the sum of the two others, since ``I1 + I2 - I3 = 2 int
+    z^2 dm`` (tolerance 1e-9 of the largest entry). A mass without inertia is a point; without mass there is no inertia
+    either. ``inertia`` (3,) or (3, 3) [kg m^2], body axes; ``what`` names the part, "body 'wheel'".
     """
     m = _size(mass, what, "mass")
     I = _inertia_matrix(inertia, what)
@@ -156,14 +94,9 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
 def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
     """(3, 3) finite floats from three moments or a matrix."""
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
-    try:
-        I = np.array(inertia, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: inertia {inertia!r} is not numeric; give {remedy}") from None
+    I = _numbers(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
         raise ValueError(f"{what}: inertia has shape {I.shape}; give {remedy}")
-    if not np.all(np.isfinite(I)):
-        raise ValueError(f"{what}: inertia {_text(I)} is not finite; give {remedy}")
     return np.diag(I) if I.ndim == 1 else I
 
 
@@ -179,19 +112,9 @@ def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray,
         R = matrix(as_quaternion(part[3], f"{what}: orientation"))
         I = R @ I @ R.T
         I = 0.5 * (I + I.T)
-    return float(part[0]), _vector(part[1], what, "com"), I
+    return float(part[0]), vector(part[1], f"{what}: com"), I
 
 
 def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
     return number(value, f"{what}: {name}", minimum=0.0)
-
-
-def _vector(values: ArrayLike, what: str, name: str) -> np.ndarray:
-    """(3,) finite floats."""
-    return vector(values, f"{what}: {name}")
-
-
-def _text(values: np.ndarray) -> str:
-    """Numbers as a user would type them."""
-    return np.array2string(values, separator=", ", precision=9).replace("\n", "")

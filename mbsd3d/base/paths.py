@@ -4,7 +4,6 @@ import os
 import stat
 import uuid
 from pathlib import Path
-from typing import Any
 
 from .version import __version__
 
@@ -17,7 +16,7 @@ def with_suffix(path: str | Path, suffix: str) -> Path:
     return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
 
 
-def ready_path(path: Any, suffix: str) -> Path:
+def ready_path(path: str | Path, suffix: str) -> Path:
     """The path with its suffix; a missing folder is found before the work, not after it."""
     path = with_suffix(path, suffix)
     if not path.parent.is_dir():
@@ -26,26 +25,9 @@ def ready_path(path: Any, suffix: str) -> Path:
 
 
 def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Path:
-    """Write a whole file or nothing: under a temporary name in the same folder, then renamed.
+    """Write a whole file or nothing: under a temporary name in the same folder, then renamed; returns ``path``.
 
-    Parameters
-    ----------
-    path : Path
-        Where the content will be.
-    content : bytes
-        All of it.
-    replace : bool
-        Whether an older file is replaced.
-
-    Returns
-    -------
-    Path
-        ``path``.
-
-    Raises
-    ------
-    ValueError
-        If the folder does not exist or cannot be written, or there is an older file that is not to be replaced.
+    ValueError if the folder cannot be written, or an older file is there and ``replace`` is False.
     """
     if not replace and path.exists():
         raise ValueError(f"'{path}' exists; give replace=True to replace it, or another name")
@@ -72,13 +54,7 @@ def package_version() -> str:
 
 
 def read_text(path: Path, limit: int) -> str:
-    """The text of a file that is one and is not too large.
-
-    Raises
-    ------
-    ValueError
-        Naming the file: missing, a folder or device, too large, empty, or not UTF-8.
-    """
+    """The text of a file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):
@@ -94,4 +70,4 @@ def read_text(path: Path, limit: int) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise ValueError(f"'{path}' is no UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error
+        raise ValueError(f"'{path}' is not UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error

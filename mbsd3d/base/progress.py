@@ -1,4 +1,4 @@
-"""What a person sees while waiting: one line on compiling, a bar after two seconds, both on stderr."""
+"""A progress bar on stderr, after two seconds."""
 
 import sys
 import time

@@ -1,28 +1,17 @@
-"""Algebra of quaternions: products, exponential and logarithm, H(e); on stacks, scalar first."""
+"""Algebra of quaternions, scalar first: products, exponential and logarithm, H(e).
+
+All functions take stacks: quaternions (..., 4) and vectors (..., 3), array_like, leading dimensions broadcast. Another
+last dimension is a ValueError.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 
 def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
-    """Product of quaternions, ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
+    """p q (..., 4), first q, then p: ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
 
     ``p q = (p0 q0 - p_v'q_v, p0 q_v + q0 p_v + p_v x q_v)``
-
-    Parameters
-    ----------
-    p, q : (..., 4) array_like
-        Quaternions; leading dimensions are broadcast.
-
-    Returns
-    -------
-    (..., 4) ndarray
-        The product: first q, then p.
-
-    Raises
-    ------
-    ValueError
-        If a last dimension is not 4.
     """
     p, q = _stack(p, 4, "quaternion"), _stack(q, 4, "quaternion")
     p0, p_v, q0, q_v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
@@ -31,43 +20,14 @@ def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
 
 
 def conjugate(e: ArrayLike) -> np.ndarray:
-    """Conjugate ``(e0, -e_v)``: the inverse rotation, world -> body.
-
-    Parameters
-    ----------
-    e : (..., 4) array_like
-        Quaternion.
-
-    Returns
-    -------
-    (..., 4) ndarray
-        Its conjugate.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 4.
-    """
+    """Conjugate ``(e0, -e_v)`` (..., 4): the inverse rotation, world -> body."""
     return _stack(e, 4, "quaternion") * np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def exponential(theta: ArrayLike) -> np.ndarray:
-    """Unit quaternion of a rotation vector: ``e = (cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
+    """Unit quaternion (..., 4) of a rotation vector [rad]: ``e = (cos(|theta|/2), sin(|theta|/2) theta/|theta|)``.
 
-    Parameters
-    ----------
-    theta : (..., 3) array_like
-        Axis times angle [rad]; exact for the smallest angles and for zero.
-
-    Returns
-    -------
-    (..., 4) ndarray
-        Unit quaternion.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 3.
+    Exact for the smallest angles and for zero.
     """
     theta = _stack(theta, 3, "rotation vector")
     half = 0.5 * np.linalg.norm(theta, axis=-1, keepdims=True)
@@ -76,26 +36,12 @@ def exponential(theta: ArrayLike) -> np.ndarray:
 
 
 def logarithm(e: ArrayLike) -> np.ndarray:
-    """Shortest rotation vector of a quaternion, the inverse of `exponential` for ``|theta| <= pi``.
+    """Shortest rotation vector (..., 3) [rad] of a quaternion of any length: the inverse of `exponential`.
 
-    ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` after the sign of e is chosen such that e0 >= 0.
-
-    Parameters
-    ----------
-    e : (..., 4) array_like
-        Quaternion; its length does not matter.
-
-    Returns
-    -------
-    (..., 3) ndarray
-        Axis times angle [rad].
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 4 or a quaternion is zero.
+    ``theta = 2 atan2(|e_v|, e0) e_v/|e_v|`` with the sign of e chosen such that e0 >= 0; zero is a ValueError.
     """
-    e = _nonzero_quaternion(e)
+    e = _stack(e, 4, "quaternion")
+    _check_nonzero(np.sum(e * e, axis=-1))
     e = np.where(e[..., :1] < 0.0, -e, e)
     scalar, vector = e[..., :1], e[..., 1:]
     norm = np.linalg.norm(vector, axis=-1, keepdims=True)
@@ -106,24 +52,9 @@ def logarithm(e: ArrayLike) -> np.ndarray:
 
 
 def H(e: ArrayLike) -> np.ndarray:
-    """Matrix of ``e_dot = H(e) omega / 2`` with omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
+    """H (..., 4, 3) of ``e_dot = H(e) omega / 2`` with omega in world axes: ``H = [-e_v' ; e0 1 - [e_v]x]``.
 
     Linear in e, so ``H_dot = H(e_dot)``; ``H'H = 1`` for unit quaternions.
-
-    Parameters
-    ----------
-    e : (..., 4) array_like
-        Quaternion, or its time derivative.
-
-    Returns
-    -------
-    (..., 4, 3) ndarray
-        H.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 4.
     """
     e = _stack(e, 4, "quaternion")
     lower = e[..., :1, None] * np.eye(3) - skew(e[..., 1:])
@@ -131,23 +62,7 @@ def H(e: ArrayLike) -> np.ndarray:
 
 
 def skew(a: ArrayLike) -> np.ndarray:
-    """Matrix of the cross product: ``skew(a) b = a x b``.
-
-    Parameters
-    ----------
-    a : (..., 3) array_like
-        Vector.
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        ``[a]x``, antisymmetric.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 3.
-    """
+    """``[a]x`` (..., 3, 3), the matrix of the cross product: ``skew(a) b = a x b``."""
     a = _stack(a, 3, "vector")
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     out = np.zeros((*a.shape, 3))
@@ -159,14 +74,7 @@ def skew(a: ArrayLike) -> np.ndarray:
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
     if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
-        raise ValueError("quaternion: one is zero or not finite and is no orientation; give unit quaternions")
-
-
-def _nonzero_quaternion(e: ArrayLike) -> np.ndarray:
-    """Stack of quaternions of which none is zero or contains NaN."""
-    e = _stack(e, 4, "quaternion")
-    _check_nonzero(np.sum(e * e, axis=-1))
-    return e
+        raise ValueError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 
 def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:

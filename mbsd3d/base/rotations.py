@@ -22,29 +22,11 @@ TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisat
 
 
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
-    """Unit quaternion of the rotation by ``angle`` about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
+    """Unit quaternion, body -> world, of a rotation about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
 
-    Parameters
-    ----------
-    axis : "x", "y", "z" or (3,) array_like
-        Axis of the rotation, of any length; right-hand rule.
-    angle : (...) array_like
-        Angle [rad, or degrees if ``degrees``].
-    degrees : bool
-        Read ``angle`` in degrees.
+    ``axis`` is "x", "y", "z" or a vector (3,) of any length, right-hand rule; ``angle`` (...) [rad], or in degrees if
+    ``degrees``. Returns (..., 4). ValueError for another axis, one of zero length, or a number that is not finite.
 
-    Returns
-    -------
-    (..., 4) ndarray
-        Unit quaternion, body -> world.
-
-    Raises
-    ------
-    ValueError
-        If the axis is no letter of x, y, z, has zero length or the wrong shape, or if a number is not finite.
-
-    Examples
-    --------
     >>> rotation("z", 180, degrees=True).round(12)
     array([0., 0., 0., 1.])
     """
@@ -54,32 +36,18 @@ def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> 
 
 
 def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarray:
-    """Unit quaternion of an orientation given as a quaternion or as a rotation matrix.
+    """Unit quaternion (4,) of an orientation, with the sign it was given; ``what`` names it in errors.
 
-    Parameters
-    ----------
-    orientation : (4,) or (3, 3) array_like
-        Unit quaternion (scalar first) or rotation matrix, body -> world, exact to 1e-6; the rest is normalised away.
-    what : str
-        Name of the quantity in error messages, e.g. ``"body 'wheel': orientation"``.
-
-    Returns
-    -------
-    (4,) ndarray
-        Unit quaternion, with the sign it was given.
-
-    Raises
-    ------
-    ValueError
-        If the shape is neither (4,) nor (3, 3), a number is not finite, the quaternion is not of unit length,
-        or the matrix is not orthonormal or is left-handed.
+    ``orientation``: a unit quaternion (4,), scalar first, or a rotation matrix (3, 3), body -> world, exact to 1e-6;
+    the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
+    matrix that is not orthonormal or is left-handed.
     """
     values = _numbers(orientation, what, ORIENTATION)
     if values.shape == (3, 3):
         _check_rotation(values, what)
         return _largest_column(values)
     if values.shape != (4,):
-        raise ValueError(f"{what}: shape {values.shape} is no orientation; give {ORIENTATION}")
+        raise ValueError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
     norm = np.linalg.norm(values)
     if abs(norm - 1.0) > TOLERANCE:
         raise ValueError(
@@ -90,22 +58,9 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
-    """Rotation matrix ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
+    """Rotation matrix (..., 3, 3), body -> world: ``R(e) = ((e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x) / e'e``.
 
-    Parameters
-    ----------
-    e : (..., 4) array_like
-        Quaternion; its length does not matter.
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        Body -> world.
-
-    Raises
-    ------
-    ValueError
-        If the last dimension is not 4 or a quaternion is zero.
+    The length of e (..., 4) does not matter; zero or another shape is a ValueError.
     """
     e = _stack(e, 4, "quaternion")
     single = e.ndim == 1
@@ -122,26 +77,13 @@ def matrix(e: ArrayLike) -> np.ndarray:
 
 
 def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
-    """Unit quaternion with ``matrix(e) = R`` and ``e0 >= 0``.
+    """Unit quaternion (..., 4) with ``matrix(e) = R`` and ``e0 >= 0``.
 
-    Parameters
-    ----------
-    R : (..., 3, 3) array_like
-        Rotation matrix, body -> world, exact to 1e-6.
-
-    Returns
-    -------
-    (..., 4) ndarray
-        Unit quaternion.
-
-    Raises
-    ------
-    ValueError
-        If the last dimensions are not (3, 3), a number is not finite, or a matrix is not orthonormal or is left-handed.
+    R (..., 3, 3), body -> world, must be right-handed, finite and orthonormal to 1e-6, else a ValueError.
     """
     R = _numbers(R, "R", "a 3x3 rotation matrix")
     if R.shape[-2:] != (3, 3):
-        raise ValueError(f"R: shape {R.shape} is no rotation matrix; give (..., 3, 3)")
+        raise ValueError(f"R: shape {R.shape} is not a rotation matrix; give (..., 3, 3)")
     _check_rotation(R, "R")
     return _largest_column(R)
 

@@ -63,7 +63,7 @@ PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mi
 
 
 def theme(dark: bool) -> Theme:
-    """The theme of dark or of light paper; ValueError for what is neither True nor False."""
+    """The theme of dark or of light paper; ValueError for anything but True or False."""
     if dark not in (True, False):
         raise ValueError(f"dark = {dark!r}; give True or False")
     return DARK if dark else LIGHT

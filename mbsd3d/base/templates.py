@@ -1,4 +1,4 @@
-"""HTML pages: what all of them can do, and their templates, which other packages may extend."""
+"""HTML pages and their templates, which other packages may extend."""
 
 import html
 from functools import cache
@@ -17,18 +17,12 @@ class HtmlPage:
     html: str
 
     def _repr_html_(self) -> str:
-        """In a notebook: a frame of its own, so that its style stays its own."""
+        """In a notebook: a separate frame, so that its style does not leak."""
         style = "width:100%;height:560px;border:1px solid #ccc"
         return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="mbsd3d"></iframe>'
 
     def save(self, path: str | Path) -> Path:
-        """Write the page; ".html" is appended if it is missing, an older file is replaced in one go.
-
-        Raises
-        ------
-        ValueError
-            If the folder does not exist or cannot be written.
-        """
+        """Write the page; ".html" is appended if missing. ValueError if the folder cannot be written."""
         return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8"))
 
 

@@ -1,11 +1,14 @@
 """``mbsd3d demo``: effects that exist only in space, beside their theory."""
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from .support import Failure, can_view, out_option, ready_folder, watch
+
+if TYPE_CHECKING:
+    from ..demos.base import Outcome
 
 
 @click.command()
@@ -55,7 +58,7 @@ def demo(name: str | None, everything: bool, only_list: bool, watched: bool, out
         raise click.exceptions.Exit(1)
 
 
-def watch_demo(outcome: Any, name: str) -> None:
+def watch_demo(outcome: "Outcome", name: str) -> None:
     """Serve the first view of a demo until Ctrl-C."""
     if not outcome.views:
         raise Failure(f"demo '{name}' has no view")

@@ -1,4 +1,4 @@
-"""What the commands share: errors in one line, commands of other packages, models, folders, unfinished runs."""
+"""Shared by the commands: errors in one line, commands of other packages, models, folders, unfinished runs."""
 
 import signal
 import tempfile
@@ -14,6 +14,8 @@ from ..base.errors import Mbsd3dError
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
+    from ..api.system import System
+    from ..view.page.live import LiveView
 
 GROUP = "mbsd3d.commands"
 INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
@@ -70,7 +72,7 @@ class Commands(click.Group):
 
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:
-    """The command of an entry point, or one that stands for it and says why it cannot be loaded."""
+    """The command of an entry point, or a substitute that says why it cannot be loaded."""
     from ..demos.base import load_entry
 
     try:
@@ -86,7 +88,7 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
     return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
 
 
-def load_system(file: str, drop: tuple[str, ...]) -> Any:
+def load_system(file: str, drop: tuple[str, ...]) -> "System":
     """The System of a file of any kind; what an import did with it goes to stderr."""
     from ..api.model_input import load_model
 
@@ -128,8 +130,8 @@ def can_view(needed: bool = False) -> bool:
     return True
 
 
-def watch(view: Any) -> None:
-    """Say where a live view is, show it if there is a browser, and wait for Ctrl-C."""
+def watch(view: "LiveView") -> None:
+    """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
     with view:
         click.echo(f"{view.url}  (Ctrl-C ends it)")
         if view.can_open():
@@ -149,7 +151,7 @@ def keep(solution: "Solution | None", target: Path) -> None:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """No Ctrl-C inside."""
+    """Ignore Ctrl-C inside."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield

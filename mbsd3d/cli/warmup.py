@@ -48,11 +48,12 @@ def compile_explicit() -> None:
 
 
 def compile_implicit() -> None:
-    """GeneralizedAlpha and Kinematic."""
+    """GeneralizedAlpha, RadauIIA and Kinematic."""
     import mbsd3d as m
 
     free, driven, hinge, driver = pendulum()
     m.simulate(free, 1e-2, method=m.GeneralizedAlpha(1e-3), stop_when=m.measures.rate(hinge) > 1e3)
+    m.simulate(free, 1e-2, method=m.RadauIIA(), stop_when=m.measures.rate(hinge) > 1e3)
     m.simulate(driven, 1e-2, method=m.Kinematic())
     m.accelerations(driven).effort(driver)
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
@@ -21,6 +20,7 @@ from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from .contradictions import find_contradiction
 from .least_squares import least
 from .nearby_poses import nudged
 from .spanning_tree import loop_weights, swing
@@ -47,6 +47,9 @@ def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
     pose = State(pose.t, pose.q, pose.v, pose.z, driven_coordinates(compiled, pose.t))
     load_state(compiled, data, pose)
     if gap_size(compiled, data.row["c"]) > tolerance:
+        clash = find_contradiction(compiled, data, pose.t, pose.t)
+        if clash is not None:
+            raise clash.error()
         part, gap = worst_joint(compiled, data.row["c"])
         raise AssemblyError(
             "the reference pose does not close (m or rad)",
@@ -165,7 +168,7 @@ def assemble(
     rates: Mapping,
     measures: Mapping,
     pinned: tuple,
-    near: Any,
+    near: State | None,
     t: float,
 ) -> State:
     """See `System.assemble`."""

@@ -3,9 +3,9 @@
     min x'D x / 2 - f'x + |A x - b|^2 / (2 d):      [ D  A'   ] [ x ]   [ f ]
                                                     [ A  -d 1 ] [ p ] = [ b ]
 
-Redundant rows need no choice here: d > 0 keeps the matrix regular, and rows that contradict each other are met in the
-sense of least squares. For rows of order one, d = 1e-14 leaves singular values above 1e-5 exact to 1e-4 in one pass;
-further passes with b - d p in the place of b take that away.
+d > 0 keeps the matrix regular where rows are redundant; rows that contradict each other are met in the sense of least
+squares. For rows of order one, d = 1e-14 leaves singular values above 1e-5 exact to 1e-4 in one pass; further passes
+with b - d p in the place of b take that away.
 """
 
 import numpy as np
@@ -16,27 +16,12 @@ DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) 
 
 
 def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None, passes: int = 1) -> np.ndarray:
-    """x (n,) of the problem above.
+    """x (n,) of the problem above; D (n, n) and A (m, n) with entries of order one.
 
-    Parameters
-    ----------
-    D : (n, n) sparse
-        Symmetric, entries of order one, positive definite where A leaves x free.
-    A : (m, n) sparse
-        Rows of order one.
-    b, f : (m,), (n,) ndarray
-    passes : int
-        Repeats that take the damping away.
+    D is positive definite where A leaves x free. ``passes``: repeats that take the damping away. RuntimeError if the
+    matrix is exactly singular.
 
-    Raises
-    ------
-    RuntimeError
-        If the matrix is exactly singular.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scipy.sparse import csr_array, eye_array
+    >>> from scipy.sparse import eye_array
     >>> twice = csr_array([[1.0, 1.0], [1.0, 1.0]])  # one row, twice
     >>> least(eye_array(2), twice, np.array([1.0, 1.0]), passes=2).round(12).tolist()
     [0.5, 0.5]

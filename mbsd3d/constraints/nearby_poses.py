@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..base.rotations import matrix
-from ..kernels.dynamics import FAR, PROJECTED, project_positions
+from ..dynamics.state_rates import FAR, PROJECTED, project_positions
 from ..kernels.kinematics import displace_body
 from ..kernels.layout import Data, Model, Tree
 

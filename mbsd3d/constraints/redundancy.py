@@ -1,7 +1,6 @@
 """What the constraints do: rank, freedoms, which joints are redundant, what that means, and how to cure it."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -14,10 +13,12 @@ from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .assembly import close_pose, gap_size, newton, reference_pose
+from .contradictions import TOLERANCE, find_contradiction
 from .elimination import SAFE, Core
 from .rank import Analysis
 from .remedies import Cure, find_cures
 from .spanning_tree import loop_weights
+from .spins import free_spins
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,9 @@ class Diagnosis:
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
-    ``misfit`` [m] is by how much the parts as built miss their joints.
+    ``misfit`` [m] is by how much the parts as built miss their joints. ``notes`` say which body spins without moving
+    another one, and whether the pose is singular. The verdict names drivers that contradict each other and bodies whose
+    spin nothing determines.
     """
 
     coordinates: int
@@ -95,12 +98,18 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     shares = tuple(joint_shares(compiled, rows, N))
     cures = tuple(find_cures(compiled, pose, rows, N, n - rank)) if N.shape[1] and not stuck else ()
     offset = misfit_of_lock(found, length) if not misaligned else 0.0
+    load_state(compiled, data, pose)
+    spins = free_spins(compiled, data, rows)
+    orthonormal = scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
+    slack = 10.0 * as_built / length if misaligned else TOLERANCE
+    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=slack)
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
-    notes = (
-        [f"a position away from here the rank is {max(neighbours)}: this pose is singular"]
-        if neighbours and (max(neighbours) > found.rank)
-        else []
-    )
+    loose_ends = [spin for spin in spins if spin.massless]
+    if clash or loose_ends:
+        verdict = f"contradictory: {clash.text}" if clash else f"undetermined: {loose_ends[0].text}"
+    notes = [f"freedom: {spin.text}" for spin in spins if not (spin.massless and spin is loose_ends[0] and not clash)]
+    if neighbours and max(neighbours) > found.rank:
+        notes.append(f"a position away from here the rank is {max(neighbours)}: this pose is singular")
     return Diagnosis(
         coordinates=7 * len(system.bodies),
         velocities=n,
@@ -127,7 +136,7 @@ def holonomic_rank(compiled: Compiled, rows: BlockRows, found: Analysis) -> int:
 
 
 def as_built_cut(found: Analysis, length: float, as_built: float) -> float:
-    """Relative cut-off of singular values that stand for misfits below ``as_built`` metres."""
+    """Relative cut-off of singular values that belong to misfits below ``as_built`` metres."""
     return max(RANK_TOLERANCE, as_built / length / found.largest) if found.largest else RANK_TOLERANCE
 
 
@@ -151,7 +160,7 @@ def violation(found: Analysis, tolerance: float) -> float:
 def core_violation(found: Analysis, core: Core, tolerance: float) -> float:
     """Violation of the spared rows of a core (scaled, norm).
 
-    Rows are kept in the order of the joints, so the misfit stands at the joints that came last.
+    Rows are kept in the order of the joints, so the last joints show the misfit.
     """
     kept, basis = [], np.zeros((0, core.columns.size))
     for k, row in enumerate(core.F):
@@ -190,7 +199,7 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
     pose, residual = close_pose(compiled, start, [], [], set())
     if gap_size(compiled, residual) <= 1e-9:
         return pose, 0.0, None
-    # joints that close loops get little weight, so that the gap stands there and not in every joint
+    # joints that close loops get little weight, so that the gap appears there and not in every joint
     pose, residual = newton(compiled, start, [], [], set(), loop_weights(compiled))
     part, gap = worst_joint(compiled, residual)
     if gap <= as_built:
@@ -236,16 +245,12 @@ def joint_shares(compiled: Compiled, rows: BlockRows, N: np.ndarray) -> list[Sha
         moving = joint.b if compiled.body_index[id(joint.b)] < rows.n else joint.a
         on = rows.body[own] == compiled.body_index[id(moving)]
         G = np.where(on[:, :, None], rows.J[own], 0.0).sum(axis=1).T @ N[own]
-        moment = G[3:] - np.cross(moment_arm(compiled, joint, moving), G[:3], axis=0)
+        arm = (joint.point() - moving.position) / compiled.model.length  # from O, at the reference pose
+        moment = G[3:] - np.cross(arm[:, None], G[:3], axis=0)
         name = f"{type(joint).__name__} '{system.name(joint)}'"
         force_unique, moment_unique = np.abs(G[:3]).max() < 1e-7, np.abs(moment).max() < 1e-7
         shares.append(Share(name, own.stop - own.start, involved, bool(force_unique), bool(moment_unique)))
     return shares
-
-
-def moment_arm(compiled: Compiled, joint: Any, body: Any) -> np.ndarray:
-    """From O of the body to the joint's point, world at the reference pose, in model lengths."""
-    return np.asarray((joint.point() - body.position) / compiled.model.length).reshape(3, 1)
 
 
 def verdict_text(

@@ -1,8 +1,7 @@
 """Forward kinematics of the spanning tree: moving everything beyond a hinge by its angle or slide."""
 
-from typing import Any
-
 import numpy as np
+from scipy.cluster.hierarchy import DisjointSet
 
 from ..base.quaternions import exponential, multiply
 from ..base.rotations import matrix
@@ -12,7 +11,7 @@ from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 
 
-def swing(compiled: Compiled, pose: State, targets: list[tuple[Any, float]]) -> State:
+def swing(compiled: Compiled, pose: State, targets: list[tuple[Coordinate, float]]) -> State:
     """Forward kinematics: everything beyond a joint in the spanning tree moves by the asked-for angle or slide."""
     system, index = compiled.system, compiled.body_index
     n = len(system.bodies)
@@ -85,18 +84,9 @@ def reachable(links: list[set[int]], start: int, cut: set[int]) -> set[int]:
 
 def loop_weights(compiled: Compiled) -> np.ndarray:
     """1 for the rows of a spanning tree of joints, 1e-4 for those that close loops."""
-    weights, group = np.ones(compiled.model.row.size), {}
-
-    def root(i: int) -> int:
-        while group.get(i, i) != i:
-            group[i] = group.get(group[i], group[i])  # shortens the way for the next time
-            i = group[i]
-        return i
-
+    weights, trees = np.ones(compiled.model.row.size), DisjointSet(range(compiled.model.body.size + 1))
     for joint in compiled.system.joints:
-        roots = {root(compiled.body_index[id(body)]) for body in joint.bodies()}
-        if len(roots) == 1:
+        first, *others = (compiled.body_index[id(body)] for body in joint.bodies())
+        if not any([trees.merge(first, other) for other in others]):
             weights[compiled.rows[id(joint)]] = 1e-4
-        for i in roots:
-            group[i] = min(roots)
     return weights

@@ -15,7 +15,9 @@ from ..equations.jacobian import block_rows, displacement_units, largest_in_rows
 from ..equations.mass_matrix import sparse_mass_matrix
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from .contradictions import find_contradiction
 from .least_squares import least
+from .spins import check_spins
 
 
 def given_velocities(system: Mechanism) -> np.ndarray:
@@ -33,6 +35,8 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
     """The pose with velocities that meet J v = b, the given ones and ``rates``, with least kinetic energy."""
     system, model, data = compiled.system, compiled.model, compiled.data()
     load_state(compiled, data, pose)
+    if model.singular:
+        check_spins(compiled, data)
     J, b = [block_rows(model, data).sparse()], data.row["b"].copy()
     names = [f"{type(joint).__name__} '{system.name(joint)}'" for joint in system.joints]
     names = [names[j] for j in compiled.row_joint]
@@ -46,7 +50,11 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         names.append(f"rate of '{system.name(joint)}'")
     J = vstack(J, format="csr") if len(J) > 1 else J[0]
     with one_thread():
-        v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+        try:
+            v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+        except AssemblyError as error:
+            clash = find_contradiction(compiled, data, pose.t, pose.t)
+            raise (clash.error() if clash else error) from None
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 

@@ -1,4 +1,4 @@
-"""What a demo is, and how demos are found: in this folder and in other packages."""
+"""Demos, and how they are found: in this folder and in other packages."""
 
 import pkgutil
 from collections.abc import Callable, Mapping

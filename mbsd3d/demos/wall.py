@@ -36,7 +36,7 @@ SWITCHES: dict[str, dict] = {
 
 
 def free_body() -> System:
-    """A body without forces, turning about an axis that is no principal one."""
+    """A body without forces, turning about an axis that is not principal."""
     return System([Body("body", 1.0, MOMENTS, omega=SPIN, shape="box")], gravity=(0, 0, 0))
 
 

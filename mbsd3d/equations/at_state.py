@@ -79,7 +79,7 @@ def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray) -> BlockRow
 
 
 def check_quaternions(system: Mechanism, state: State) -> None:
-    """ValueError for an orientation that is no unit quaternion."""
+    """ValueError for an orientation that is not a unit quaternion."""
     for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
         norm = np.linalg.norm(e)
         if not abs(norm - 1.0) <= 1e-6:

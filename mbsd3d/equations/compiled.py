@@ -15,6 +15,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import Coordinate
 from .tables import (
+    InputTerm,
     Signals,
     body_table,
     coordinate_table,
@@ -62,6 +63,7 @@ class Compiled:
     drives: list[tuple[Driver, int]]  # (driver, row) of every driven row
     row_joint: np.ndarray  # (m,) index into system.joints
     switches: Switches
+    inputs: tuple[InputTerm, ...] = ()  # where the values of signals stand that are set from outside
 
     def coordinate(self, coordinate: Coordinate) -> int:
         """Index of a hinge coordinate."""
@@ -130,7 +132,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     where = {key_of(x): i for i, x in enumerate(coordinates)}
     signals, length = Signals(), own_length(system)
     bodies, singular = body_table(system)
-    forces = force_table(records, index, where, signals, len(measures))
+    forces = force_table(system, records, index, where, signals, len(measures))
     first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
     rows_table = primitive_table(primitives, index, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)
@@ -163,6 +165,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         drives=[(system.joints[row_joint[k]], k) for k in driven if isinstance(system.joints[row_joint[k]], Driver)],
         row_joint=row_joint,
         switches=switches,
+        inputs=tuple(signals.inputs),
     )
 
 

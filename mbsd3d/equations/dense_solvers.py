@@ -6,58 +6,102 @@
 M is the block-diagonal matrix of the dense 6x6 blocks about the reference points, h the full velocity-quadratic term.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.linalg
 
 from ..base.rotations import matrix
-from ..kernels.loads import loads
+from ..dynamics.loads import loads
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .at_state import load_state
 from .compiled import Compiled, compile_system
-from .jacobian import RANK_TOLERANCE, dense_jacobian, displacement_units, scaled_jacobian
-from .mass_matrix import sparse_mass_matrix
+from .jacobian import RANK_TOLERANCE, block_rows, displacement_units
+from .mass_matrix import inertia_about_origin
+
+
+class Terms(NamedTuple):
+    """The terms of the equations at a state, dense, in world axes about the reference points."""
+
+    M: np.ndarray  # (6 n, 6 n) mass matrix
+    Q: np.ndarray  # (6 n,) applied forces and moments, gravity included
+    h: np.ndarray  # (6 n,) velocity-quadratic term, on the left side
+    J: np.ndarray  # (m, 6 n)
+    gamma: np.ndarray  # (m,)
+
+
+class DenseEquations:
+    """The equations of a system, formed at one state after the other.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System
+    >>> from mbsd3d.extend import DenseEquations
+    >>> system = System([Body("stone", 2.0, (1, 2, 3), omega=(1, 1, 0), velocity=(0, 0, 0))])
+    >>> terms = DenseEquations(system).at(system.state())
+    >>> (terms.Q + 0.0).tolist(), terms.h.tolist()
+    ([0.0, 0.0, -19.62, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    """
+
+    def __init__(self, system: Mechanism) -> None:
+        self.compiled = compile_system(system)
+        self.data = self.compiled.data()
+        bodies = system.bodies
+        self.mass = np.array([body.mass for body in bodies])
+        self.com, self.inertia = (np.array([getattr(body, x) for body in bodies]) for x in ("com", "inertia"))
+
+    def at(self, state: State) -> Terms:
+        """All terms at a state."""
+        compiled, data, n = self.compiled, self.data, self.mass.size
+        load_state(compiled, data, state)
+        loads(compiled.model, data, state.t)
+        Q = data.body["Q"][:n].reshape(6 * n).copy()
+        J, gamma = block_rows(compiled.model, data).dense(), data.row["gamma"].copy()
+        return Terms(self.mass_matrix(state), Q, self.quadratic_term(state), J, gamma)
+
+    def mass_matrix(self, state: State) -> np.ndarray:
+        """(6 n, 6 n) block diagonal."""
+        n = self.mass.size
+        M = np.zeros((n, 6, n, 6))
+        blocks = inertia_about_origin(state.q.reshape(n, 7)[:, 3:], self.com, self.mass, self.inertia)
+        M[np.arange(n), :, np.arange(n)] = blocks
+        return M.reshape(6 * n, 6 * n)
+
+    def quadratic_term(self, state: State) -> np.ndarray:
+        """(6 n,) per body (m w x (w x s), w x I_G w + m s x (w x (w x s)))."""
+        n = self.mass.size
+        R, w = matrix(state.q.reshape(n, 7)[:, 3:]), state.v.reshape(n, 6)[:, 3:]
+        s, spin = np.einsum("bij,bj->bi", R, self.com), np.einsum("bji,bj->bi", R, w)
+        momentum = np.einsum("bij,bjk,bk->bi", R, self.inertia, spin)
+        pull = self.mass[:, None] * np.cross(w, np.cross(w, s))
+        return np.hstack([pull, np.cross(w, momentum) + np.cross(s, pull)]).ravel()
 
 
 def mass_matrix(system: Mechanism, state: State) -> np.ndarray:
     """(6 n, 6 n) dense reference-point mass matrix."""
-    return sparse_mass_matrix(system, state).toarray()
-
-
-def quadratic_term(system: Mechanism, state: State) -> np.ndarray:
-    """(6 n,) h: per body (m w x (w x s), w x I_G w + m s x (w x (w x s))), on the left side of the equations."""
-    h = []
-    for i, body in enumerate(system.bodies):
-        R, w = matrix(state.q[7 * i + 3 : 7 * i + 7]), state.v[6 * i + 3 : 6 * i + 6]
-        s = R @ body.com
-        pull = body.mass * np.cross(w, np.cross(w, s))
-        h += [pull, np.cross(w, R @ body.inertia @ R.T @ w) + np.cross(s, pull)]
-    return np.concatenate(h)
+    return DenseEquations(system).mass_matrix(state)
 
 
 def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Compiled]:
     """(M, Q - h, J, gamma, compiled) at a state."""
-    compiled = compile_system(system)
-    data, n = compiled.data(), len(system.bodies)
-    load_state(compiled, data, state)
-    loads(compiled.model, data, state.t)
-    force = data.body["Q"][:n].reshape(6 * n) - quadratic_term(system, state)
-    J, gamma = dense_jacobian(compiled.model, data), data.row["gamma"].copy()
-    return mass_matrix(system, state), force, J, gamma, compiled
+    dense = DenseEquations(system)
+    terms = dense.at(state)
+    return terms.M, terms.Q - terms.h, terms.J, terms.gamma, dense.compiled
+
+
+def saddle_matrix(M: np.ndarray, J: np.ndarray) -> np.ndarray:
+    """[[M, J'], [J, 0]]"""
+    return np.block([[M, J.T], [J, np.zeros((J.shape[0], J.shape[0]))]])
 
 
 def solve_plain(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """(v_dot (6 n,), lam (m,)) from the dense matrix; needs independent rows.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If rows are redundant: `solve_svd` takes those.
+    """(v_dot (6 n,), lam (m,)) from the dense matrix, for independent rows; LinAlgError if some are redundant: see
+    `solve_svd`.
     """
     M, force, J, gamma, _ = equations(system, state)
-    n, m = M.shape[0], J.shape[0]
-    K = np.block([[M, J.T], [J, np.zeros((m, m))]])
-    x = np.linalg.solve(K, np.concatenate([force, gamma]))
+    n = M.shape[0]
+    x = np.linalg.solve(saddle_matrix(M, J), np.concatenate([force, gamma]))
     return x[:n], x[n:]
 
 
@@ -70,7 +114,7 @@ def solve_svd(system: Mechanism, state: State, tolerance: float = RANK_TOLERANCE
     M, force, J, gamma, compiled = equations(system, state)
     model = compiled.model
     rows, columns = model.row["scale"], displacement_units(model.length, model.body.size)
-    U, s, Vt = scipy.linalg.svd(scaled_jacobian(model, J))
+    U, s, Vt = scipy.linalg.svd(J * rows[:, None] * columns)
     rank = int((s > tolerance * s[0]).sum()) if s.size else 0
     V1, V2 = columns[:, None] * Vt[:rank].T, columns[:, None] * Vt[rank:].T
     v_dot = V1 @ ((U[:, :rank].T @ (gamma * rows)) / s[:rank])

@@ -1,7 +1,7 @@
-"""The order in which `kernels.tree` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
+"""The order in which `saddle` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
 
-Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near the
-ground, so that few bodies feel a loop.
+Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near
+the ground, so that few bodies feel a loop.
 """
 
 import heapq
@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
-from ..kernels.tree import choose_joint_rows
+from ..saddle.basis import choose_joint_rows
 
 PROXIMAL = 1e-8  # times the largest inertia of a body, mu: singular values of J below its root are let go
 
@@ -48,8 +48,8 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dty
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
     return Tree(
         link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
-        skyline=np.zeros((2, size), dtype), vector=np.zeros((3, loop.size), dtype), shares=np.zeros(48, np.int64), state=state, used=used,
-        skipped=np.setdiff1d(np.arange(model.row.size), used).astype(np.int64),
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((3, loop.size), dtype), shares=np.zeros(48, np.int64),
+        state=state, used=used, skipped=np.setdiff1d(np.arange(model.row.size), used),
     )  # fmt: skip
 
 
@@ -78,7 +78,7 @@ def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def spanning_tree(rows: bytes, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(bodies, children before parents; parent body of each, n = ground; first candidate row of each; the candidates)."""
+    """(bodies, children first; their parents, n = the ground; first candidate row of each; the candidates)."""
     on = np.frombuffer(rows, np.int64).reshape(-1, 4)
     pair = pairs_of(on, n)
     known = np.flatnonzero(pair[:, 0] >= 0)
@@ -165,7 +165,7 @@ def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
         "loop": loops, "loop.row": loops, "loop.first": first_column, "loop.line": start_of_line,
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
-        "entry.next": np.array([at.get((int(up[i]), int(k)), -1) for i, k in zip(owner, entry_place, strict=True)], int),
+        "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
         "entry.slot": slot, "entry.twin": twin,
     }  # fmt: skip
 

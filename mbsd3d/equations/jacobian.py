@@ -90,14 +90,3 @@ def block_rows(model: Model, data: Data) -> BlockRows:
 def scaled_rows(model: Model, data: Data) -> BlockRows:
     """J by its blocks, rows and columns in units of the model's length and radians: entries are of order one."""
     return block_rows(model, data).scaled(model.row["scale"], model.length)
-
-
-def dense_jacobian(model: Model, data: Data) -> np.ndarray:
-    """J as an (m, 6 n) matrix from the blocks in ``data``; the ground's columns are left out."""
-    return block_rows(model, data).dense()
-
-
-def scaled_jacobian(model: Model, J: np.ndarray) -> np.ndarray:
-    """Rows and columns in units of the model's length and radians: entries are of order one."""
-    columns = displacement_units(model.length, model.body.size)
-    return J * model.row["scale"][:, None] * columns

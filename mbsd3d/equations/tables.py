@@ -1,12 +1,14 @@
 """The tables of the kernels from the parts of a system: one function per table of `Model`."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base.directions import matched_perpendiculars, perpendiculars
+from ..dynamics.loads import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
+from ..mechanism.force_element import ForceRecord
 from ..mechanism.measures import MEASURES, Measure
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
@@ -35,6 +37,15 @@ def own_length(system: Mechanism) -> float:
     return largest or 1.0
 
 
+class InputTerm(NamedTuple):
+    """Where the value of an `Input` stands in the tables."""
+
+    name: str
+    start: float  # its value before anything is set
+    term: int  # index of its term, a polynomial of one coefficient: factor times the value
+    factor: float
+
+
 class Signals:
     """Collects signals into the flat tables of the kernels."""
 
@@ -42,6 +53,7 @@ class Signals:
         self.spans: list[tuple[int, int]] = []
         self.terms: list[tuple[int, int, int]] = []
         self.data: list[float] = []
+        self.inputs: list[InputTerm] = []
 
     def add(self, signal: Signal | None) -> int:
         """Index of a signal, -1 for none."""
@@ -51,6 +63,8 @@ class Signals:
         for term in signal.terms():
             start = len(self.data)
             self.data.extend(np.asarray(term.data, float))
+            if term.input:
+                self.inputs.append(InputTerm(*term.input, len(self.terms), term.factor))
             self.terms.append((term.kind, start, len(self.data)))
         self.spans.append((first, len(self.terms)))
         return len(self.spans) - 1
@@ -69,7 +83,7 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     for i, body in enumerate(system.bodies):
         out["mass"][i], out["com"][i], out["inertia"][i] = body.mass, body.com, body.inertia.ravel()
         moments, C = np.linalg.eigh(body.inertia)
-        if body.mass == 0.0 or moments[0] <= 1e-14 * moments[-1]:
+        if body.mass == 0.0 or moments[0] <= 1e-12 * moments[-1]:
             singular = True
             continue
         out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()
@@ -131,16 +145,21 @@ def row_table(primitives: list[Primitive], bodies: np.ndarray, length: float) ->
 
 
 def force_table(
-    records: list, index: dict[int, int], where: dict[tuple, int], signals: Signals, first_measure: int
+    system: Mechanism,
+    records: list[ForceRecord],
+    index: dict[int, int],
+    where: dict[tuple, int],
+    signals: Signals,
+    first_measure: int,
 ) -> np.ndarray:
-    """The table of force elements; the measures they read stand in order from ``first_measure`` on."""
+    """The table of force elements; the measures they read follow in order from ``first_measure``."""
     out = table(FORCE, len(records))
     for name, counts in (("state", "states"), ("measure", "measures"), ("number", "numbers")):
         out[counts] = [len(getattr(r, counts)) for r in records]
         out[name] = np.cumsum([0, *out[counts]])[:-1]
     out["measure"] += first_measure
     for i, r in enumerate(records):
-        out["kind"][i] = r.kind
+        out["kind"][i] = number_of_law(system.forces[i], system.name(system.forces[i]))
         out["bodies"][i] = len(r.bodies)
         out["body"][i, : len(r.bodies)] = [index[id(b)] for b in r.bodies]
         out["signal"][i] = [signals.add(s) for s in r.signals]
@@ -166,7 +185,7 @@ def measure_table(
     return out
 
 
-def state_layout(system: Mechanism, records: list, n_driven: int, length: float) -> dict[str, Any]:
+def state_layout(system: Mechanism, records: list[ForceRecord], n_driven: int, length: float) -> dict[str, Any]:
     """Layout of z and the units its errors are measured in."""
     scales = [scale for r in records for scale in r.scales]
     own, n_forces = len(scales), len(system.forces)

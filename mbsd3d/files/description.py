@@ -199,24 +199,10 @@ def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
 
 
 def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str, Any]:
-    """A system as JSON-able data: type names and fields, parts referred to by name.
+    """A system as JSON-able data: type names and fields, parts referred to by name; `rebuild` is the way back.
 
-    Parameters
-    ----------
-    system : Mechanism
-        Made of the package's own parts.
-    without_functions : bool
-        Write a force by a function as what its method ``saved()`` says is left of it, for results; else it is refused.
-
-    Returns
-    -------
-    dict
-        For `rebuild`; ``json.dumps`` writes it without loss.
-
-    Raises
-    ------
-    ValueError
-        If a part holds something that is no number, text, array or part of the package, e.g. a function.
+    A force by a function is written as what its ``saved()`` says is left of it if ``without_functions`` (for results).
+    ValueError for that else, and for anything but numbers, texts, arrays and the parts of the package.
     """
     write = Writer(system)
     lists: dict[str, list] = {"bodies": [], "joints": [], "forces": []}
@@ -232,23 +218,10 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
 
 
 def rebuild(data: Mapping[str, Any]) -> Mechanism:
-    """The system that `describe` wrote, bit for bit.
+    """The system that `describe` wrote, bit for bit, checked by the constructors of its parts.
 
-    Parameters
-    ----------
-    data : mapping
-        From `describe`, possibly through JSON.
-
-    Returns
-    -------
-    Mechanism
-        Checked by the constructors of its parts.
-
-    Raises
-    ------
-    ValueError
-        For another format or version, an unknown type or field, a reference to a part that is not there, or values
-        that the constructors refuse; with the place, e.g. "at `$.bodies[3].mass`".
+    ValueError with the place, e.g. "at `$.bodies[3].mass`", for another format or version, an unknown type or field, a
+    reference to a missing part, or values that a constructor refuses.
     """
     return read_system(data)[0]
 

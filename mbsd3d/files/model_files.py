@@ -8,6 +8,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,17 +37,12 @@ def to_json(data: dict[str, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def from_json(text: str) -> Any:
-    """The data of a JSON text; a key that stands twice is refused."""
-    return json.loads(text, object_pairs_hook=unique)
-
-
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A dict of pairs without duplicates."""
+    """The dict of an object in JSON; a ValueError for a key that it has twice."""
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ValueError(f"key '{key}' stands twice in one object (value {str(value)[:40]}); keep one")
+            raise ValueError(f"key '{key}' appears twice in one object (value {str(value)[:40]}); keep one")
         found[key] = value
     return found
 
@@ -84,7 +80,10 @@ class Form(NamedTuple):
     limit: int
 
 
-FORMS = {".json": Form(to_json, from_json, 16_000_000), ".toml": Form(to_toml, from_toml, 1_000_000)}
+FORMS = {
+    ".json": Form(to_json, partial(json.loads, object_pairs_hook=unique), 16_000_000),
+    ".toml": Form(to_toml, from_toml, 1_000_000),
+}
 
 
 def form_of(path: Path) -> Form:
@@ -103,7 +102,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -
     try:
         content = text.encode()
     except UnicodeEncodeError as error:
-        raise ValueError(f"'{path}': {text[error.start]!r} in a name is no character; name the part anew") from error
+        raise ValueError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
     if len(content) > form.limit:
         raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
     with named(path):

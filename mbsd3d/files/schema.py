@@ -1,7 +1,7 @@
 """What a file may hold: one msgspec Struct per class, derived from the fields of its dataclass.
 
-A new joint, force or signal needs nothing here. Annotations decide; where one is ``Any``, the name of the field does:
-the same word means the same thing in all parts.
+A new joint, force or signal needs nothing here. Annotations decide; where one is ``ArrayLike`` or ``Any``, the name of
+the field does: the same word means the same thing in all parts.
 """
 
 import pkgutil
@@ -15,12 +15,14 @@ from typing import Annotated, Any
 
 import msgspec
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import mechanism
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.driven import Kinematic
 from ..integrators.generalized_alpha import GeneralizedAlpha
+from ..integrators.radau import RadauIIA
 from ..integrators.rk4 import RK4
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
@@ -35,14 +37,13 @@ from ..results.record import Record
 VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
 WORDS = MappingProxyType(
-    dict.fromkeys(("a", "b", "carrier"), Body)
-    | dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
+    dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
     | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
     | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
     | dict.fromkeys(("lengths", "radii"), VECTOR)
     | {"shape": Shape | str | list}
 )
-METHODS = (DOP853, RK4, GeneralizedAlpha, Kinematic)
+METHODS = (DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic)
 BASES = (Joint, ForceElement, Signal, Shape)
 ROLES = (("body", Body | Ground), ("joint", Joint), ("signal", Signal), ("shape", Shape), ("array", np.ndarray))
 PLAIN = (float, int, str, bool, NoneType)
@@ -65,8 +66,8 @@ def below(base: type) -> set[type]:
 
 
 def meaning(field: Field) -> Any:
-    """The annotation of a field, or what its name stands for where the annotation does not say."""
-    return WORDS.get(field.name, Any) if field.type is Any else field.type
+    """The annotation of a field, or what its name means where the annotation leaves it open."""
+    return WORDS.get(field.name, Any) if field.type in (Any, ArrayLike, ArrayLike | None) else field.type
 
 
 def members(annotation: Any) -> tuple:
@@ -79,7 +80,7 @@ def members(annotation: Any) -> tuple:
 
 @cache
 def roles(kind: type) -> Mapping[str, str]:
-    """Field -> "body" or "joint" where a name stands for a part, "signal", "shape", and "array" of numbers."""
+    """Field -> "body" or "joint" where a name refers to a part, "signal", "shape", or "array" of numbers."""
     found = {}
     for field in fields(kind):
         classes = [x for x in members(meaning(field)) if isinstance(x, type)]
@@ -90,7 +91,7 @@ def roles(kind: type) -> Mapping[str, str]:
 
 
 def json_type(annotation: Any) -> Any:
-    """The type of the JSON value that stands for an annotation."""
+    """The type of the JSON value for an annotation."""
     if annotation in (VECTOR, ROWS, *PLAIN):
         return annotation
     origin = typing.get_origin(annotation)
@@ -146,10 +147,7 @@ def place_of(path: tuple) -> str:
 def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> None:
     """Refuse data that do not fit a schema.
 
-    Raises
-    ------
-    ValueError
-        Saying what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
+    ValueError with what was expected and where, e.g. "Expected `float`, got `str` - at `$.bodies[3].mass`".
     """
     try:
         msgspec.convert(data, schema)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system
+from ..equations.inputs import with_history
 from ..mechanism.state import State
 from ..results.record import Record
 from ..results.run_result import RunResult
@@ -26,27 +27,9 @@ BROKEN = (
 
 
 def save(solution: RunResult, path: str | Path) -> Path:
-    """Write a solution and its system to one file: arrays, and the rest as JSON text; no pickle.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of a system that `describe` can write; of a CustomForce all but its function is kept.
-    path : str or Path
-        ".npz" is appended if it is missing; an older file is replaced in one go.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If a part cannot be described, or the folder cannot be written.
-    """
+    """See `Solution.save`: arrays, and the rest as JSON text."""
     system, record = solution.system, solution.record
-    write, (error, order) = Writer(system), solution.estimated
+    write, (error, order, doubling) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
     final = solution.final
     if final.coordinates is not None:
@@ -58,7 +41,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
         "system": describe(system, without_functions=True),
         "record": write.part(record, "record"),
         "final": write.part(final, "final state"),
-        "estimate": {"error": error, "order": order},
+        "estimate": {"error": error, "order": order, "doubling": doubling},
     }
     arrays = {name: np.asarray(array, float) for name, array in solution.arrays.items() if name not in DERIVED}
     arrays["coordinate"] = arrays["coordinate"][:, :count]
@@ -72,7 +55,7 @@ def read_run(path: str | Path) -> RunResult:
     """The result in a file of `save`; see `mbsd3d.load`."""
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():
-        raise ValueError(f"'{source}': there is no such file; give one written by solution.save(path)")
+        raise ValueError(f"'{source}' does not exist; give a file written by solution.save(path)")
     try:
         with source.open("rb") as handle:
             return read_solution(handle)
@@ -97,13 +80,13 @@ def read_solution(handle: Any) -> RunResult:
     record = reader.part(document["record"], ("record",), Record)
     final = reader.part(document["final"], ("final",), State)
     record.rank_events = list(record.rank_events)
-    compiled = compile_system(system, (), record.switches)
+    compiled = with_history(compile_system(system, (), record.switches), record.inputs)
     check_arrays(compiled, arrays, final)
     n = len(system.bodies)
     arrays["q"] = arrays["state"][:, : 7 * n].reshape(-1, n, 7)
     arrays["z"] = arrays["state"][:, 13 * n :]
     estimate = document["estimate"]
-    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"]))
+    return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"], estimate.get("doubling")))
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:

@@ -3,7 +3,7 @@
 import csv
 import io
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,27 +11,12 @@ from ..base.paths import package_version, with_suffix, write_atomically
 from ..results.columns import QUANTITIES, Column, columns, components
 from ..results.run_result import RunResult
 
+if TYPE_CHECKING:
+    from xarray import Dataset
+
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
-    """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
-
-    Parameters
-    ----------
-    solution : Solution
-        Its numbers are written such that they read back equal.
-    path : str or Path
-        ".csv" is appended if it is missing; an older file is replaced in one go.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be written.
-    """
+    """See `Solution.to_csv`."""
     header, table = ["time [s]"], [solution.t]
     for column in columns(solution):
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
@@ -46,20 +31,8 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
     return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
 
 
-def to_xarray(solution: RunResult) -> Any:
-    """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of any system.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3); every
-        variable carries units, frame and description. Quantities a joint does not have are NaN.
-    """
+def to_xarray(solution: RunResult) -> "Dataset":
+    """See `Solution.to_xarray`."""
     import xarray
 
     found, system = columns(solution), solution.system

@@ -2,20 +2,21 @@
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import copy, finite, put, rotate, scale
+from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
-from .outputs import evaluate_start, full, hermite, interpolate, outputs
+from .outputs import along_cubic, cubic, evaluate_start, full, outputs
 from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
+STALLED = 0.5  # contraction above which corrections as small as rounding are rounding
 NEWTON = 1e-3  # of rtol is what Newton's method may leave of a velocity, relative to the scales of the error
 SAME_STEP = 1.3  # growth below which the step, and with it the matrix, is kept
 
@@ -95,8 +96,9 @@ def solve_step(m, d, s, run, g, c, t, h):
     change = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
     h_v, h_q = h * c.gamma * change, h * h * c.beta * change
     reach = 1.0 + m.length / (h * run.now.speed)  # rounding of q is one of v, divided by h
-    held = run.task.rtol if run.task.steps == 0 else min(run.task.rtol, 1e-8)  # fixed steps: dt alone sets the error
-    tolerance = max(NEWTON * held, 10.0 * reach * rounding(m, run.y))
+    fixed = run.task.steps > 0  # dt alone sets the error
+    held = NEWTON * (min(run.task.rtol, 1e-8) / run.task.steps if fixed else run.task.rtol)
+    tolerance = max(held, 10.0 * reach * rounding(m, run.y))
     stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
     before = 0.0
     for k in range(ITERATIONS):
@@ -114,7 +116,11 @@ def solve_step(m, d, s, run, g, c, t, h):
         if not np.isfinite(moved):
             return False
         contraction = moved / before if before > 0.0 else 0.1
-        if moved <= tolerance or (contraction < 0.9 and moved * contraction / (1.0 - contraction) <= tolerance):
+        left = moved * contraction / (1.0 - contraction) if contraction < 0.9 else moved
+        done = min(moved, left) <= tolerance
+        if fixed:  # what is left has the same sign in every step and adds up: on to where rounding ends the contraction
+            done = left <= held or (moved <= tolerance and (contraction > STALLED or k == ITERATIONS - 1))
+        if done:
             return converged(m, d, s, run, g, c, t, h, h_v)
         stale = k > 0 and contraction > SLOW
         before = moved
@@ -195,22 +201,6 @@ def end_rates(m, run, g, h):
 
 
 @merged_kernel
-def dense(m, d, s, g, run, h):
-    """The cubic through both ends of the step."""
-    hermite(run, h)
-    return True
-
-
-@merged_kernel
-def advance_to(m, d, s, g, run, t, x, h):
-    """The trial state at t by dense output, x after the start of the step, projected, with its rate."""
-    interpolate(run, x / h, run.trial)
-    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
-    run.now.evaluations += 1
-    return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
-
-
-@merged_kernel
 def accept(m, run, g, c, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
@@ -245,7 +235,7 @@ def step(m, d, s, g, run):
     if solved != SOLVED:
         return NO_SOLUTION
     end_rates(m, run, g, h)
-    status = outputs(m, d, s, g, run, t_new, h, dense, advance_to)
+    status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status
     remember(m, d, t_new)

@@ -5,18 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.layout import Data, Model
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, copy, finite
+from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method
-from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, write
+from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, watch_on, write
 from .step_control import rows_hold, update_scales
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
+TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
+HALVINGS = 30  # of the distance between poses before a mechanism counts as one that cannot go on
 
 
 @dataclass(frozen=True)
@@ -112,15 +114,46 @@ def watch(m, d, s, run, t_new, h):
         if x >= 0.0:
             status, t_stop = land(m, d, s, None, run, h, x * h, advance_to)
             return halt(m, d, s, run, t_stop) if status == RUNNING else status
+    watch_on(m, d, run, t_new)
     evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the pose again
     return RUNNING
 
 
+@inner_kernel
+def end_turn(m, run, h):
+    """Largest angle a body turns within h at its angular velocity in the trial pose."""
+    n, fastest = m.body.shape[0], 0.0
+    for i in range(n):
+        u = 7 * n + 6 * i
+        fastest = max(fastest, run.trial[u + 3] ** 2 + run.trial[u + 4] ** 2 + run.trial[u + 5] ** 2)
+    return h * np.sqrt(fastest)
+
+
 @merged_kernel
-def step(m, d, s, run, t_new):
-    """The pose at t_new; RUNNING or a reason to come back to Python."""
-    h = t_new - run.now.t
+def next_pose(m, d, s, run, t_output):
+    """(RUNNING, t_new) with the next pose on the way to t_output as trial, or (reason to stop, t_new).
+
+    Nearer and nearer until its rows close and no body has turned further than expected.
+    """
+    t = run.now.t
+    h = (t_output - t) / poses_to(m, run, t_output)
+    t_new = t_output if h >= (1.0 - 1e-9) * (t_output - t) else t + h
     status = advance_to(m, d, s, None, run, t_new, h, h)
+    for _ in range(HALVINGS):
+        if status == RUNNING and end_turn(m, run, h) <= TOO_FAR * TURN_PER_POSE:
+            break
+        h *= 0.5
+        t_new = t + h
+        run.now.rejected += 1
+        status = advance_to(m, d, s, None, run, t_new, h, h)
+    return status, t_new
+
+
+@merged_kernel
+def step(m, d, s, run, t_output):
+    """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
+    status, t_new = next_pose(m, d, s, run, t_output)
+    h = t_new - run.now.t
     if status == RUNNING and run.task.condition >= 0:
         status = watch(m, d, s, run, t_new, h)
     if status != RUNNING:
@@ -148,12 +181,12 @@ def follow(m, d, s, own, run, budget):
         if full(run):
             return FULL
         t_output = run.times[run.now.next_output]
-        poses = poses_to(m, run, t_output)
-        h = (t_output - run.now.t) / poses
-        for pose in range(poses):
-            status = step(m, d, s, run, t_output if pose == poses - 1 else run.now.t + h)
+        while run.now.t < t_output:
+            status = step(m, d, s, run, t_output)
             if status != RUNNING:
                 return status
+            if run.now.t < t_output and not rows_hold(m, d, s, run):
+                return NEW_TREE
         write(m, d, run, t_output, run.y)
         run.now.next_output += 1
         if not rows_hold(m, d, s, run):

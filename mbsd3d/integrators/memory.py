@@ -21,6 +21,7 @@ TASK = [  # constant during the run
     ("condition", int),  # measure that ends the run, -1 = none,
     ("stop", float),  # the value it must reach,
     ("direction", float),  # 1: from below, -1: from above
+    ("slack", float),  # within which the measure counts as that value
 ]
 NOW = [
     ("t", float),  # s, time of the state y
@@ -34,6 +35,7 @@ NOW = [
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("written", int),  # samples in the buffer
     ("next_output", int),  # index of the next output time
+    ("armed", int),  # 1: the condition has been false since the start, so that it can come true
 ]
 ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step

@@ -28,7 +28,7 @@ class Method(Protocol):
     dense_terms: int = 3
     """Of the dense output: cubic Hermite, and those of its own."""
     loop: Callable
-    """Compiled: ``loop(model, data, schur, own, run, budget)`` takes up to ``budget`` steps, returns a status."""
+    """Compiled: ``loop(model, data, tree, own, run, budget)`` takes up to ``budget`` steps, returns a status."""
 
     def start(self, model: Model, data: Callable[[type], Data]) -> tuple | None:
         """The memory ``own`` of a run of a model; ``data(dtype)`` makes a work space.

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.dynamics import correction
+from ..dynamics.loads import loads
+from ..dynamics.state_rates import correction
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate
 from ..kernels.layout import Data, Model
-from ..kernels.loads import loads
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, sub, vec
 

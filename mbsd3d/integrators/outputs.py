@@ -6,13 +6,13 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.dynamics import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..saddle.solve import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
@@ -144,8 +144,8 @@ def slope(m, d, run, t, y, dy, h):
 
 @merged_kernel
 def may_come_true(m, d, run, h, t_new):
-    """True if the condition holds at the end of the step, or rises at its start and falls at its end."""
-    if condition(m, d, run, t_new, run.trial) >= 0.0:
+    """True if the condition holds at the end of the step, rises at its start and falls at its end, or is not armed."""
+    if run.now.armed == 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
     rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
     return rises and slope(m, d, run, t_new, run.trial, run.trial_rate, h) < 0.0
@@ -176,17 +176,22 @@ def locate(m, d, run, h, low, high):
 def first_crossing(m, d, run, h, t_new):
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
-    Looked for at SCAN points and at the peak between them: two peaks less than h/SCAN apart may pass for one.
+    Looked for at SCAN points and at the peak between them: two peaks less than h/SCAN apart may pass for one. A run
+    that starts where the condition just comes true is not armed until it has been false.
     """
-    place, greatest = 0.0, -np.inf
+    place, greatest, first = 0.0, -np.inf, 0.0 if run.now.armed == 1 else 2.0
     for k in range(1, SCAN + 1):
         x = k / SCAN
         g = condition_inside(m, d, run, h, x) if k < SCAN else condition(m, d, run, t_new, run.trial)
-        if g >= 0.0:
+        if x < first:
+            first = x if g < -run.task.slack else 2.0
+        elif g >= 0.0:
             return locate(m, d, run, h, (k - 1) / SCAN, x)
-        if g > greatest:
+        if x >= first and g > greatest:
             place, greatest = x, g
-    low, high = max(0.0, place - 1.0 / SCAN), min(1.0, place + 1.0 / SCAN)
+    if first > 1.0:
+        return -1.0
+    low, high = max(first, place - 1.0 / SCAN), min(1.0, place + 1.0 / SCAN)
     for _ in range(60):  # golden section
         x, x_high = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         g, g_high = condition_inside(m, d, run, h, x), condition_inside(m, d, run, h, x_high)
@@ -197,6 +202,13 @@ def first_crossing(m, d, run, h, t_new):
         else:
             low = x
     return -1.0
+
+
+@inner_kernel
+def watch_on(m, d, run, t_new):
+    """Arm the condition at the end of a step where it is false."""
+    if run.now.armed == 0 and condition(m, d, run, t_new, run.trial) < -run.task.slack:
+        run.now.armed = 1
 
 
 @merged_kernel
@@ -237,6 +249,22 @@ def halt(m, d, s, run, t):
 
 
 @merged_kernel
+def cubic(m, d, s, own, run, h):
+    """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
+    hermite(run, h)
+    return True
+
+
+@merged_kernel
+def along_cubic(m, d, s, own, run, t, x, h):
+    """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
+    interpolate(run, x / h, run.trial)
+    status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
+    run.now.evaluations += 1
+    return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
+
+
+@merged_kernel
 def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.task.condition >= 0
@@ -256,6 +284,8 @@ def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
             return status
     if stopped:
         return halt(m, d, s, run, t_last)
+    if watched:
+        watch_on(m, d, run, t_new)
     if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     if output_until(run, t_new):

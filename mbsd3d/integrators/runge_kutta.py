@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.dynamics import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
-from ..kernels.saddle import SOLVED
 from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales

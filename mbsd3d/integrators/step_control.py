@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..kernels.dynamics import skipped_residual
+from ..dynamics.state_rates import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
 

@@ -3,6 +3,7 @@
 import atexit
 import hashlib
 import os
+import re
 import sys
 import tempfile
 import threading
@@ -15,14 +16,21 @@ import numba
 
 PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
 PACKAGE = Path(__file__).resolve().parent.parent
+A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
+
+
+def compiled_sources() -> list[Path]:
+    """All files of every folder that holds a kernel: functions and constants that kernels use are in one of them."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    folders = {path.parent for path in files if A_KERNEL.search(path.read_bytes())}
+    return [path for path in files if path.parent in folders]
 
 
 def _digest() -> str:
     """Digest of every source that is compiled: numba alone misses an edit in a callee of another file."""
     text = hashlib.sha256(numba.__version__.encode())
-    for folder in ("kernels", "integrators"):
-        for path in sorted((PACKAGE / folder).glob("*.py")):
-            text.update(path.read_bytes())
+    for path in compiled_sources():
+        text.update(path.read_bytes())
     return text.hexdigest()[:16]
 
 

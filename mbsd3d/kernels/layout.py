@@ -46,12 +46,12 @@ COORDINATE = [
     ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; body axes
 ]
 FORCE = [
-    ("kind", int),
+    ("kind", int),  # number of its law
     ("body", int, 4),  # acting bodies a, b; up to four of a custom force
     ("bodies", int),  # their number
     ("point", float, (4, 3)),  # m, body axes
     ("frame", float, (2, 9)),  # axes of the element in a and b (columns), body axes
-    ("value", float, 12),  # stiffness, damping, ...: see loads.py
+    ("value", float, 12),  # stiffness, damping, ...: see the law
     ("signal", int, 3),  # signals of the components, -1 = none
     ("coordinate", int),  # hinge coordinate it acts along, -1 = none
     ("state", int),  # where the element's own states start in z
@@ -135,7 +135,14 @@ def data_records(dtype: type) -> dict[str, list]:
             ("bottom", dtype),  # right side of the lower rows } saddle point
             ("lam", dtype),  # multiplier, zero in skipped rows
         ],
-        "force": [("potential", dtype), ("power", dtype)],  # J stored; W of the part that stores none
+        "force": [
+            ("potential", dtype),  # J stored            } computed by loads
+            ("power", dtype),  # W of the part that stores none
+            ("x", dtype),  # the hinge coordinate it acts along, if any: value,
+            ("rate", dtype),
+            ("gradient", dtype, (4, 3)),  # rate = gradient . (velocity of a, w of a, velocity of b, w of b)
+            ("load", dtype),  # N or N m along it: on b, the opposite on a
+        ],
         "pose": [  # what a custom function is told of a point of a body, world axes
             ("r", dtype, 3),
             ("R", dtype, (3, 3)),

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -20,10 +19,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..run.simulation import accelerations_at, check_state, check_system
 from .modes import Mode, joint_gradients, make_modes, spectrum, table
-from .steady_motion import Units, check_signals, find_generator, natural_units
-from .symmetry import Generator
-from .tangent_space import Tangent, tangent_space
-from .variations import Field, Variations
+from .steady_motion import Generator, Units, check_signals, find_generator, natural_units
+from .variations import Field, Tangent, Variations, tangent_space
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,7 +39,7 @@ class Linearization:
     L: np.ndarray | None = None  # (outputs, n_x) y = L x
 
     @property
-    def system(self) -> Any:
+    def system(self) -> Mechanism:
         """The system that was linearised."""
         return self.compiled.system
 

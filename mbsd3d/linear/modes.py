@@ -14,6 +14,8 @@ from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.elimination import eliminate
+from ..mechanism.bodies import Body
+from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
@@ -55,11 +57,7 @@ def sorting(value: complex) -> tuple[int, int, bool]:
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
-
-    ``translation`` and ``rotation`` (n, 3) are complex displacements of the centres of mass [m] and rotations [rad] of
-    all bodies, world axes, scaled such that the largest one, in model lengths or radians, is 1 and real.
-    """
+    """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
     linearization: Any
     eigenvalue: complex
@@ -92,7 +90,7 @@ class Mode:
         """[s] for a decaying mode, else infinite."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
-    def shape(self, body: Any) -> tuple[np.ndarray, np.ndarray]:
+    def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
         """Complex (translation of the centre of mass [m], rotation [rad]) of a body, world axes."""
         k = self.linearization.compiled.body_index[id(self.linearization.system.part(body))]
         return self.translation[k], self.rotation[k]
@@ -119,26 +117,10 @@ class Mode:
     def motion(self, amplitude: float = 0.2, cycles: float = 2.0, samples: int = 101) -> "Motion":
         """The mechanism moving in this mode, all joints closed; a motion that goes on is shown at rest.
 
-        Parameters
-        ----------
-        amplitude : float
-            Of the largest displacement at its largest [model lengths or radians].
-        cycles : float
-            Periods; for a mode that does not oscillate, time constants; for a zero eigenvalue, to and fro.
-        samples : int
-            At least 2.
-
-        Returns
-        -------
-        Motion
-            With ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``.
-
-        Raises
-        ------
-        ValueError
-            For fewer than 2 samples or a number that is none.
-        AssemblyError
-            If the joints do not close at so large an amplitude.
+        ``amplitude``: the largest displacement at its largest [model lengths or radians]; ``cycles``: periods, or for a
+        mode that does not oscillate time constants, for a zero eigenvalue to and fro; ``samples`` at least 2. The
+        `Motion` has ``t``, ``position``, ``orientation``, ``com`` ... by body, and ``animate``. ValueError for other
+        numbers; AssemblyError if the joints do not close at so large an amplitude.
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
         if samples < 2:
@@ -181,7 +163,7 @@ def make_modes(linearization: Any) -> tuple[Mode, ...]:
     return tuple(modes)
 
 
-def joint_gradients(linearization: Any) -> list[tuple[Any, str, np.ndarray]]:
+def joint_gradients(linearization: Any) -> list[tuple[Joint, str, np.ndarray]]:
     """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
     compiled, state, found = linearization.compiled, linearization.state, []
     data, n = compiled.data(), compiled.model.body.size

@@ -5,27 +5,37 @@
 with r_G the centre of mass: the displacement of a reference point off the axis of a spinning wheel would turn with
 the wheel. ``delta theta_dot = delta w + w x delta theta``; C X and D X are the variations of the residuals c and of
 J v - b, L X those of the measures. One imaginary step of 1e-30 gives a column of F, C, D and L exact to rounding.
+
+The deviations that the constraints allow are X = E x, with states x that are entries of X themselves:
+
+configuration   C delta q = 0                      C: holonomic rows
+velocity        D_v delta v + D_q delta q = 0      D: variation of J v - b, all rows
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 
 from ..base.errors import AssemblyError
 from ..base.quaternions import H, skew
 from ..base.rotations import matrix
 from ..constraints.row_choice import choose_rows
-from ..equations.at_state import load_rows, load_state
+from ..dynamics.state_rates import accelerate
+from ..equations.at_state import load_rows, load_state, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.elimination import eliminate
+from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..kernels.coordinates import measure, remember
-from ..kernels.dynamics import accelerate
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Tree
 from ..kernels.rows import rows
-from ..kernels.saddle import SOLVED, factor
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from ..saddle.solve import SOLVED, factor
 
+COMPONENTS = ("x", "y", "z", "theta_x", "theta_y", "theta_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
+UNITS = ("m", "rad", "m/s", "rad/s")
 STEP = 1e-30  # its square is lost in any real part, and no difference is taken
 
 
@@ -174,7 +184,7 @@ def values(model: Model, body: np.ndarray, row: np.ndarray) -> dict[str, np.ndar
 
 
 def turns(e: np.ndarray) -> np.ndarray:
-    """(k, n, 3) the rotation delta theta that complex quaternions (k, n, 4) stand for: i delta theta = 2 H' e."""
+    """(k, n, 3) the rotation delta theta of complex quaternions (k, n, 4): i delta theta = 2 H' e."""
     return 2j * np.einsum("bij,kbi->kbj", H(e[0].real), e.imag)
 
 
@@ -182,3 +192,70 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(..., 3) a x b: numpy's takes several times as long for a few vectors."""
     ahead, behind = [1, 2, 0], [2, 0, 1]
     return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """X = E x; x are the entries ``chosen`` of X: configuration, velocity and own states."""
+
+    E: np.ndarray  # (N, n_x)
+    chosen: np.ndarray  # (n_x,)
+    configuration: int
+    velocity: int
+
+    def names(self, system: Mechanism) -> tuple[str, ...]:
+        """One name per state."""
+        n, found = 6 * len(system.bodies), []
+        for j in self.chosen:
+            part = system.name(system.bodies[j % n // 6]) if j < 2 * n else None
+            found.append(f"{COMPONENTS[j % 6 + 6 * (j // n)]} of {part}" if part else f"z{j - 2 * n}")
+        return tuple(found)
+
+    def unit_names(self, model: Model) -> tuple[str, ...]:
+        """One unit per state; own states of force elements have the element's unit."""
+        n = 6 * model.body.size
+        return tuple(UNITS[j % 6 // 3 + 2 * (j // n)] if j < 2 * n else "-" for j in self.chosen)
+
+
+def free_basis(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(basis N of the null space of A with the unit matrix in the rows ``chosen``, these rows)."""
+    _, s, Vt = scipy.linalg.svd(A)
+    rank = int((s > RANK_TOLERANCE * s[0]).sum()) if s.size and s[0] > 0.0 else 0
+    Z = Vt[rank:].T
+    _, _, pivot = scipy.linalg.qr(Z.T, mode="economic", pivoting=True)
+    chosen = np.sort(pivot[: Z.shape[1]])
+    return np.linalg.solve(Z[chosen].T, Z.T).T, chosen
+
+
+def tangent_space(compiled: Compiled, at: Variations) -> Tangent:
+    """E at a state; ValueError at a singular position, where a redundant row is independent beside it."""
+    model, n = compiled.model, 6 * compiled.model.body.size
+    columns = displacement_units(model.length, model.body.size)
+    rows = model.row["scale"][:, None]
+    D_q, D_v = rows * at.D[:, :n] * columns, rows * at.D[:, n : 2 * n] * columns
+    N_q, free_q = free_basis(rows * at.C[:, :n] * columns)
+    N_v, free_v = free_basis(D_v)
+    P = (
+        scipy.linalg.lstsq(D_v, -D_q @ N_q, cond=RANK_TOLERANCE)[0]
+        if D_v.size and free_q.size
+        else np.zeros((n, free_q.size))
+    )
+    P -= N_v @ P[free_v]
+    check_consistent(compiled, D_v @ P + D_q @ N_q, np.abs(D_q).max(initial=0.0))
+    N_q, P = N_q * columns[:, None] / columns[free_q], P * columns[:, None] / columns[free_q]
+    N_v = N_v * columns[:, None] / columns[free_v]
+    E = scipy.linalg.block_diag(N_q, N_v, np.eye(model.z_work))
+    E[n : 2 * n, : free_q.size] = P
+    chosen = np.concatenate([free_q, n + free_v, 2 * n + np.arange(model.z_work)])
+    return Tangent(E, chosen, free_q.size, free_v.size)
+
+
+def check_consistent(compiled: Compiled, left: np.ndarray, size: float) -> None:
+    """All rows, also the redundant ones, admit velocities at the neighbouring configurations."""
+    miss = np.abs(left).max(axis=1, initial=0.0)
+    if miss.max(initial=0.0) > 1e-7 * max(size, 1e-300):  # rows of a regular position agree to rounding
+        part, residual = worst_joint(compiled, miss / compiled.model.row["scale"])
+        raise ValueError(
+            f"linearize: singular position: at neighbouring positions no velocities meet {part} (residual "
+            f"{residual:.2g}); move away from the dead centre"
+        )

@@ -5,15 +5,16 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..base.checks import number, vector
+from ..base.checks import Frozen, number, vector
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
 
 
 class Ground:
-    """The fixed frame every mechanism stands on; its axes are the world axes."""
+    """The fixed frame; its axes are the world axes."""
 
     name = "ground"
     position = np.zeros(3)
@@ -40,7 +41,7 @@ GROUND = Ground()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body:
+class Body(Frozen):
     """A rigid body at the reference pose.
 
     Parameters
@@ -78,34 +79,25 @@ class Body:
 
     name: str
     mass: float
-    inertia: Any
-    com: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
-    position: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
-    orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
-    velocity: Any = field(default=None, kw_only=True)
-    omega: Any = field(default=None, kw_only=True)
+    inertia: ArrayLike
+    com: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    position: ArrayLike = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    orientation: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    velocity: ArrayLike | None = field(default=None, kw_only=True)
+    omega: ArrayLike | None = field(default=None, kw_only=True)
     shape: Any = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise ValueError(f"body name {self.name!r}: give a non-empty text")
         what = f"body '{self.name}'"
-        mass = number(self.mass, f"{what}: mass", minimum=0.0)
-        set_field = object.__setattr__
-        set_field(self, "mass", mass)
-        inertia = check_inertia(self.inertia, mass, what)
-        inertia.setflags(write=False)
-        set_field(self, "inertia", inertia)
-        set_field(self, "com", vector(self.com, f"{what}: com"))
-        set_field(self, "position", vector(self.position, f"{what}: position"))
-        orientation = as_quaternion(self.orientation, f"{what}: orientation")
-        orientation.setflags(write=False)
-        set_field(self, "orientation", orientation)
-        for name in ("velocity", "omega"):
-            if getattr(self, name) is not None:
-                set_field(self, name, vector(getattr(self, name), f"{what}: {name}"))
-        if self.shape is not None:
-            set_field(self, "shape", as_shape(self))
+        self._store(mass=number(self.mass, f"{what}: mass", minimum=0.0))
+        self._store(inertia=check_inertia(self.inertia, self.mass, what))
+        for name in ("com", "position", "velocity", "omega"):
+            if getattr(self, name) is not None or name in ("com", "position"):
+                self._store(**{name: vector(getattr(self, name), f"{what}: {name}")})
+        self._store(orientation=as_quaternion(self.orientation, f"{what}: orientation"))
+        self._store(shape=as_shape(self))
 
     def __repr__(self) -> str:
         return f"Body('{self.name}', mass={self.mass:g})"
@@ -134,8 +126,8 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """What joints and force elements share: a name, and fields that are checked and converted once."""
+class Part(Frozen):
+    """Base class of joints and force elements: a name, and fields that are checked and converted once."""
 
     name: str | None = field(default=None, kw_only=True)
 
@@ -145,11 +137,8 @@ class Part:
         kind = type(self).__name__
         self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
 
+    set = Frozen._store
+
     def check(self, what: str) -> None:
         """Validate and convert the fields; errors start with ``what``."""
         raise NotImplementedError
-
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..base.directions import perpendiculars, unit
 from ..kernels import kinds
-from .bodies import GROUND
+from .bodies import GROUND, Body, Ground
 from .joints import Joint, PointJoint
 from .motion import Motion
 from .primitives import ZERO, Primitive
@@ -27,7 +27,7 @@ class KnifeEdge(PointJoint):
     1
     """
 
-    lateral: Any = field(kw_only=True)
+    lateral: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -63,12 +63,12 @@ class RollingDisc(Joint):
     (5, 3)
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis: ArrayLike = field(kw_only=True)
     radius: float = field(kw_only=True)
     crown: float = field(default=0.0, kw_only=True)
-    centre: Any = field(default=None, kw_only=True)
+    centre: ArrayLike | None = field(default=None, kw_only=True)
     plane: Sequence | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
@@ -84,13 +84,8 @@ class RollingDisc(Joint):
         axis = unit(self.axis, f"{what}: axis")
         if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
             raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
-        self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=self.find_centre(what))
-
-    def find_centre(self, what: str) -> np.ndarray:
-        """The centre in world coordinates at the reference pose."""
-        if self.centre is not None:
-            return vector(self.centre, f"{what}: centre")
-        return self.b.centre
+        centre = self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre")
+        self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=centre)
 
     def point(self) -> np.ndarray:
         """The contact point at the reference pose (it travels over both bodies)."""

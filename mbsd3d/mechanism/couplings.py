@@ -1,9 +1,9 @@
 """Couplings: rows on the angles and slides of other joints."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..kernels import kinds
@@ -23,12 +23,12 @@ class Coupling(Joint):
         raise NotImplementedError
 
     @property
-    def a(self) -> Any:
+    def a(self) -> Body | Ground:
         """Body a of the joint it acts through."""
         return self.through().a
 
     @property
-    def b(self) -> Any:
+    def b(self) -> Body | Ground:
         """Body b of the joint it acts through."""
         return self.through().b
 
@@ -139,7 +139,7 @@ class GearMesh(Coupling):
     Raises
     ------
     ValueError
-        For hinges without a common body, a point that is no pitch point, angles out of range.
+        For hinges without a common body, a point that is not a pitch point, or angles out of range.
 
     Examples
     --------
@@ -154,11 +154,11 @@ class GearMesh(Coupling):
 
     hinge_a: Joint
     hinge_b: Joint
-    at: Any = field(kw_only=True)
+    at: ArrayLike = field(kw_only=True)
     pressure_angle: float = field(default=np.pi / 9, kw_only=True)
     helix_angle: float = field(default=0.0, kw_only=True)
     flank: int = field(default=1, kw_only=True)
-    carrier: Any = field(default=None, kw_only=True)
+    carrier: Body | Ground | None = field(default=None, kw_only=True)
 
     def through(self) -> Joint:
         return self.hinge_b
@@ -167,12 +167,12 @@ class GearMesh(Coupling):
         return [self.hinge_a, self.hinge_b]
 
     @property
-    def a(self) -> Any:
+    def a(self) -> Body | Ground:
         """Gear a."""
         return self.gear(self.hinge_a)
 
     @property
-    def b(self) -> Any:
+    def b(self) -> Body | Ground:
         """Gear b, on which the reaction is given."""
         return self.gear(self.hinge_b)
 
@@ -206,7 +206,7 @@ class GearMesh(Coupling):
                 raise ValueError(f"{what}: the gear on '{hinge.name}' is the ground; give it as body b of the hinge")
         self.direction(what)
 
-    def support(self, what: str = "GearMesh") -> Any:
+    def support(self, what: str = "GearMesh") -> Body | Ground:
         """The carrier."""
         if self.carrier is not None:
             return self.carrier
@@ -216,7 +216,7 @@ class GearMesh(Coupling):
                 return body
         raise ValueError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
-    def gear(self, hinge: Joint) -> Any:
+    def gear(self, hinge: Joint) -> Body | Ground:
         """The gear on a hinge: what is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 

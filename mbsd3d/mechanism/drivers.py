@@ -1,18 +1,19 @@
 """Drivers: rows with a prescribed motion. Displacements count from the reference pose."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.directions import unit
 from ..kernels import kinds
-from .bodies import GROUND, Body
+from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
 from .joints import Joint, coordinate_of
 from .primitives import ZERO, Primitive, in_plane, ratio
-from .signals import Signal, as_signal
+from .signals import Signal, as_signal, three_signals
 
 
 class Driver(Joint):
@@ -105,27 +106,22 @@ class PositionDriver(Driver):
     """
 
     body: Body
-    at: Any = field(kw_only=True)
-    signal: Any = field(kw_only=True)
+    at: ArrayLike = field(kw_only=True)
+    signal: Sequence[Signal | float | None] = field(kw_only=True)
 
     @property
-    def a(self) -> Any:
+    def a(self) -> Body | Ground:
         """The ground."""
         return GROUND
 
     @property
-    def b(self) -> Any:
+    def b(self) -> Body | Ground:
         """The driven body."""
         return self.body
 
     def check(self, what: str) -> None:
         super().check(what)
-        try:
-            x, y, z = self.signal
-        except (TypeError, ValueError):
-            raise ValueError(f"{what}: signal: give three signals, one per world axis (None = free)") from None
-        names = zip("xyz", (x, y, z), strict=True)
-        signals = tuple(None if s is None else as_signal(s, f"{what}: signal along {k}") for k, s in names)
+        signals = three_signals(self.signal, f"{what}: signal", free=True)
         if not any(signals):
             raise ValueError(f"{what}: all three directions are free; give at least one signal")
         self.set(at=vector(self.at, f"{what}: at"), signal=signals)
@@ -152,9 +148,9 @@ class SpeedDriver(Driver):
     [0.0, 0.0, 3.0]
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis: ArrayLike = field(kw_only=True)
     speed: Signal | float = field(kw_only=True)
 
     def check(self, what: str) -> None:

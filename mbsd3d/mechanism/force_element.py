@@ -1,21 +1,20 @@
-"""What all force elements share: the record a kernel reads, checks of what they are given."""
+"""Base class of force elements: the record a kernel reads, checks of what they are given."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from .bodies import Body, Ground, Part
 from .joints import Joint
 from .primitives import Coordinate
-from .signals import Signal, as_signal
 
 
 @dataclass(frozen=True, eq=False)
 class ForceRecord:
-    """What a force kernel reads: kind, bodies, world points, element axes, scalars, signals, coordinate, own states."""
+    """What the law of a force reads: bodies, world points, element axes, scalars, signals, coordinate, own states."""
 
-    kind: int
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
@@ -30,12 +29,17 @@ class ForceRecord:
 
 @dataclass(frozen=True, eq=False)
 class ForceElement(Part):
-    """What all force elements share."""
+    """Base class of force elements.
+
+    ``law(m, d, p, out, t)`` is the kernel of a class, as a static method (see `kernels.force_laws`); ``record()`` is
+    what it reads of one element. A class in a file of `mechanism.forces` needs no more: `dynamics.loads` finds its law.
+    """
 
     role = "force"
+    law: ClassVar[Callable | None] = None
 
     def record(self) -> ForceRecord:
-        """The record the kernel reads."""
+        """What the law reads of this element."""
         raise NotImplementedError
 
     def bodies(self) -> tuple:
@@ -60,15 +64,6 @@ def check_pair(a: Any, b: Any, what: str) -> None:
             raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
     if a is b:
         raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
-
-
-def three_signals(value: Any, what: str) -> tuple[Signal, ...]:
-    """Three components, each a number or a signal."""
-    try:
-        x, y, z = value
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: give three components, each a number or a signal") from None
-    return tuple(as_signal(s, f"{what} along {k}") for k, s in zip("xyz", (x, y, z), strict=True))
 
 
 def in_body_frame(frame: str, what: str) -> float:

@@ -4,11 +4,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..base.directions import unit
 from ..kernels import kinds
-from .bodies import GROUND, Body, Ground
+from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
 from .joints import Joint, coordinate_of
 from .primitives import ZERO, Coordinate, check_kind
@@ -42,13 +43,13 @@ class Measure:
     kind: str  # a key of MEASURES
     label: str
     unit: str
-    a: Any = GROUND
-    b: Any = GROUND
+    a: Body | Ground = GROUND
+    b: Body | Ground = GROUND
     point_a: np.ndarray = field(default_factory=lambda: ZERO)
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
-    part: Any = None  # force element whose own state it is,
+    part: ForceElement | None = None  # force element whose own state it is,
     index: int = 0  # and which one
 
     def __post_init__(self) -> None:
@@ -109,7 +110,7 @@ def unit_powers(measure: Measure) -> tuple[float, float, float]:
     return (1.0, *UNITS[measure.unit])
 
 
-def label(part: Any) -> str:
+def label(part: Body | Ground | Part) -> str:
     """Name of a part for messages."""
     return getattr(part, "name", None) or type(part).__name__
 
@@ -143,34 +144,34 @@ def _body(body: Any, what: str) -> None:
         raise ValueError(f"{what}: {body!r} is not a body; give a Body")
 
 
-def _point(body: Any, at: Any, what: str) -> np.ndarray:
+def _point(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
     """World point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
     return body.centre
 
 
-def position(body: Body, *, axis: Any, at: Any = None) -> Measure:
+def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     _body(body, "measures.position")
     point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
-def velocity(body: Body, *, axis: Any, at: Any = None) -> Measure:
+def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
     _body(body, "measures.velocity")
     point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
-def omega(body: Body, *, axis: Any) -> Measure:
+def omega(body: Body, *, axis: ArrayLike) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
     _body(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
-def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
 
     ``lateral`` is given in world axes at the reference pose.
@@ -180,14 +181,16 @@ def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
-def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
+def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
     _body(body, "measures.lean_rate")
     axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
 
-def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
+def distance(
+    a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
+) -> Measure:
     """Distance between a point of a and a point of b [m]; None = centre of mass."""
     for body in (a, b):
         _body(body, "measures.distance")
@@ -196,19 +199,8 @@ def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
 
 
 def state(force: ForceElement, index: int = 0) -> Measure:
-    """An own state of a force element, e.g. of a filter or of a `CustomForce`.
-
-    Parameters
-    ----------
-    force : ForceElement
-        One with own states.
-    index : int
-        Which of them, from 0.
-
-    Raises
-    ------
-    ValueError
-        If there is no such state.
+    """Own state no. ``index``, from 0, of a force element, e.g. of a filter or of a `CustomForce`; ValueError if it has
+    none.
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()

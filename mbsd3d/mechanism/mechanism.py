@@ -5,15 +5,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..base.checks import vector
+from ..base.checks import Frozen, vector
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
     ``derived`` holds what layers above have computed of it once, such as its tables; nothing in it is part of the
@@ -23,24 +24,22 @@ class Mechanism:
     bodies: Sequence[Body]
     joints: Sequence[Joint] = ()
     forces: Sequence[ForceElement] = ()
-    gravity: Any = (0.0, 0.0, -9.81)
+    gravity: ArrayLike = (0.0, 0.0, -9.81)
     names: Mapping[int, str] = field(init=False, repr=False)
     derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        set_field = object.__setattr__
         for key, kind in (("bodies", Body), ("joints", Joint), ("forces", ForceElement)):
             parts = tuple(getattr(self, key))
             for part in parts:
                 if not isinstance(part, kind):
                     raise ValueError(f"System: {part!r} in {key} is not a {kind.__name__}")
             if len({id(part) for part in parts}) < len(parts):
-                raise ValueError(f"System: a part stands twice in {key}; list every part once")
-            set_field(self, key, parts)
+                raise ValueError(f"System: a part appears twice in {key}; list every part once")
+            self._store(**{key: parts})
         if not self.bodies:
             raise ValueError("System: no bodies; give at least one Body")
-        set_field(self, "gravity", vector(self.gravity, "System: gravity"))
-        set_field(self, "names", self._names())
+        self._store(gravity=vector(self.gravity, "System: gravity"), names=self._names())
         self._check_members()
 
     def _names(self) -> dict[int, str]:
@@ -55,7 +54,7 @@ class Mechanism:
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind} {counts[kind]}"
             if name in taken:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
+                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
             names[id(part)] = name
             taken.add(name)
         return names

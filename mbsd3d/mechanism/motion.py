@@ -1,4 +1,4 @@
-"""What a joint asks of a motion, whatever made it: a run or a mode."""
+"""The motions that joints can read: runs and modes."""
 
 from typing import Any, Protocol
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from ..kernels import kinds
+from .bodies import Body, Ground
 from .signals import Signal
 
 ZERO = np.zeros(3)
@@ -28,8 +28,8 @@ class Coordinate:
     """
 
     kind: str  # a key of COORDINATES
-    a: Any
-    b: Any
+    a: Body | Ground
+    b: Body | Ground
     axis: np.ndarray
     axis_b: np.ndarray
     point_a: np.ndarray = field(default_factory=lambda: ZERO)
@@ -66,18 +66,23 @@ class Primitive:
         return (self.kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * self.n_rows
 
 
-def coincide(a: Any, b: Any, at: np.ndarray, at_b: np.ndarray) -> Primitive:
+def coincide(a: Body | Ground, b: Body | Ground, at: np.ndarray, at_b: np.ndarray) -> Primitive:
     """p_b - p_a = 0 (3 rows)."""
     return Primitive(kinds.COINCIDE, (a, b), points=(at, at_b))
 
 
-def perpendicular(a: Any, b: Any, axis_a: np.ndarray, axis_b: np.ndarray) -> Primitive:
+def perpendicular(a: Body | Ground, b: Body | Ground, axis_a: np.ndarray, axis_b: np.ndarray) -> Primitive:
     """x_a . y_b = 0 (1 row)."""
     return Primitive(kinds.DOT, (a, b), axes=(axis_a, axis_b), in_metres=False)
 
 
 def in_plane(
-    a: Any, b: Any, normal: np.ndarray, at: np.ndarray, at_b: np.ndarray, signal: Signal | None = None
+    a: Body | Ground,
+    b: Body | Ground,
+    normal: np.ndarray,
+    at: np.ndarray,
+    at_b: np.ndarray,
+    signal: Signal | None = None,
 ) -> Primitive:
     """n_a . (p_b - p_a) = 0, or = f(t) (1 row)."""
     return Primitive(kinds.IN_PLANE, (a, b), points=(at, at_b), axes=(normal, ZERO), signal=signal)

@@ -35,10 +35,7 @@ def apex(a: Axle, b: Axle) -> np.ndarray:
 def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(t, e, g) of gear a at the pitch point: along its velocity, away from its axis, along the tooth of a spur gear.
 
-    Raises
-    ------
-    ValueError
-        Where the point cannot be the pitch point of two pitch surfaces that touch.
+    ValueError where the point cannot be the pitch point of two pitch surfaces that touch.
     """
     arms = [axle.arm(at) for axle in (a, b)]
     radii = [np.linalg.norm(arm) for arm in arms]
@@ -52,7 +49,7 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
         g /= np.linalg.norm(g)
     else:
         raise ValueError(
-            f"{what}: at = {at.tolist()} is no pitch point of these axes: it must lie in their common plane, "
+            f"{what}: at = {at.tolist()} is not a pitch point of these axes: it must lie in their common plane, "
             "or on their common perpendicular where they cross"
         )
     if abs(g @ a.axis) < ALIGNED:

@@ -1,4 +1,4 @@
-"""What a plot shows: every quantity of a solution as panels of named lines with a label and a unit; no plotting."""
+"""Every quantity of a solution as panels of named lines with label and unit; no plotting."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence

@@ -35,47 +35,7 @@ def plot_quantity(
     dark: bool = False,
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
-    """A quantity over time, or over another one.
-
-    Parameters
-    ----------
-    solution : Solution
-        What to plot.
-    quantity : str, or sequence of str and (str, part, ...)
-        "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
-        "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of forces
-        "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
-    *parts : Body, Joint, ForceElement or str
-        Whose; none = all that have it. Components of one part share a panel; several parts are compared component by
-        component (reactions: by magnitude).
-    against : str or (str, part), optional
-        What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone is
-        that of the same parts. The start is marked.
-    degrees : bool
-        Angles in degrees instead of radians.
-    dark : bool
-        On dark paper.
-    axes : matplotlib Axes, sequence of them, or None
-        Where to draw, one per panel; None = a new figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not shown; a notebook shows it when it is the last value of a cell, `save_figure` writes it.
-
-    Raises
-    ------
-    ValueError
-        For an unknown quantity or part, a part without the quantity, or a wrong number of axes.
-
-    Examples
-    --------
-    >>> from mbsd3d import Body, System, simulate
-    >>> top = Body("top", 1.0, (1.0, 2.0, 3.0), omega=(0.01, 5.0, 0.0), velocity=(0, 0, 0))
-    >>> figure = simulate(System([top], gravity=(0, 0, 0)), 2.0).plot("omega_body", degrees=True)
-    >>> figure.axes[0].get_ylabel()
-    'angular velocity, body axes of\\ntop [°/s]'
-    """
+    """See `Solution.plot`."""
     panels = panels_of(solution, quantity, parts)
     if degrees:
         panels = [panel.in_degrees() for panel in panels]
@@ -96,14 +56,15 @@ def plot_quantity(
                 size = max(size, largest(panels, "[N]") * float(solution.compiled.model.length))
             set_range(target, panel, size)
             before = legend
-        label_across(targets, across, every=axes is not None)
+        for target in targets[-1:] if axes is None else targets:  # in a figure of its own the lowest axes are enough
+            target.set_xlabel("time [s]" if across is None else f"{across.label} {across.unit}", parse_math=False)
         if axes is None:
             targets[0].figure.align_ylabels()
     return targets[0].figure
 
 
 def new_axes(count: int) -> np.ndarray:
-    """Axes one below the other in a figure of their own."""
+    """Axes one below the other in a new figure."""
     figure = Figure(figsize=(7.5, 1.0 + 2.3 * count), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     return figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
@@ -135,13 +96,6 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
             "give one scalar, e.g. against=('angle', 'hinge')"
         )
     return [values[name] for name, _ in panel.lines]
-
-
-def label_across(targets: np.ndarray, across: Panel | None, every: bool) -> None:
-    """The label of the horizontal axis, at the lowest axes or at all."""
-    text = "time [s]" if across is None else f"{across.label} {across.unit}"
-    for target in targets if every else targets[-1:]:
-        target.set_xlabel(text, parse_math=False)
 
 
 def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, look: Theme, legend: bool) -> None:
@@ -204,26 +158,9 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
 
 
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
-    """Write a figure as PNG (150 dpi) and SVG; the same figure gives the same bytes.
+    """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        What to write.
-    path : str or Path
-        Without suffix.
-    pdf : bool
-        Write a PDF too.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    ValueError
-        If the folder cannot be written.
+    ``path`` has no suffix; returns the files. ValueError if the folder cannot be written.
     """
     path, written = Path(path), []
     options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}

@@ -3,5 +3,5 @@
 - `page`: the page, from the template in mbsd3d/templates
 - `facts`: what it says in numbers: facts, tables and sentences
 - `exhibits`: which figures and pictures it shows
-- `wording`: numbers and counts as a person writes them
+- `wording`: numbers and counts as text
 """

@@ -1,4 +1,4 @@
-"""Figures and pictures of a report: which ones, and how they get into its page."""
+"""Figures and pictures of a report, embedded in its page."""
 
 import base64
 import io
@@ -70,7 +70,7 @@ def figure_of(number: int, solution: RunResult, entry: str | tuple, caption: str
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
-    """A figure as an SVG element for a page: ids of its own, colours as variables of the page (see report.html)."""
+    """A figure as an SVG element for a page, with unique ids and the page's colour variables (see report.html)."""
     buffer = io.StringIO()
     with house():
         figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))

@@ -1,4 +1,4 @@
-"""What a report says in numbers: facts, tables and sentences about a run as plain text; no layout."""
+"""The contents of a report: facts, tables and sentences about a run as plain text; no layout."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
@@ -67,7 +67,7 @@ def method_text(method: object) -> str:
 
 
 def warnings(solution: RunResult) -> list[str]:
-    """What a reader must know before he trusts the numbers, as sentences."""
+    """Caveats about the numbers, as sentences."""
     record, found = solution.record, []
     terms = {
         "gyroscopic": "the gyroscopic term w × I w",

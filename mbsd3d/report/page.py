@@ -37,16 +37,7 @@ MEANING = {
 
 @dataclass(frozen=True, repr=False)
 class Report(HtmlPage):
-    """One offline HTML page about a run.
-
-    Attributes
-    ----------
-    html : str
-        The whole page.
-    title : str
-    passed : bool
-        Verdict of the certificate.
-    """
+    """One offline HTML page about a run; ``passed`` is the verdict of its certificate."""
 
     html: str
     title: str
@@ -66,30 +57,7 @@ def make_report(
     curves: Wanted | None = None,
     dark: bool | None = None,
 ) -> Report:
-    """A page about a run: verdict, certificate, curves, freedoms, and tables of all parts.
-
-    Parameters
-    ----------
-    solution : Solution
-        At least one sample.
-    path : str or Path, optional
-        Where to write it as well.
-    title : str, optional
-        None = the names of the bodies.
-    curves : sequence of str and (str, part, ...), optional
-        One figure each, as `Solution.plot` takes them; None = the ones that tell most.
-    dark : bool, optional
-        Dark or light paper; None = as the reader's screen is set. It prints on light paper anyway.
-
-    Returns
-    -------
-    Report
-
-    Raises
-    ------
-    ValueError
-        For a solution without samples, an unknown quantity or part, or a folder that cannot be written.
-    """
+    """See `Solution.report`."""
     if not solution.t.size:
         raise ValueError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):

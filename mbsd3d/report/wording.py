@@ -1,4 +1,4 @@
-"""Numbers and counts as a person writes them."""
+"""Numbers and counts as text."""
 
 from collections.abc import Iterable
 

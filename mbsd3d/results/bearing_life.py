@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number
+from ..base.checks import Frozen, number
 from .bearings import BearingLoad
 
 BALL, ROLLER = 3.0, 10.0 / 3.0
@@ -27,38 +27,20 @@ AXIAL_FACTOR = (2.30, 1.99, 1.71, 1.55, 1.45, 1.31, 1.15, 1.04, 1.00)
 
 @dataclass(frozen=True)
 class RatingLife:
-    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever.
+    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever."""
 
-    Attributes
-    ----------
-    load : float
-        Mean equivalent dynamic load P_m [N].
-    speed : float
-        Mean of the magnitude of the speed [rad/s].
-    revolutions : float
-        L10 [millions of revolutions].
-    hours : float
-        L10h [h].
-    """
-
-    load: float
-    speed: float
-    revolutions: float
-    hours: float
+    load: float  # mean equivalent dynamic load P_m [N]
+    speed: float  # mean of the magnitude of the speed [rad/s]
+    revolutions: float  # L10 [millions of revolutions]
+    hours: float  # L10h [h]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rating:
-    """What all rolling bearings share.
+class Rating(Frozen):
+    """Base class of rolling bearings.
 
-    Parameters
-    ----------
-    C : float
-        Basic dynamic load rating [N] > 0.
-    p : float
-        Load-life exponent: `BALL` = 3, `ROLLER` = 10/3.
-    tilting : float
-        Tilting moment it can carry besides [N m].
+    ``C``: basic dynamic load rating [N] > 0; ``p``: load-life exponent, `BALL` = 3 or `ROLLER` = 10/3; ``tilting``:
+    tilting moment it can carry besides [N m].
     """
 
     C: float
@@ -73,7 +55,7 @@ class Rating:
         """Convert fields to numbers > 0 or >= 0."""
         for name in names:
             what = f"{type(self).__name__}: {name}"
-            object.__setattr__(self, name, number(getattr(self, name), what, minimum=0.0, positive=positive))
+            self._store(**{name: number(getattr(self, name), what, minimum=0.0, positive=positive)})
 
     def factors(self, axial: np.ndarray) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
         """(X, Y, e) under axial forces >= 0 [N]."""
@@ -88,11 +70,8 @@ class Rating:
     def life(self, load: BearingLoad) -> RatingLife:
         """L10 and L10h under the loads and speeds of a run.
 
-        Raises
-        ------
-        ValueError
-            If the bearing does not turn, is never loaded, cannot carry axial forces (Y = 0) or tilting moments that
-            are there.
+        ValueError if the bearing does not turn, is never loaded, or cannot carry the axial forces (Y = 0) or tilting
+        moments.
         """
         what = f"{type(self).__name__}.life: '{load.name}'"
         zero = ROUNDING * np.abs(load.force).max(initial=0.0)
@@ -124,15 +103,9 @@ class Rating:
 class RollingBearing(Rating):
     """A bearing with the factors of its catalogue; the defaults are those of one that carries radial loads alone.
 
-    Parameters
-    ----------
-    C, p, tilting : float
-        As `Rating`.
-    X, Y, e : float
-        Radial and axial factor, and the ratio |F_a| / F_r above which they count.
+    ``X``, ``Y``: radial and axial factor; ``e``: the ratio |F_a| / F_r above which they count; ``C, p, tilting`` as
+    `Rating`.
 
-    Examples
-    --------
     >>> bearing = RollingBearing(C=7350.0, X=0.56, Y=1.6, e=0.3)
     >>> round(float(bearing.equivalent(2500.0, 1000.0)), 6)
     3000.0
@@ -154,19 +127,10 @@ class RollingBearing(Rating):
 class DeepGrooveBallBearing(Rating):
     """A single-row deep groove ball bearing of normal clearance: Y and e from f0 F_a / C0 by the table of ISO 281.
 
-    Values between the rows are interpolated; below the first row its values hold, above the last is an error.
+    Values between the rows are interpolated; below the first row its values hold, above the last is an error. ``C``,
+    ``C0``: basic dynamic and static load rating [N] > 0; ``f0``: factor of the catalogue, 11 ... 17 by size; ``p,
+    tilting`` as `Rating`.
 
-    Parameters
-    ----------
-    C, C0 : float
-        Basic dynamic and static load rating [N] > 0.
-    f0 : float
-        Factor of the catalogue, 11 ... 17 by size.
-    p, tilting : float
-        As `Rating`.
-
-    Examples
-    --------
     >>> bearing = DeepGrooveBallBearing(C=30700.0, C0=19000.0, f0=14.0)
     >>> [round(float(x), 3) for x in bearing.factors(19000.0 / 14.0 * 1.205)]  # half-way between two rows
     [0.56, 1.5, 0.29]
@@ -192,13 +156,8 @@ class DeepGrooveBallBearing(Rating):
 def reliability_factor(reliability: float) -> float:
     """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
 
-    Parameters
-    ----------
-    reliability : float
-        R, 0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
+    0.9 <= R < 1. (The table of the 2007 edition allows somewhat more: this is on the safe side.)
 
-    Examples
-    --------
     >>> round(reliability_factor(0.95), 2)
     0.62
     """

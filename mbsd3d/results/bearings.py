@@ -16,28 +16,14 @@ from .run_result import RunResult
 
 @dataclass(frozen=True, eq=False)
 class BearingLoad:
-    """What a bearing carries at the samples of a run.
+    """The load of a bearing at the samples; force and moment in the joint's frame: two axes across, then the axis."""
 
-    Attributes
-    ----------
-    t : (samples,) ndarray
-        [s].
-    force, moment : (samples, 3) ndarray
-        On body b at ``point`` [N, N m], in the joint's frame: two directions across the axis, then the axis.
-    point : (samples, 3) ndarray
-        World [m].
-    speed : (samples,) ndarray
-        Rate of b relative to a about the axis [rad/s].
-    length : float
-        Length of the model [m], which says what is rounding in a moment.
-    """
-
-    t: np.ndarray
-    force: np.ndarray
-    moment: np.ndarray
-    point: np.ndarray
-    speed: np.ndarray
-    length: float
+    t: np.ndarray  # (samples,) [s]
+    force: np.ndarray  # (samples, 3) on body b at ``point`` [N]
+    moment: np.ndarray  # (samples, 3) [N m]
+    point: np.ndarray  # (samples, 3) world [m]
+    speed: np.ndarray  # (samples,) rate of b relative to a about the axis [rad/s]
+    length: float  # of the model [m]: decides what is rounding in a moment
     name: str
 
     @property
@@ -61,27 +47,11 @@ def bearing_load(
 ) -> BearingLoad:
     """The reaction of a joint as radial force, axial force and tilting moment.
 
-    Parameters
-    ----------
-    solution : Solution
-    joint : Joint or str
-        A joint at a point that lets b turn: Revolute, Cylindrical, Screw, Spherical, ...
-    axis : (3,) array_like or None
-        Axis of the bearing, world at the reference pose; None = the joint's own.
-    frame : "a" or "b"
-        Body the axis and the directions across it are fixed in: a for the load on a fixed ring, b for a turning one.
+    ``joint``: one at a point that lets b turn: Revolute, Cylindrical, Screw, Spherical, ... ``axis``: of the bearing
+    (3,), world at the reference pose; None = the joint's own. ``frame``: the body, "a" or "b", in which the axis and
+    the directions across it are fixed: a for the load on a fixed ring, b for a turning one. ValueError for joints that
+    do not turn or have no axis, and where redundant constraints leave the reaction undetermined.
 
-    Returns
-    -------
-    BearingLoad
-
-    Raises
-    ------
-    ValueError
-        For joints that do not turn or have no axis, and where redundant constraints leave the reaction undetermined.
-
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
     >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2))
     >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0.6, 0.8), name="hinge")
@@ -97,7 +67,7 @@ def bearing_load(
         raise ValueError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
     own = part.angle()
     if axis is None and own is None:
-        raise ValueError(f"{what} has no axis of its own; give axis=")
+        raise ValueError(f"{what} has no axis; give axis=")
     reaction = solution.reaction(part)
     if not reaction.unique:
         raise ValueError(f"{what}: redundant constraints leave its reaction open; cure them, see system.check()")
@@ -120,31 +90,16 @@ def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
 def bearing_pair(
     solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
 ) -> tuple[BearingLoad, BearingLoad]:
-    """Loads of two bearings on one shaft that together are the hinge: the fixed one takes the axial force.
+    """Loads of two bearings on one shaft that together are the hinge, (fixed, floating); the fixed one takes the axial
+    force.
 
-    From force F and moment M at the fixed bearing A, with the floating one at B = A + L u:
-    ``F_B = M x u / L``, ``F_A = F - F_B``.
+    From force F and moment M at the fixed bearing A, with the floating one at B = A + L u: ``F_B = M x u / L``, ``F_A =
+    F - F_B``; no tilting moments are left.
 
-    Parameters
-    ----------
-    solution : Solution
-    joint : Revolute or str
-        The hinge of the shaft; its body a carries the housing.
-    fixed, floating : (3,) array_like
-        Middles of the bearings on the axis of the hinge, world at the reference pose [m].
+    ``joint``: the Revolute of the shaft; its body a carries the housing. ``fixed``, ``floating``: middles (3,) of the
+    bearings on the axis of the hinge, world at the reference pose [m]. ValueError as `bearing_load`, and for points off
+    the axis or at one place.
 
-    Returns
-    -------
-    tuple of BearingLoad
-        (fixed, floating), without tilting moments.
-
-    Raises
-    ------
-    ValueError
-        As `bearing_load`; for points off the axis or at one place.
-
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
     >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2), position=(0.25, 0, 0))
     >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(1, 0, 0), name="hinge")

@@ -1,4 +1,4 @@
-"""What a run notes about itself; a solution keeps it, files store it, the certificate judges by it."""
+"""The record of a run, kept by solutions and files and judged by the certificate."""
 
 from dataclasses import dataclass, field
 
@@ -26,6 +26,7 @@ class Record:
     loop_seconds: float = 0.0  # of these, in the compiled time loop
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
     stopped_by: str | None = None
+    inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
 
 
 BUFFER = 2**21  # numbers (16 MB) the buffer of the time loop may hold
@@ -41,12 +42,8 @@ def buffer_size(wanted: int, width: int) -> int:
 class Samples:
     """Arrays (samples, width) of the quantities of a run, by name.
 
-    Parameters
-    ----------
-    widths : tuple of int
-        Numbers per sample of each of QUANTITIES.
-    expected : int
-        Samples to make room for; more of them make the arrays grow.
+    ``widths``: numbers per sample of each of QUANTITIES; ``expected``: samples to make room for, more make the arrays
+    grow.
     """
 
     def __init__(self, widths: tuple[int, ...], expected: int) -> None:

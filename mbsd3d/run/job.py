@@ -8,28 +8,32 @@ from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, IntegrationError
 from ..base.progress import Progress
+from ..constraints.contradictions import rivals
 from ..constraints.row_choice import choose_rows
+from ..constraints.spins import check_spins, free_spins
+from ..dynamics.loads import loads
+from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
 from ..equations.elimination import eliminate
+from ..equations.jacobian import scaled_rows
 from ..integrators import memory
 from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
-from ..kernels.coordinates import measure, remember
-from ..kernels.dynamics import FAR, PROJECTED, project_and_evaluate
+from ..kernels.coordinates import remember
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
 from ..kernels.layout import Data
-from ..kernels.loads import loads
-from ..kernels.saddle import SOLVED
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
 from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
+from ..saddle.solve import SOLVED
 from .divergence import DivergenceWatch
+from .events import armed_at_start
 from .stiffness import check_forces
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
@@ -186,6 +190,9 @@ class Job:
         if holonomic < need:
             speed = [j for j in self.compiled.system.joints if isinstance(j, SpeedDriver)]
             hint = "replace SpeedDriver by AngleDriver" if speed else "add drivers, or use DOP853()"
+            spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
+            if spins:
+                hint = f"{spins[0].text}: {spins[0].cure}"
             raise ValueError(
                 f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
                 f"position level; {hint}"
@@ -202,7 +209,7 @@ class Job:
         relative = np.abs(v[:, :3] - v[:, :3].mean(axis=0)).max(initial=0.0) / model.length
         rate = spin + relative + np.sqrt(np.abs(a[:, :3]).max(initial=0.0) / model.length)
         rate = rate if np.isfinite(rate) else 1.0
-        rate = max(rate, 1.0 / horizon)
+        rate = max(rate, 1.0 / horizon) or 1.0  # a run without horizon may start at rest
         run.now.speed, run.now.turn = rate * model.length, rate
         if self.record.kinematic:
             run.now.turn = np.abs(v[:, 3:]).max(initial=0.0)  # what it does turn, for the distance of poses
@@ -222,20 +229,22 @@ class Job:
                 part=part, residual=size, time=self.start.t,
                 advice="start from system.assemble(), give as_built for parts out of line, or stabilisation='none'",
             )  # fmt: skip
+        if self.model.singular:
+            check_spins(self.compiled, self.data)
+        clash = rivals(self.compiled, self.data, self.start.t, self.memory.task.t_end)
+        if clash is not None and not self.record.tolerance:
+            raise clash.error()
 
     def check_condition(self) -> None:
-        """A condition that holds already at the start would never come true."""
-        if self.stop_when is None:
-            return
-        value = measure(self.model, self.data, 0, float(self.memory.now.t))
-        if self.stop_when.direction * (value - self.stop_when.value) >= 0.0:
-            raise ValueError(
-                f"simulate: stop_when: {self.stop_when} holds already at the start ({value:.6g}); "
-                "give another value or another start"
-            )
+        """Arm the condition to stop, unless it just comes true at the start: then it waits until it has been false."""
+        if self.stop_when is not None:
+            run = self.memory
+            run.now.armed, run.task.slack = armed_at_start(self.model, self.data, run, self.stop_when)
 
     def diverges(self) -> bool:
         """True for a motion that grows without end."""
+        if not self.divergence.active:
+            return False
         run = self.memory
         return self.divergence.diverges(run.y, int(run.now.steps), float(run.now.t), float(run.now.speed))
 

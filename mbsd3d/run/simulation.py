@@ -51,7 +51,7 @@ def run_to(
 def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
     if isinstance(method, type) or not isinstance(method, Method):
-        names = "DOP853, RK4, GeneralizedAlpha, Kinematic"
+        names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
         raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
     if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
         raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
@@ -68,7 +68,7 @@ def check_system(system: Any, what: str) -> None:
 
 
 def check_state(state: Any, what: str) -> None:
-    """ValueError for a start that is no State."""
+    """ValueError for a start that is not a State."""
     if state is not None and not isinstance(state, State):
         raise ValueError(f"{what}: state {state!r} is not a State; give one of system.assemble() or solution.final")
 

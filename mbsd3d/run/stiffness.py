@@ -9,14 +9,15 @@ import scipy.linalg
 from ..base.errors import IntegrationError
 from ..base.rotations import matrix
 from ..constraints.nearby_poses import nudged
+from ..dynamics.loads import loads
 from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..equations.mass_matrix import inertia_about_origin
 from ..integrators.runge_kutta import FAST
 from ..kernels.layout import Data, Model
-from ..kernels.loads import loads
 from ..results.run_result import RunResult
 
+MANY = 20  # bodies from which the matrices of RadauIIA cost more than its longer steps gain
 STEP = 1e-7  # of central differences, in model lengths and radians; a rate needs no more than two digits
 
 
@@ -29,12 +30,14 @@ def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution
     k = int(np.argmax(rates)) if rates else 0
     if not rates or rates[k] * h < FAST:
         return
+    few = compiled.model.body.size <= MANY
+    implicit = "RadauIIA() or, where forces jump, GeneralizedAlpha()" if few else "GeneralizedAlpha()"
     raise IntegrationError(
         f"the model is stiff (rate {rates[k]:.2g} 1/s): stability, not accuracy, limits the step to {h:.2g} s",
         time=float(t),
         part=f"force '{compiled.system.name(compiled.system.forces[k])}'",
         solution=solution(),
-        advice="use GeneralizedAlpha(), or DOP853(stiff='run') to go on all the same",
+        advice=f"use {implicit}, or DOP853(stiff='run') to go on all the same",
     )
 
 

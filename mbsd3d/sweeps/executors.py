@@ -51,13 +51,13 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
 
 
 def by_turns(lock: Lock, call: Callable, cell: dict) -> Outcome:
-    """One cell; its Python when it is this thread's turn."""
+    """Run one cell; its Python runs when it is this thread's turn."""
     with taking_turns(lock):
         return call(cell)
 
 
 def check_executor(executor: Any, functions: list[Callable]) -> None:
-    """ValueError for what is no executor, and for functions that cannot go to another process."""
+    """ValueError for an unknown executor, and for functions that cannot go to another process."""
     if executor == "processes":
         for function in functions:
             place = getattr(function, "__qualname__", "")
@@ -80,7 +80,7 @@ def cores() -> int:
 
 @contextmanager
 def closing(pool: Executor) -> Iterator[Executor]:
-    """A pool of our own; left early, nobody waits for the cells that still run."""
+    """A pool that is closed at the end; on an error running cells are abandoned."""
     try:
         yield pool
     except BaseException:
@@ -134,12 +134,12 @@ def stream(
 
 
 def ignore_interrupts() -> None:
-    """Ctrl-C is the parent's business."""
+    """Leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def process_pool(workers: int) -> ProcessPoolExecutor:
-    """Fresh processes, not forked: threads and libraries start clean."""
+    """A pool of spawned processes: threads and libraries start clean."""
     return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
 
 
@@ -162,7 +162,7 @@ def check_start(pool: Executor) -> None:
 
 
 def one_by_one(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:
-    """A cell that kills a worker of its own is the culprit."""
+    """Run each cell in a new process: one that kills it is the culprit."""
     while queue:
         lost: deque[int] = deque()
         with closing(process_pool(1)) as pool:

@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..api.simulation import simulate
+from ..api.solution import Solution
 from ..api.system import System
 from ..base.concurrency import one_thread
 
 
 class MisuseError(ValueError):
-    """The functions given to `sweep` do not fit: every other cell would say the same."""
+    """The functions given to `sweep` do not fit, in every cell alike."""
 
 
 class Outcome(NamedTuple):
@@ -27,14 +28,14 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is done in every cell; goes to the workers whole."""
+    """The work of every cell; it is pickled for the workers."""
 
-    build: Callable[..., Any]
-    measure: Callable[[Any], Any]
+    build: Callable[..., System | tuple[System, Mapping[str, Any]]]
+    measure: Callable[[Solution], Any]
     run: Mapping[str, Any] | Callable[..., Mapping[str, Any]] = field(default_factory=dict)
 
     def __call__(self, parameters: dict[str, Any]) -> Outcome:
-        """One cell; its own errors become part of the outcome."""
+        """Run one cell; its errors become part of the outcome."""
         try:
             with one_thread():
                 solution = self.solve(parameters)
@@ -45,7 +46,7 @@ class Experiment:
             return Outcome({}, f"{type(error).__name__}: {error}")
         return Outcome(values, "", f"{solution.record.method}, rtol {solution.record.rtol:g}")
 
-    def solve(self, parameters: dict[str, Any]) -> Any:
+    def solve(self, parameters: dict[str, Any]) -> Solution:
         """Build and simulate."""
         built = self.build(**parameters)
         system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})
@@ -68,14 +69,10 @@ class Experiment:
         if not isinstance(measured, Mapping):
             name = getattr(self.measure, "__name__", "value")
             measured = {name if name.isidentifier() else "value": measured}
-        return {self.name(key): plain(key, value) for key, value in measured.items()}
-
-    @staticmethod
-    def name(key: Any) -> str:
-        """A name that a variable of a dataset may have."""
-        if not isinstance(key, str) or not key or key == "error":
-            raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
-        return key
+        for key in measured:
+            if not isinstance(key, str) or not key or key == "error":
+                raise MisuseError(f"measure returned a value named {key!r}; name values by texts other than 'error'")
+        return {key: plain(key, value) for key, value in measured.items()}
 
 
 def plain(name: str, value: Any) -> float | list[float]:
@@ -104,7 +101,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
     """ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise ValueError(f"sweep: {what} {function!r} is no function; give one")
+        raise ValueError(f"sweep: {what} {function!r} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):

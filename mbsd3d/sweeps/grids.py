@@ -8,29 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number
+from ..base.checks import Frozen, number
 
 METHODS = ("sobol", "latin hypercube", "random")
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
-    """Points of named parameters.
+class Samples(Frozen):
+    """Points (count, k) of k named parameters, in their units: one cell of a sweep per row.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The k parameters.
-    points : (count, k) array_like
-        One cell of the sweep per row, in the units of the parameters.
+    ValueError if the shape does not fit the names, or a number is not finite.
 
-    Raises
-    ------
-    ValueError
-        If the shape does not fit the names, or a number is not finite.
-
-    Examples
-    --------
     >>> Samples(("bend", "rate"), [[0.1, 8.0], [0.4, 12.0]]).points.shape
     (2, 2)
     """
@@ -46,37 +34,16 @@ class Samples:
         bad = np.argwhere(~np.isfinite(points))
         if bad.size:
             raise ValueError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
-        points.setflags(write=False)
-        object.__setattr__(self, "names", names)
-        object.__setattr__(self, "points", points)
+        self._store(names=names, points=points)
 
 
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
-    """Points spread over named ranges, the same for the same seed.
+    """Points spread over named ranges, the same for the same seed, for `sweep`; its dataset has the dimension "sample".
 
-    Parameters
-    ----------
-    ranges : mapping
-        Name -> (least, greatest) value of the parameter.
-    count : int
-        Number of points; a power of two for "sobol", whose points are even only then.
-    method : str
-        "sobol" (scrambled Sobol sequence), "latin hypercube" or "random"; see `scipy.stats.qmc`.
-    seed : int
-        Of the random numbers.
+    ``ranges``: name -> (least, greatest) value of the parameter. ``count``: number of points; a power of two for
+    "sobol", whose points are even only then. ``method``: "sobol" (scrambled Sobol sequence), "latin hypercube" or
+    "random"; see `scipy.stats.qmc`. ValueError for an empty range, an unknown method, or another count.
 
-    Returns
-    -------
-    Samples
-        For `sweep`; its dataset has the dimension "sample".
-
-    Raises
-    ------
-    ValueError
-        For an empty range, an unknown method, or a count that is not positive (or no power of two for "sobol").
-
-    Examples
-    --------
     >>> points = samples({"bend": (0.1, 0.5), "rate": (5.0, 10.0)}, 4, seed=3).points
     >>> bool((points.min(axis=0) >= (0.1, 5.0)).all() and (points.max(axis=0) <= (0.5, 10.0)).all())
     True
@@ -88,7 +55,7 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
         raise ValueError(f"samples: count {count!r}; give a whole number of points > 0")
     if method == "sobol" and count & (count - 1):
-        raise ValueError(f"samples: count {count} is no power of two, as the Sobol sequence needs; give 2, 4, 8, ...")
+        raise ValueError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     check_names(tuple(ranges))
     limits = np.array([check_range(name, values) for name, values in ranges.items()])
     if method == "random":
@@ -119,7 +86,7 @@ def check_names(names: tuple) -> None:
         if not isinstance(name, str) or not name.isidentifier():
             raise ValueError(f"sweep: parameter {name!r}; give the name of a parameter of build")
         if name in ("error", "sample") or names.count(name) > 1:
-            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a name of its own")
+            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +99,7 @@ class Grid:
     cells: list[dict[str, Any]]
 
     def title(self, cell: int) -> str:
-        """A cell as a person would name it."""
+        """Number and parameters of a cell, for messages."""
         return f"cell {cell} ({', '.join(f'{name}={value!r}' for name, value in self.cells[cell].items())})"
 
 
@@ -163,5 +130,5 @@ def check_values(name: str, given: Any) -> np.ndarray:
         where = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
     if np.unique(array).size < array.size:
-        raise ValueError(f"sweep: '{name}': a value stands twice in {array.tolist()}; list every value once")
+        raise ValueError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

@@ -26,7 +26,7 @@ class LedgerError(ValueError):
 
 
 def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
-    """What makes two sweeps the same: functions and settings by name, grid by value, version and tag."""
+    """The identity of a sweep: functions and settings by name, grid by value, version and tag."""
     run = experiment.run
     return {
         "format": FORMAT,
@@ -74,7 +74,7 @@ class Ledger:
             ) from error
 
     def check(self, own: dict[str, Any]) -> None:
-        """Refuse the ledger of another sweep, and say what differs; a new one gets the identity of this sweep."""
+        """Refuse the ledger of another sweep and name the differences; a new ledger gets the identity of this sweep."""
         text = json.dumps(own, sort_keys=True)
         digest = hashlib.sha256(text.encode()).hexdigest()
         found = self.file.execute("SELECT digest, identity FROM sweep").fetchone()
@@ -110,6 +110,6 @@ class Ledger:
             raise LedgerError(f"ledger '{self.path}' cannot be written: {error}") from error
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close the file."""
         with suppress(sqlite3.Error):  # what could not be written has been reported by `put`
             self.file.close()

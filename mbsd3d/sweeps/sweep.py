@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from .executors import check_executor, outcomes
 from .experiment import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .grids import Grid, Samples, make_grid
 from .ledger import Ledger, LedgerError, identity
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 
 def sweep(
@@ -29,7 +32,7 @@ def sweep(
     tag: str = "",
     units: Mapping[str, str] | None = None,
     progress: bool | None = None,
-) -> Any:
+) -> "Dataset":
     """Build, simulate and measure a mechanism at every point of a grid.
 
     Parameters
@@ -114,7 +117,7 @@ def sweep(
 
 
 def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str, str] | None) -> None:
-    """What can be said before anything runs."""
+    """Checks before anything runs."""
     run = experiment.run
     check_parameters(experiment.build, "build", grid.cells[0])
     if callable(run):
@@ -127,7 +130,7 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
     else:
         raise ValueError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
     if not callable(experiment.measure):
-        raise ValueError(f"sweep: measure {experiment.measure!r} is no function; give one that takes a solution")
+        raise ValueError(f"sweep: measure {experiment.measure!r} is not a function; give one that takes a solution")
     if units is not None and not isinstance(units, Mapping):
         raise ValueError(f"sweep: units {units!r}; give a mapping of names to units")
     functions = [experiment.build, experiment.measure, *([run] if callable(run) else [])]
@@ -143,7 +146,7 @@ def collect(
     units: Mapping[str, str],
     bar: Progress,
 ) -> SweepError | None:
-    """Fill ``results``; what stopped the sweep before its end, if anything did."""
+    """Fill ``results``; returns the error that stopped the sweep early, if any."""
     if book is not None:
         results.update(book.finished())
     todo = [cell for cell in range(len(grid.cells)) if cell not in results]
@@ -201,7 +204,7 @@ def check_names(grid: Grid, units: Mapping[str, str], cell: int, outcome: Outcom
     unknown = sorted(units.keys() - outcome.values.keys() - grid.columns.keys())
     if unknown:
         known = ", ".join([*grid.columns, *outcome.values])
-        raise SweepError(f"sweep: units of '{unknown[0]}', which is none of {known}", advice="correct the name")
+        raise SweepError(f"sweep: units of '{unknown[0]}': give one of {known}", advice="correct the name")
 
 
 def shapes(outcome: Outcome) -> dict[str, int | None]:
@@ -209,13 +212,14 @@ def shapes(outcome: Outcome) -> dict[str, int | None]:
     return {name: len(value) if isinstance(value, list) else None for name, value in outcome.values.items()}
 
 
-def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> Any:
-    """The table: cells that failed or did not run are NaN and say why."""
+def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], attrs: dict[str, Any]) -> "Dataset":
+    """The table; cells that failed or did not run are NaN, with the reason in ``error``."""
     import xarray
 
     count = len(grid.cells)
     good = {cell: outcome for cell, outcome in results.items() if not outcome.error}
     errors = [results[cell].error if cell in results else "not run" for cell in range(count)]
+    unit_of = {name: {"units": unit} for name, unit in units.items()}
     variables = {"error": (grid.dims, np.array(errors, dtype=str).reshape(grid.shape), {})}
     for name, length in shapes(good[min(good)]).items() if good else ():
         whole = np.full((count,) if length is None else (count, length), np.nan)
@@ -223,8 +227,8 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
             whole[cell] = outcome.values[name]
         extra = () if length is None else (f"{name}_index",)
         shape = (*grid.shape, *whole.shape[1:])
-        variables[name] = ((*grid.dims, *extra), whole.reshape(shape), unit_of(units, name))
-    coordinates = {name: (dim, values, unit_of(units, name)) for name, (dim, values) in grid.columns.items()}
+        variables[name] = ((*grid.dims, *extra), whole.reshape(shape), unit_of.get(name, {}))
+    coordinates = {name: (dim, values, unit_of.get(name, {})) for name, (dim, values) in grid.columns.items()}
     attrs = attrs | {
         "cells": count,
         "failed": sum(bool(outcome.error) for outcome in results.values()),
@@ -232,8 +236,3 @@ def dataset(grid: Grid, results: dict[int, Outcome], units: Mapping[str, str], a
         "stopped_by": f"stopped after {len(results)} of {count} cells" if len(results) < count else "",
     }
     return xarray.Dataset(variables, coordinates, attrs)
-
-
-def unit_of(units: Mapping[str, str], name: str) -> dict[str, str]:
-    """Attributes of a variable."""
-    return {"units": units[name]} if name in units else {}

@@ -159,7 +159,7 @@ def test_as_quaternion_normalises_what_was_typed_with_seven_digits():
         (np.diag([1, 1, -1]), "wheel: the matrix is left-handed .* reverse one axis"),
         (2 * np.eye(3), "wheel: the matrix is not orthonormal, R'R differs from 1 by 3; its columns"),
         (np.full((3, 3), np.inf), "is not finite"),
-        ([1, 0, 0], r"wheel: shape \(3,\) is no orientation; give a unit quaternion"),
+        ([1, 0, 0], r"wheel: shape \(3,\) is not an orientation; give a unit quaternion"),
         ("upright", "wheel: 'upright' is not numeric"),
     ],
 )
@@ -193,7 +193,7 @@ def test_rotation_refuses(axis, angle, message):
         (conjugate, [1, 0, 0], "quaternion: shape"),
         (exponential, [1, 0], "rotation vector: shape"),
         (skew, [1, 0], "vector: shape"),
-        (quaternion_from_matrix, np.eye(4), r"R: shape \(4, 4\) is no rotation matrix"),
+        (quaternion_from_matrix, np.eye(4), r"R: shape \(4, 4\) is not a rotation matrix"),
         (quaternion_from_matrix, np.stack([np.eye(3), -np.eye(3)]), "R: the matrix is left-handed"),
     ],
 )

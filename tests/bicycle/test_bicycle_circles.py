@@ -11,11 +11,13 @@ from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
 from bicycle.linear.equations import canonical
+from bicycle.model.kinematics import Height, placed
 from bicycle.model.mechanism import steer_torque
 from bicycle.pages.figures import plot_circles
 from bicycle.parameters import library, named
 from bicycle.turns.families import SECTIONS, Curve, Search
 from bicycle.turns.turning import TurnSolver
+from mbsd3d import accelerations
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
 from validation.theory.steady_turn import steady_turn
@@ -331,3 +333,31 @@ def test_bad_input_names_what_is_wrong(call, message):
 def test_examples():
     result = doctest.testmod(circles)
     assert result.attempted and not result.failed
+
+
+@pytest.mark.parametrize("p", [BENCHMARK, TYRES], ids=lambda p: p.name)
+def test_the_height_of_the_front_contact_is_that_of_the_placed_bicycle(p):
+    rng = np.random.default_rng(41)
+    for lean, steer in zip(rng.uniform(-1.3, 1.3, 20), rng.uniform(-3.0, 3.0, 20), strict=True):
+        pitches = rng.uniform(-1.4, 1.4, 5)
+        known = [placed(p, lean, steer, pitch).contact[2] for pitch in pitches]
+        assert Height(p, lean, steer)(pitches) == pytest.approx(known, abs=1e-14)
+
+
+def test_columns_are_accelerations_of_the_general_model():
+    """Accelerations of lean and steer of `accelerations` at three states, and their differences."""
+    turner = TurnSolver(TYRES)
+    lean, steer, scale = 0.31, 0.27, TYRES.g * TYRES.w
+    at = turner.pose(lean, steer)
+
+    def swing(system, square):
+        now = accelerations(system, turner.state(at, steer, square))
+        frame, fork, axle = now.alpha("frame")[0], now.alpha("fork")[0], at.frame[:, 1]
+        return np.array(
+            [np.cross(frame, axle)[2] / np.hypot(axle[0], axle[1]), at.frame @ turner.axis @ (fork - frame)]
+        )
+
+    rest, moving, pushed = swing(turner.system, 0.0), swing(turner.system, scale), swing(turner.with_torque, 0.0)
+    found = turner.columns(lean, steer, torque=True)
+    for column, known in zip(found, (rest, moving - rest, pushed - rest), strict=True):
+        assert column == pytest.approx(known, rel=1e-9, abs=1e-9)

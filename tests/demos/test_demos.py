@@ -157,8 +157,9 @@ def test_each_switch_fails_a_check_of_the_certificate():
     solutions = outcome("wall").solutions
     assert solutions["wall"].certificate.passed
     failing = {name: run.certificate.failures for name, run in solutions.items()}
-    for name in ("gyroscopic", "centripetal", "gamma", "none", "baumgarte"):
+    for name in ("gyroscopic", "centripetal", "gamma", "none"):
         assert failing[f"wall_{name}"]
+    assert not failing["wall_baumgarte"]  # all terms are there, and its gaps are what the integration errs
     text = " ".join(failing["wall_gyroscopic"])
     assert "angular momentum" in text and "energy" not in text  # the energy cannot see it
 

@@ -195,7 +195,7 @@ def test_truncated_and_damaged_files_are_refused(stored):
 
 
 def test_missing_file_and_other_npz_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="nothing.npz': there is no such file"):
+    with pytest.raises(ValueError, match="nothing.npz' does not exist"):
         load(tmp_path / "nothing")
     np.savez(tmp_path / "other.npz", t=np.zeros(3))
     with pytest.raises(ValueError, match="other.npz' cannot be read.*'json'"):

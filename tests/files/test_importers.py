@@ -421,7 +421,7 @@ def test_the_clock_and_the_drop_list_are_checked(tmp_path):
     path = written(tmp_path, hostile(""))
     with pytest.raises(ValueError, match="model.xml': MuJoCo takes more than 0.001 s"):
         read_mjcf(path, timeout=1e-3)
-    with pytest.raises(ValueError, match="'contacts' is no kind of part; give some of actuator, armature, contact"):
+    with pytest.raises(ValueError, match="'contacts' is not a kind of part; give some of actuator, armature, contact"):
         read_mjcf(path, drop=("contacts",))
 
 

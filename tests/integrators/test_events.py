@@ -11,10 +11,14 @@ from mbsd3d import (
     RK4,
     AngleDriver,
     Body,
+    GeneralizedAlpha,
     Kinematic,
+    Polynomial,
     Prismatic,
+    Pulse,
     Ramp,
     Revolute,
+    Sine,
     System,
     Torque,
     Universal,
@@ -177,3 +181,88 @@ def test_kinematic_sees_a_peak_between_its_poses():
     assert stopped.rate(hinge)[-1] == pytest.approx(lowest + 1e-4, abs=1e-12)
     assert np.pi / 4 - 0.02 < stopped.final.t < np.pi / 4  # on the way down: (8e-4 / second derivative)^(1/2) before
     assert simulate(system, 1.2, stop_when=rate < lowest - 1e-4, **run).final.t == 1.2
+
+
+def thrown(speed, height=0.0):
+    """A stone thrown up, its reference point off its centre of mass, and the height of that."""
+    stone = Body(
+        "stone",
+        1.3,
+        (0.1, 0.2, 0.15),
+        com=(0.1, -0.2, 0.3),
+        position=(-0.1, 0.2, height - 0.3),
+        velocity=(0.2, 0, speed),
+        omega=(0, 0, 0),
+    )
+    return System([stone], gravity=(0, 0, -G)), measures.position(stone, axis=(0, 0, 1))
+
+
+METHODS = [DOP853(), DOP853(dt=0.05), RK4(2e-3), GeneralizedAlpha(dt=1e-3)]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=str)
+@pytest.mark.parametrize("height", [0.0, 10.0])
+def test_a_run_may_start_at_the_value_on_the_way_out(method, height):
+    """From z = 0 upwards until z < 0: back after 2 v / g, not at once; the method is exact for a parabola."""
+    system, z = thrown(3.0, height)
+    solution = simulate(system, 5.0, method=method, stop_when=z < height)
+    assert solution.final.t == pytest.approx(6.0 / G, abs=1e-9)
+
+
+def test_a_short_hop_within_one_step_is_seen():
+    system, z = thrown(1e-3)
+    assert simulate(system, 5.0, stop_when=z < 0.0).final.t == pytest.approx(2e-3 / G, rel=1e-6)
+
+
+def test_a_condition_that_comes_true_at_the_start_waits_for_the_next_time():
+    """z > 10 from z = 10 upwards: left on the true side, it does not come true again; nor does z < 10 in a fall."""
+    system, z = thrown(3.0, 10.0)
+    assert simulate(system, 2.0, stop_when=z > 10.0).final.t == 2.0
+    system, z = thrown(0.0, 10.0)
+    assert simulate(system, 2.0, stop_when=z < 10.0).final.t == 2.0
+    system, hinge, state, period = pendulum(1.3)
+    lowest = simulate(system, 9.0, state=state, rtol=1e-11, stop_when=measures.angle(hinge) < 0.0)
+    for condition, turns in ((measures.angle(hinge) < 0.0, 1.0), (measures.angle(hinge) > 0.0, 0.5)):
+        again = simulate(system, 9.0, state=lowest.final, rtol=1e-11, stop_when=condition)
+        assert again.final.t - lowest.final.t == pytest.approx(turns * period, rel=1e-8)
+
+
+def test_a_driven_run_starts_at_the_value_too():
+    body = Body("arm", 2.0, (0.1, 0.2, 0.15), com=(0.3, 0.1, 0))
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(1, 2, 2), name="hinge")
+    system = System([body], [hinge, AngleDriver(hinge, Sine(0.5, 0.25))])
+    for condition, end in ((measures.angle(hinge) < 0.0, 2.0), (measures.angle(hinge) > 0.0, 4.0)):
+        solution = simulate(system, 5.0, method=Kinematic(), stop_when=condition, output=7)
+        assert solution.final.t == pytest.approx(end, abs=1e-10)
+
+
+def test_a_condition_that_holds_by_more_than_rounding_is_still_refused():
+    system, z = thrown(3.0, 10.0)
+    with pytest.raises(ValueError, match="holds already at the start"):
+        simulate(system, 1.0, stop_when=z > 10.0 - 1e-6)
+
+
+@pytest.mark.parametrize(
+    "signals",
+    [
+        (Polynomial((0, 0, 0, 2.0)), Polynomial((0, 0, 0, -3.0))),
+        (Sine(1.0, 1.0, np.pi / 2, -1.0), Sine(0.8, 2.0)),
+        (Pulse(9.0, 0.3, 0.1), Pulse(-4.0, 0.4, 0.02)),
+    ],
+)
+@pytest.mark.parametrize("output", [[0.0, 1.0, 2.0], [0.0, 0.77, 1.9]])
+def test_driven_poses_do_not_depend_on_the_outputs(signals, output):
+    """A gimbal driven from rest: nothing at the start tells how far it will turn until the next output."""
+    outer = Body("outer", 1.0, (0.1, 0.1, 0.1), com=(0.1, 0, 0.2))
+    inner = Body("inner", 1.0, (0.1, 0.2, 0.1), com=(0.1, 0.05, 0))
+    joints = [
+        Revolute(GROUND, outer, at=(0, 0, 0), axis=(0, 0.2, 1)),
+        Revolute(outer, inner, at=(0, 0, 0), axis=(1, 0, 0)),
+    ]
+    system = System([outer, inner], joints + [AngleDriver(j, s) for j, s in zip(joints, signals, strict=True)])
+    sparse = simulate(system, 2.0, method=Kinematic(), output=output)
+    for joint, signal in zip(joints, signals, strict=True):
+        assert sparse.angle(joint) == pytest.approx(signal(sparse.t), abs=1e-9)
+    dense = simulate(system, 2.0, method=Kinematic(max_step=0.004), output=output)
+    assert np.abs(dense.arrays["q"] - sparse.arrays["q"]).max() < 1e-11
+    assert sparse.certificate.passed, sparse.certificate

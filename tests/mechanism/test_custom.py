@@ -27,10 +27,10 @@ from mbsd3d import (
     load,
     simulate,
 )
+from mbsd3d.dynamics.loads import loads
 from mbsd3d.files.description import describe
 from mbsd3d.integrators.runge_kutta import advance
 from mbsd3d.kernels.kinematics import kinematics
-from mbsd3d.kernels.loads import loads
 from mbsd3d.mechanism import measures
 from mbsd3d.mechanism.forces.custom import CustomForce
 

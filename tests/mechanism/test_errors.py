@@ -322,15 +322,15 @@ SYSTEMS = {
     ),
     "two bodies of one name": (
         lambda: System(bodies=[ROD, random_body(np.random.default_rng(1), "rod")]),
-        ["two parts are named 'rod'", "a name of its own"],
+        ["two parts are named 'rod'", "a unique name"],
     ),
     "body and joint of one name": (
         lambda: System(bodies=[ROD], joints=[Spherical(GROUND, ROD, at=HERE, name="rod")]),
-        ["two parts are named 'rod'", "a name of its own"],
+        ["two parts are named 'rod'", "a unique name"],
     ),
     "body named ground": (
         lambda: System(bodies=[random_body(np.random.default_rng(1), "ground")]),
-        ["'ground'", "a name of its own"],
+        ["'ground'", "a unique name"],
     ),
     "body twice": (lambda: System(bodies=[ROD, ROD]), ["twice", "bodies", "once"]),
     "gravity NaN": (lambda: System(bodies=[ROD], gravity=(0, 0, NAN)), ["gravity", "nan", "finite"]),
@@ -460,7 +460,7 @@ NAMES = {
     "joint": (lambda s: s.angle("hing"), ["'hing' is not one of the joints", "there are 'hinge'"]),
     "reaction": (lambda s: s.reaction("hing"), ["'hing' is not one of the joints", "there are 'hinge'"]),
     "no reaction": (lambda s: s.reaction(), ["no joint given", "give one or more"]),
-    "driver": (lambda s: s.effort("hinge"), ["'hinge' .Revolute. is no driver", "reaction"]),
+    "driver": (lambda s: s.effort("hinge"), ["'hinge' .Revolute. is not a driver", "reaction"]),
     "slide of a hinge": (lambda s: s.slide("hinge"), ["'hinge' .Revolute. has no slide", "e.g. a Prismatic"]),
     "foreign body": (lambda s: s.position(OTHER), ["'other' is not one of the bodies", "'rod'"]),
     "time after the end": (lambda s: s.at(2.0), ["t = 2 s", r"0 \.\.\. 0\.1 s"]),

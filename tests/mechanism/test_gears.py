@@ -267,7 +267,7 @@ def test_errors_of_gear_meshes():
         (dict(hinge_b=flat), "'flat' is a Planar; give a Revolute"),
         (dict(hinge_b=Revolute(far, third, at=at, axis=frame.z, name="far hinge")), "share no body; give carrier="),
         (dict(at=frame.at(0, 0, 0.3)), "lies on an axis"),
-        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.x)), "no pitch point of these axes"),
+        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.x)), "not a pitch point of these axes"),
         (dict(pressure_angle=20.0), "give radians"),
         (dict(flank=0), "flank 0 is unknown; give 1 or -1"),
         (dict(hinge_b=Revolute(far, GROUND, at=at, axis=frame.z, name="end"), carrier=third), "'end' is the ground"),

@@ -33,7 +33,7 @@ def test_mesh_files_that_cannot_be_drawn_are_refused(tmp_path):
 
     refused("none.stl", r"MeshFile '.*none.stl': cannot be read: No such file or directory; give a file that exists")
     (tmp_path / "folder.obj").mkdir()
-    refused("folder.obj", "MeshFile '.*folder.obj': is no file, is empty or")
+    refused("folder.obj", "MeshFile '.*folder.obj': is not a file, is empty or")
     fine = trimesh.creation.icosphere(5)  # 20 480 triangles
     fine.export(tmp_path / "fine.stl")
     refused("fine.stl", "has 20480 triangles, at most 20000 are drawn; decimate it")
@@ -49,7 +49,7 @@ def test_mesh_files_that_cannot_be_drawn_are_refused(tmp_path):
         (tmp_path / f"text.{kind}").write_text("What is this?\n")
         refused(f"text.{kind}", f"MeshFile '.*text.{kind}': (is no {kind.upper()} .*; save|has no triangles)")
         (tmp_path / f"empty.{kind}").write_text("")
-        refused(f"empty.{kind}", f"MeshFile '.*empty.{kind}': is no file, is empty or")
+        refused(f"empty.{kind}", f"MeshFile '.*empty.{kind}': is not a file, is empty or")
 
 
 ALL = [

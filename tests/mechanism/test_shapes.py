@@ -160,7 +160,10 @@ def test_normals_leave_rims_sharp_and_sides_round():
         (lambda: Sphere(1, colour="C1"), "Sphere: colour 'C1' is unknown"),
         (lambda: Sphere(1, colour="none"), "Sphere: colour 'none' is unknown"),
         (lambda: Sphere(1, colour=(1, 0, 0)), r"Sphere: colour \(1, 0, 0\) is unknown"),
-        (lambda: MeshFile("part.step"), r"MeshFile: path 'part.step' is no mesh; give a file that ends in .stl, .obj"),
+        (
+            lambda: MeshFile("part.step"),
+            r"MeshFile: path 'part.step' is not a mesh; give a file that ends in .stl, .obj",
+        ),
         (lambda: MeshFile(3), "MeshFile: path is 3; give the name of a file"),
         (lambda: MeshFile("part.stl", 0), "MeshFile: scale: 0.0 is not positive"),
         (lambda: Lines([(0, 1)]), r"Lines: points have shape \(1, 2\); give \(k, 3\) numbers"),

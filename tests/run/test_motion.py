@@ -19,7 +19,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.rotations import matrix
-from mbsd3d.results.reactions import every_reaction
+from mbsd3d.results.every_reaction import every_reaction
 from mbsd3d.view.scene.frames import FAR, frames_of
 from mbsd3d.view.scene.motion import arrows_of, curves_of, traces_of
 

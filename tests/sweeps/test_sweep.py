@@ -110,7 +110,7 @@ BAD = {
     "no mapping": (lambda: sweep(wheel, [1.0], speed, run=RUN), "give a mapping"),
     "no values": (lambda: sweep(wheel, {"torque": []}, speed, run=RUN), "'torque' has no values"),
     "NaN": (lambda: sweep(wheel, {"torque": [1.0, np.nan]}, speed, run=RUN), "'torque': value 1 is nan"),
-    "twice": (lambda: sweep(wheel, {"torque": [1.0, 1.0]}, speed, run=RUN), "'torque': a value stands twice"),
+    "twice": (lambda: sweep(wheel, {"torque": [1.0, 1.0]}, speed, run=RUN), "'torque': a value appears twice"),
     "two dimensions": (lambda: sweep(wheel, {"torque": [[1.0]]}, speed, run=RUN), "'torque'.*list of numbers"),
     "unknown parameter": (
         lambda: sweep(wheel, {"torqe": [1.0]}, speed, run=RUN), "build does not take .*'torqe'.*takes torque, inertia"
@@ -120,8 +120,8 @@ BAD = {
         lambda: sweep(wheel, ONCE, speed, run={"t_ned": 1.0}), "no argument 't_ned'; it has t_end"
     ),
     "run of another kind": (lambda: sweep(wheel, ONCE, speed, run=1.0), "run 1.0; give a mapping"),
-    "measure": (lambda: sweep(wheel, ONCE, "speed", run=RUN), "measure 'speed' is no function"),
-    "build": (lambda: sweep("wheel", ONCE, speed, run=RUN), "build 'wheel' is no function"),
+    "measure": (lambda: sweep(wheel, ONCE, "speed", run=RUN), "measure 'speed' is not a function"),
+    "build": (lambda: sweep("wheel", ONCE, speed, run=RUN), "build 'wheel' is not a function"),
     "units": (lambda: sweep(wheel, ONCE, speed, run=RUN, units="rad"), "units 'rad'; give a mapping"),
     "executor": (lambda: sweep(wheel, ONCE, speed, run=RUN, executor="cluster"), "executor 'cluster'; give None"),
     "a function without a place": (
@@ -130,7 +130,7 @@ BAD = {
     ),
     "empty range": (lambda: samples({"torque": (2.0, 1.0)}, 4), "range of 'torque' is empty"),
     "NaN range": (lambda: samples({"torque": (np.nan, 1.0)}, 4), "least 'torque'.*not finite"),
-    "no power of two": (lambda: samples({"torque": (0.0, 1.0)}, 12), "12 is no power of two"),
+    "no power of two": (lambda: samples({"torque": (0.0, 1.0)}, 12), "12 is not a power of two"),
     "unknown method": (lambda: samples({"torque": (0.0, 1.0)}, 4, method="halton"), "method 'halton' is unknown"),
     "NaN point": (lambda: Samples(("torque",), [[1.0], [np.nan]]), "'torque' of point 1 is not finite"),
     "taken name": (lambda: sweep(wheel, {"error": [1.0]}, speed, run=RUN), "'error' is taken"),
@@ -165,7 +165,7 @@ def test_functions_that_return_something_else_stop_the_sweep(name):
 
 
 def test_units_of_what_there_is_not_stop_the_sweep():
-    with pytest.raises(SweepError, match="units of 'sped', which is none of torque, inertia, speed"):
+    with pytest.raises(SweepError, match="units of 'sped': give one of torque, inertia, speed"):
         sweep(wheel, GRID, speed, run=RUN, units={"torque": "N m", "sped": "rad/s"})
 
 

@@ -10,7 +10,7 @@ from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
-from ...mechanism.forces import TorsionSpring
+from ...mechanism.forces.springs import TorsionSpring
 from ...mechanism.joints import Cylindrical, Fixed, Joint, Planar, Prismatic, Revolute, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.geoms import shapes
@@ -89,7 +89,7 @@ class Builder:
         return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})
 
     def name(self, wanted: str, kind: str) -> str:
-        """A name of its own: joints and bodies share one list of names here."""
+        """A unique name: joints and bodies share one list of names here."""
         name = wanted
         while name in self.names:
             name = f"{name} ({kind})"

@@ -1,4 +1,4 @@
-"""Models of other programs: MJCF and URDF, read by MuJoCo in a process of its own.
+"""Models of other programs: MJCF and URDF, read by MuJoCo in a separate process.
 
 What has no counterpart here is named in an error; it is left out only if the caller names its kind in ``drop``.
 """
@@ -22,7 +22,7 @@ def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -
     path, timeout = Path(path), number(timeout, "timeout", positive=True)
     drop = (drop,) if isinstance(drop, str) else tuple(drop)
     if unknown := [x for x in drop if x not in KINDS]:
-        raise ValueError(f"'{path}': drop: {unknown[0]!r} is no kind of part; give some of {', '.join(KINDS)}")
+        raise ValueError(f"'{path}': drop: {unknown[0]!r} is not a kind of part; give some of {', '.join(KINDS)}")
     scan = Scan(path)
     scan.read(path)
     scan.check_named()

@@ -25,13 +25,7 @@ URDF = frozenset(
 
 @dataclass
 class Scan:
-    """A model and all it includes.
-
-    Parameters
-    ----------
-    root : Path
-        The file the user gave.
-    """
+    """A model, given by its file ``root``, and all it includes."""
 
     root: Path
     bytes: int = 0
@@ -111,7 +105,7 @@ class File:
         elif scan.kind == "robot" and "mujoco" not in self.stack and name not in (*URDF, "mujoco"):
             scan.unknown.append(("extension", f"<{name}> in line {self.parser.CurrentLineNumber}"))
         if name in ("plugin", "extension"):
-            raise ValueError(f"{place} asks for a plugin; plugins run code of their own and are not loaded")
+            raise ValueError(f"{place} asks for a plugin; plugins run foreign code and are not loaded")
         self.times.append(self.times[-1] * (copies(attributes, place) if name in COUNTED else 1))
         self.stack.append(name)
         scan.copies += self.times[-1]

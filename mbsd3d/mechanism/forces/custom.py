@@ -10,26 +10,63 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 from numba.core import types
+from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
+from numpy.typing import ArrayLike
 
 from ...base.checks import sequence, vector
-from ...kernels import kinds
-from ...kernels.custom import RETURNED
+from ...kernels.jit import inner_kernel
 from ...kernels.layout import MOST_BODIES, data_records
+from ...kernels.pointer_call import call
+from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord
 
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
+RETURNED = 6 * MOST_BODIES  # place in Data.wrench that the wrapper sets to 0 when the function has returned
 ARGUMENTS = ("t", "bodies", "z", "parameters", "loads", "z_dot")
+
+
+@inner_kernel
+def place(body, pose, s):
+    """Fill what the function reads of the point of a body at O + s."""
+    R = mat(body.R)
+    put(pose.r, point(body, s))
+    put(pose.velocity, point_velocity(body, s))
+    put(pose.w, vec(body.w))
+    for i in range(3):
+        for j in range(3):
+            pose.R[i, j] = R[3 * i + j]
+
+
+@inner_kernel
+def custom(m, d, p, out, t):
+    """Loads of a custom force at its points; a function that is missing or does not return leaves the power NaN."""
+    for i in range(p.bodies):
+        place(d.body[p.body[i]], d.pose[i], arm(d.body[p.body[i]], p.point[i]))
+    clear(d.wrench)
+    d.wrench[RETURNED] = np.nan
+    z, z_dot = d.z[p.state : p.state + p.states], d.state_rate[p.state : p.state + p.states]
+    clear(z_dot)
+    address = p.address[1] if np.iscomplexobj(d.wrench) else p.address[0]
+    if address != 0:
+        numbers = m.number[p.number : p.number + p.numbers]
+        call(address, t, d.pose, p.bodies, z, p.states, numbers, p.numbers, d.wrench, z_dot)
+    out.power = d.wrench[RETURNED]
+    for i in range(p.bodies):
+        body, pose = d.body[p.body[i]], d.pose[i]
+        force, moment = pair(d.wrench[6 * i : 6 * i + 6])
+        out.power += dot(force, vec(pose.velocity)) + dot(moment, vec(pose.w))
+        add6(body.Q, force, add(moment, cross(sub(vec(pose.r), vec(body.r)), force)))
 
 
 def wrapped(function: Callable) -> Callable:
     """The function behind pointers and counts; an exception leaves the mark of RETURNED as it is."""
     array = numba.carray
 
-    def call(t, poses, k, z, states, numbers, n, wrench, z_dot):
+    def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
         loads = array(wrench, (RETURNED + 1,))
         try:
             function(
@@ -40,22 +77,22 @@ def wrapped(function: Callable) -> Callable:
         except Exception:  # numba knows no narrower one
             loads[RETURNED] = np.nan
 
-    return call
+    return called
 
 
 def uncompiled(function: Callable) -> Callable:
     """The same for a process without the compiler, where the arrays arrive as they are and exceptions go up."""
     plain = getattr(function, "py_func", function)
 
-    def call(t, poses, k, z, states, numbers, n, wrench, z_dot):
+    def called(t, poses, k, z, states, numbers, n, wrench, z_dot):
         plain(t, poses[:k], z, numbers, wrench[: 6 * k].reshape(k, 6), z_dot)
         wrench[RETURNED] = 0.0
 
-    return call
+    return called
 
 
 @functools.lru_cache(maxsize=256)
-def callback(function: Callable, dtype: type) -> Any:
+def callback(function: Callable, dtype: type) -> CFunc:
     """The C function for real or complex numbers; ``.address`` is where it is."""
     real = types.complex128 if dtype is complex else types.float64
     pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
@@ -85,8 +122,10 @@ def reason(error: Exception) -> str:
 class FunctionForce(ForceElement):
     """What a force by a function is besides its function; see `CustomForce`."""
 
+    law = staticmethod(custom)
+
     on: Any = field(kw_only=True)
-    points: Sequence[Any] | None = field(default=None, kw_only=True)
+    points: Sequence[ArrayLike] | None = field(default=None, kw_only=True)
     parameters: Sequence[float] = field(default=(), kw_only=True)
     states: Sequence[float] = field(default=(), kw_only=True)
     scales: Sequence[float] | None = field(default=None, kw_only=True)
@@ -113,7 +152,6 @@ class FunctionForce(ForceElement):
 
     def record(self) -> ForceRecord:
         return ForceRecord(
-            kinds.CUSTOM,
             self.on,
             self.points,
             numbers=self.parameters,
@@ -121,8 +159,8 @@ class FunctionForce(ForceElement):
             scales=tuple((scale, 0.0, 0.0) for scale in self.scales),
         )
 
-    def address(self, dtype: type) -> Any:
-        """Where the function for real or complex numbers is; 0 = there is none."""
+    def address(self, dtype: type) -> int | Callable:
+        """Address of the function for real or complex numbers; 0 = none."""
         raise NotImplementedError
 
 
@@ -130,7 +168,7 @@ class FunctionForce(ForceElement):
 class SavedForce(FunctionForce):
     """A `CustomForce` read back with a saved solution: without its function, so the system cannot be run again."""
 
-    def address(self, dtype: type) -> Any:
+    def address(self, dtype: type) -> int | Callable:
         return 0
 
 
@@ -207,7 +245,7 @@ class CustomForce(FunctionForce):
             raise ValueError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
         self.address(float)
 
-    def address(self, dtype: type) -> Any:
+    def address(self, dtype: type) -> int | Callable:
         if numba.config.DISABLE_JIT:
             return uncompiled(self.function)
         if dtype not in self.callbacks:

@@ -2,21 +2,36 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from ...base.checks import number, sequence
-from ...kernels import kinds
+from ...kernels.coordinates import measure
+from ...kernels.jit import merged_kernel
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
 
 
-def one_each(values: Any, count: int, what: str) -> tuple[float, ...]:
+def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...]:
     """One finite number per measure."""
     given = sequence(values, what)
     if len(given) != count:
         raise ValueError(f"{what}: {len(given)} values for {count} measures; give one per measure")
     return given
+
+
+@merged_kernel
+def feedback(m, d, p, out, t):
+    """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
+    load = 0.0
+    for i in range(p.measures):
+        x = measure(m, d, p.measure + i, t)
+        if p.states > 0:
+            z = d.z[p.state + i]
+            d.state_rate[p.state + i] = (x - z) / p.value[0]
+            x = z
+        load -= m.number[p.number + i] * (x - m.number[p.number + p.measures + i])
+    out.load = load
+    out.power = load * out.rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +58,7 @@ class StateFeedback(ForceElement):
     Raises
     ------
     ValueError
-        For lengths that differ, numbers that are not finite, something that is no measure, a joint without coordinate.
+        For lengths that differ, numbers that are not finite, no measure, or a joint without a coordinate.
 
     Examples
     --------
@@ -57,6 +72,8 @@ class StateFeedback(ForceElement):
     6.0
     """
 
+    law = staticmethod(feedback)
+
     measures: Sequence[Measure] = field(kw_only=True)
     gains: Sequence[float] = field(kw_only=True)
     on: Joint = field(kw_only=True)
@@ -68,9 +85,9 @@ class StateFeedback(ForceElement):
         seen = (self.measures,) if not isinstance(self.measures, Sequence) else tuple(self.measures)
         if not seen:
             raise ValueError(f"{what}: no measures; give at least one of mbsd3d.measures")
-        for measure in seen:
-            if not isinstance(measure, Measure):
-                raise ValueError(f"{what}: {measure!r} is not a measure; build one with mbsd3d.measures")
+        for x in seen:
+            if not isinstance(x, Measure):
+                raise ValueError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
         tau = self.time_constant
         wanted = (0.0,) * len(seen) if self.reference is None else self.reference
         self.set(
@@ -83,18 +100,17 @@ class StateFeedback(ForceElement):
     def record(self) -> ForceRecord:
         x, filtered = hinge_coordinate(self.on, ""), self.time_constant is not None
         return ForceRecord(
-            kinds.FEEDBACK,
             (x.a, x.b),
             values=(self.time_constant,) if filtered else (),
             coordinate=x,
             measures=self.measures,
             numbers=(*self.gains, *self.reference),
             states=self.reference if filtered else (),
-            scales=tuple(unit_powers(measure) for measure in self.measures) if filtered else (),
+            scales=tuple(unit_powers(x) for x in self.measures) if filtered else (),
         )
 
     def bodies(self) -> tuple:
-        return (*self.record().bodies, *(body for measure in self.measures for body in (measure.a, measure.b)))
+        return (*self.record().bodies, *(body for x in self.measures for body in (x.a, x.b)))
 
     def partners(self) -> tuple:
-        return (self.on, *(measure.part for measure in self.measures if measure.part is not None))
+        return (self.on, *(x.part for x in self.measures if x.part is not None))

@@ -1,12 +1,34 @@
 """Forces and torques that act on one body."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
-from ...kernels import kinds
+from ...kernels.force_laws import components, push, twist
+from ...kernels.jit import merged_kernel
+from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
-from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame, three_signals
+from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame
+from ..signals import Signal, three_signals
+
+
+@merged_kernel
+def given(m, d, p, t):
+    """The components of a load in world axes; value[0] = 1: they are given in body axes."""
+    body, x = d.body[p.body[1]], components(m, p, t)
+    return rotate(mat(body.R), x) if p.value[0] > 0.5 else add(x, scale(0.0, vec(body.w)))
+
+
+@merged_kernel
+def force(m, d, p, out, t):
+    """Force with given components at a point."""
+    body, load = d.body[p.body[1]], given(m, d, p, t)
+    s = arm(body, p.point[1])
+    push(body, load, s)
+    out.power = dot(load, point_velocity(body, s))
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +46,11 @@ class Force(ForceElement):
     1.5
     """
 
+    law = staticmethod(force)
+
     body: Body
-    force: Any
-    at: Any = None
+    force: Sequence[Signal | float]
+    at: ArrayLike | None = None
     frame: str = "world"
 
     def check(self, what: str) -> None:
@@ -37,7 +61,15 @@ class Force(ForceElement):
 
     def record(self) -> ForceRecord:
         flag = (in_body_frame(self.frame, ""),)
-        return ForceRecord(kinds.FORCE, (GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
+        return ForceRecord((GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
+
+
+@merged_kernel
+def torque(m, d, p, out, t):
+    """Torque with given components."""
+    body, load = d.body[p.body[1]], given(m, d, p, t)
+    twist(body, load)
+    out.power = dot(load, vec(body.w))
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +85,10 @@ class Torque(ForceElement):
     1.5
     """
 
+    law = staticmethod(torque)
+
     body: Body
-    torque: Any
+    torque: Sequence[Signal | float]
     frame: str = "world"
 
     def check(self, what: str) -> None:
@@ -64,7 +98,18 @@ class Torque(ForceElement):
 
     def record(self) -> ForceRecord:
         flag = (in_body_frame(self.frame, ""),)
-        return ForceRecord(kinds.TORQUE, (GROUND, self.body), values=flag, signals=self.torque)
+        return ForceRecord((GROUND, self.body), values=flag, signals=self.torque)
+
+
+@merged_kernel
+def drag(m, d, p, out, t):
+    """Aerodynamic drag -k |v| v at a point, v relative to the wind; value[0] = k = density area coefficient / 2."""
+    body = d.body[p.body[1]]
+    s = arm(body, p.point[1])
+    v = sub(point_velocity(body, s), components(m, p, t))
+    force = scale(-p.value[0] * np.sqrt(dot(v, v)), v)
+    push(body, force, s)
+    out.power = dot(force, point_velocity(body, s))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +136,13 @@ class AeroDrag(ForceElement):
     -10.0
     """
 
+    law = staticmethod(drag)
+
     body: Body
     drag_area: float = field(kw_only=True)
     density: float = field(default=1.225, kw_only=True)
-    at: Any = field(default=None, kw_only=True)
-    wind: Any = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    at: ArrayLike | None = field(default=None, kw_only=True)
+    wind: Sequence[Signal | float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
 
     def check(self, what: str) -> None:
         check_body(self.body, what)
@@ -108,4 +155,4 @@ class AeroDrag(ForceElement):
 
     def record(self) -> ForceRecord:
         values = (0.5 * self.density * self.drag_area,)
-        return ForceRecord(kinds.DRAG, (GROUND, self.body), (self.at, self.at), values=values, signals=self.wind)
+        return ForceRecord((GROUND, self.body), (self.at, self.at), values=values, signals=self.wind)

@@ -1,15 +1,33 @@
-"""Springs, dampers, bushings and friction between two bodies."""
+"""Springs, dampers and friction between two bodies."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
-from ...base.rotations import as_quaternion, matrix
-from ...kernels import kinds
+from ...kernels.force_laws import push
+from ...kernels.jit import merged_kernel
+from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
+from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
+
+
+@merged_kernel
+def spring(m, d, p, out, t):
+    """Force -(k (l - l0) + c l_dot) n on b along the line from a to b; value = k, c, l0."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
+    gap = sub(point(b, sb), point(a, sa))
+    length = np.sqrt(dot(gap, gap))
+    n = scale(1.0 / length, gap)
+    stretch, speed = length - p.value[2], dot(n, sub(point_velocity(b, sb), point_velocity(a, sa)))
+    pull = scale(p.value[0] * stretch + p.value[1] * speed, n)
+    push(a, pull, sa)
+    push(b, scale(-1.0, pull), sb)
+    out.potential = 0.5 * p.value[0] * stretch * stretch
+    out.power = -p.value[1] * speed * speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +54,12 @@ class SpringDamper(ForceElement):
     1.5
     """
 
-    a: Any
-    b: Any
-    at_a: Any = field(kw_only=True)
-    at_b: Any = field(kw_only=True)
+    law = staticmethod(spring)
+
+    a: Body | Ground
+    b: Body | Ground
+    at_a: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike = field(kw_only=True)
     stiffness: float = field(kw_only=True)
     damping: float = field(default=0.0, kw_only=True)
     length: float | None = field(default=None, kw_only=True)
@@ -60,7 +80,16 @@ class SpringDamper(ForceElement):
 
     def record(self) -> ForceRecord:
         values = (self.stiffness, self.damping, self.length)
-        return ForceRecord(kinds.SPRING, (self.a, self.b), (self.at_a, self.at_b), values=values)
+        return ForceRecord((self.a, self.b), (self.at_a, self.at_b), values=values)
+
+
+@merged_kernel
+def torsion(m, d, p, out, t):
+    """Load -(k (x - x0) + c x_dot) along a hinge coordinate; value = k, c, x0."""
+    stretch = out.x - p.value[2]
+    out.load = -p.value[0] * stretch - p.value[1] * out.rate
+    out.potential = 0.5 * p.value[0] * stretch * stretch
+    out.power = -p.value[1] * out.rate * out.rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +115,8 @@ class TorsionSpring(ForceElement):
     6.0
     """
 
+    law = staticmethod(torsion)
+
     hinge: Joint
     stiffness: float = field(kw_only=True)
     damping: float = field(default=0.0, kw_only=True)
@@ -102,10 +133,17 @@ class TorsionSpring(ForceElement):
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         values = (self.stiffness, self.damping, self.angle)
-        return ForceRecord(kinds.COORDINATE_SPRING, (x.a, x.b), values=values, coordinate=x)
+        return ForceRecord((x.a, x.b), values=values, coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)
+
+
+@merged_kernel
+def friction(m, d, p, out, t):
+    """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate; value = T, c, v0."""
+    out.load = -p.value[0] * np.tanh(out.rate / p.value[2]) - p.value[1] * out.rate
+    out.power = out.load * out.rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +169,8 @@ class JointFriction(ForceElement):
     -0.8
     """
 
+    law = staticmethod(friction)
+
     hinge: Joint
     coulomb: float = field(default=0.0, kw_only=True)
     viscous: float = field(default=0.0, kw_only=True)
@@ -147,60 +187,7 @@ class JointFriction(ForceElement):
     def record(self) -> ForceRecord:
         x = hinge_coordinate(self.hinge, "")
         values = (self.coulomb, self.viscous, self.transition)
-        return ForceRecord(kinds.FRICTION, (x.a, x.b), values=values, coordinate=x)
+        return ForceRecord((x.a, x.b), values=values, coordinate=x)
 
     def partners(self) -> tuple:
         return (self.hinge,)
-
-
-@dataclass(frozen=True, eq=False)
-class Bushing(ForceElement):
-    """Elastic joint between a and b: linear in the displacement of a point and in the relative rotation.
-
-    In the axes F fixed in a, with d the displacement of the point of b, and (p0, p) the relative quaternion:
-    force on b ``-(K d + C d_dot)``, moment ``-2 (p0 K_r p + p x K_r p) - C_r w``. Energy ``d'K d / 2 + 2 p'K_r p``
-    (``theta' K_r theta / 2`` for small rotations); valid below half a turn.
-
-    Parameters
-    ----------
-    at : (3,) array_like
-        The point, world at the reference pose [m].
-    stiffness, damping : float or (3,) array_like
-        Along the element's axes [N/m], [N s/m].
-    turning_stiffness, turning_damping : float or (3,) array_like
-        About the element's axes [N m/rad], [N m s/rad].
-    axes : (4,) or (3, 3) array_like
-        Orientation of the element's axes, world at the reference pose.
-
-    Examples
-    --------
-    >>> from mbsd3d import GROUND, Body, Bushing, System, accelerations
-    >>> engine = Body("engine", mass=2.0, inertia=(0.1, 0.1, 0.1), velocity=(0, 0, 0.5))
-    >>> mount = Bushing(GROUND, engine, at=(0, 0, 0), stiffness=400.0, damping=(3.0, 3.0, 8.0))
-    >>> system = System([engine], forces=[mount], gravity=(0, 0, 0))
-    >>> round(float(accelerations(system).acceleration(engine)[0, 2]), 12)  # -8 * 0.5 / 2
-    -2.0
-    """
-
-    a: Any
-    b: Any
-    at: Any = field(kw_only=True)
-    stiffness: Any = field(kw_only=True)
-    turning_stiffness: Any = field(default=0.0, kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    turning_damping: Any = field(default=0.0, kw_only=True)
-    axes: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
-
-    def check(self, what: str) -> None:
-        check_pair(self.a, self.b, what)
-        self.set(at=vector(self.at, f"{what}: at"), axes=as_quaternion(self.axes, f"{what}: axes"))
-        for name in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
-            value = getattr(self, name)
-            three = vector((value,) * 3 if np.ndim(value) == 0 else value, f"{what}: {name}")
-            if (three < 0).any():
-                raise ValueError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
-            self.set(**{name: three})
-
-    def record(self) -> ForceRecord:
-        values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
-        return ForceRecord(kinds.BUSHING, (self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)

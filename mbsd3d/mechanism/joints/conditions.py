@@ -1,13 +1,14 @@
 """Single conditions between two bodies: a point on a line, a distance, a direction."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.directions import perpendiculars, unit
 from ...kernels import kinds
+from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
 from .joint import AxisJoint, Joint, PointJoint
 
@@ -15,8 +16,6 @@ from .joint import AxisJoint, Joint, PointJoint
 class PointOnLine(AxisJoint):
     """A point of b slides on a line fixed in a (2 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, PointOnLine
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in PointOnLine(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
@@ -34,15 +33,13 @@ class PointOnLine(AxisJoint):
 class PointOnPlane(PointJoint):
     """A point of b moves in a plane fixed in a (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, PointOnPlane
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in PointOnPlane(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
     1
     """
 
-    normal: Any = field(kw_only=True)
+    normal: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -56,18 +53,16 @@ class PointOnPlane(PointJoint):
 class Distance(Joint):
     """A massless rod between a point of a and a point of b keeps their distance (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Distance
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> round(Distance(GROUND, part, at_a=(0, 0, 0), at_b=(0.3, 0.0, 0.4)).length, 12)
     0.5
     """
 
-    a: Any
-    b: Any
-    at_a: Any = field(kw_only=True)
-    at_b: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at_a: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike = field(kw_only=True)
     length: float | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
@@ -90,18 +85,16 @@ class Distance(Joint):
 class Parallel(Joint):
     """An axis of b stays parallel to an axis of a (2 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Parallel
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Parallel(GROUND, part, axis=(1, 2, 2)).rows())
     2
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
-    axis_b: Any = field(default=None, kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -119,18 +112,16 @@ class Parallel(Joint):
 class Perpendicular(Joint):
     """``axis_b`` of b stays perpendicular to ``axis_a`` of a (1 row).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Perpendicular
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Perpendicular(GROUND, part, axis_a=(1, 2, 2), axis_b=(2, 1, -2)).rows())
     1
     """
 
-    a: Any
-    b: Any
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -149,8 +140,6 @@ class ConstantVelocity(PointJoint):
 
     With n the common normal of the shafts: x_a . y_b - y_a . x_b = 0 for x = n, y = axis x n on both sides.
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, ConstantVelocity
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> joint = ConstantVelocity(GROUND, part, at=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0.8, 0.6, 0))
@@ -158,8 +147,8 @@ class ConstantVelocity(PointJoint):
     4
     """
 
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)

@@ -1,6 +1,6 @@
-"""What joints share: two bodies, points and axes in world coordinates at the reference pose, rows, perhaps an angle.
+"""Base classes of joints: two bodies, points and axes (world coordinates at the reference pose), rows, maybe an angle.
 
-``at_b``, ``axis_b`` say where the part on ``b`` really is, where it was built differently.
+``at_b``, ``axis_b`` give the part on ``b`` as built, where that differs.
 """
 
 from dataclasses import dataclass, field
@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
@@ -18,7 +19,7 @@ from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 @dataclass(frozen=True, eq=False)
 class Joint(Part):
-    """What all joints and drivers share: two bodies, a name, rows, and perhaps an angle or a slide.
+    """Base class of joints and drivers: two bodies, a name, rows, and perhaps an angle or a slide.
 
     Examples
     --------
@@ -77,10 +78,10 @@ class Joint(Part):
 class PointJoint(Joint):
     """A joint at a point."""
 
-    a: Any
-    b: Any
-    at: Any = field(kw_only=True)
-    at_b: Any = field(default=None, kw_only=True)
+    a: Body | Ground
+    b: Body | Ground
+    at: ArrayLike = field(kw_only=True)
+    at_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -95,8 +96,8 @@ class PointJoint(Joint):
 class AxisJoint(PointJoint):
     """A joint at a point with an axis."""
 
-    axis: Any = field(kw_only=True)
-    axis_b: Any = field(default=None, kw_only=True)
+    axis: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)

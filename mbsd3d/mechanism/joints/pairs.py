@@ -1,9 +1,9 @@
 """Pairs of bodies as machines have them: hinges, sliders, ball joints. A joint is data that lowers to rows."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number
 from ...base.directions import cross, perpendiculars, unit
@@ -14,8 +14,6 @@ from .joint import AxisJoint, PointJoint
 class Spherical(PointJoint):
     """The points coincide (3 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Spherical
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Spherical(GROUND, part, at=(0.1, 0.2, 0.3)).rows())
@@ -29,8 +27,6 @@ class Spherical(PointJoint):
 class Revolute(AxisJoint):
     """A hinge: the points coincide and the axes are parallel (5 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Revolute
     >>> door = Body("door", mass=20.0, inertia=(8.0, 9.0, 1.0), position=(0.45, 0.0, 1.0))
     >>> sum(row.n_rows for row in Revolute(GROUND, door, at=(0, 0, 0), axis=(0, 0, 1)).rows())
@@ -48,8 +44,6 @@ class Revolute(AxisJoint):
 class Universal(PointJoint):
     """Cardan joint: the points coincide and ``axis_a`` of a stays perpendicular to ``axis_b`` of b (4 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Universal
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> cross = Universal(GROUND, part, at=(0.1, 0.2, 0.3), axis_a=(1, 2, 2), axis_b=(2, 1, -2))
@@ -57,8 +51,8 @@ class Universal(PointJoint):
     4
     """
 
-    axis_a: Any = field(kw_only=True)
-    axis_b: Any = field(kw_only=True)
+    axis_a: ArrayLike = field(kw_only=True)
+    axis_b: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -77,8 +71,6 @@ class Universal(PointJoint):
 class Prismatic(AxisJoint):
     """b slides along the axis without turning (5 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Prismatic
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Prismatic(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
@@ -95,8 +87,6 @@ class Prismatic(AxisJoint):
 class Cylindrical(AxisJoint):
     """b slides along the axis and turns about it (4 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Cylindrical
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Cylindrical(GROUND, part, at=(0.1, 0.2, 0.3), axis=(1, 2, 2)).rows())
@@ -111,15 +101,13 @@ class Cylindrical(AxisJoint):
 class Planar(PointJoint):
     """b moves in a plane fixed in a, turning about its normal only (3 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Planar
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Planar(GROUND, part, at=(0.1, 0.2, 0.3), normal=(1, 2, 2)).rows())
     3
     """
 
-    normal: Any = field(kw_only=True)
+    normal: ArrayLike = field(kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
@@ -136,8 +124,6 @@ class Planar(PointJoint):
 class Fixed(PointJoint):
     """No relative motion (6 rows).
 
-    Examples
-    --------
     >>> from mbsd3d import GROUND, Body, Fixed
     >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
     >>> sum(row.n_rows for row in Fixed(GROUND, part, at=(0.1, 0.2, 0.3)).rows())

@@ -1,13 +1,13 @@
-"""What all shapes of bodies share: a place in the body, a colour, and for most a surface."""
+"""Base classes of shapes: a place in the body, a colour, and for most a surface."""
 
 import re
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import number, vector
+from ...base.checks import Frozen, number, vector
 from ...base.directions import perpendiculars
 from ...base.rotations import AXES, as_quaternion, matrix
 from .surfaces import Mesh, moved
@@ -16,48 +16,44 @@ HEX = re.compile(r"#[0-9a-fA-F]{6}")
 CYCLE = re.compile(r"C\d+")  # colours of matplotlib that depend on its settings
 
 
+class Shaped(Protocol):
+    """The fields of a body that shapes use."""
+
+    name: str
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+    shape: Any
+
+
 @dataclass(frozen=True, eq=False)
-class Shape:
-    """What all shapes share: a place in the body, and perhaps a colour.
+class Shape(Frozen):
+    """Base class of shapes: a place in the body, and perhaps a colour.
 
-    Parameters
-    ----------
-    at : (3,) array_like or None
-        Centre of the shape from O, body axes [m]; None = centre of mass of the body (`MeshFile`, `Lines`: O).
-    orientation : (4,) or (3, 3) array_like
-        Axes of the shape -> body axes: unit quaternion, scalar first, or rotation matrix; see `rotation`.
-    colour : str or None
-        "#rrggbb" or a name matplotlib knows; None = that of the body.
-
-    Raises
-    ------
-    ValueError
-        Naming shape, value and remedy.
+    ``at``: centre of the shape (3,) from O, body axes [m]; None = centre of mass of the body (`MeshFile`, `Lines`: O).
+    ``orientation``: axes of the shape -> body axes, unit quaternion, scalar first, or rotation matrix. ``colour``:
+    "#rrggbb" or a name matplotlib knows; None = that of the body. ValueError naming shape, value and remedy.
     """
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields that are lengths > 0 [m]
-    at: Any = field(default=None, kw_only=True)
-    orientation: Any = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+    at: ArrayLike | None = field(default=None, kw_only=True)
+    orientation: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
     colour: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         what = type(self).__name__
-        orientation = as_quaternion(self.orientation, f"{what}: orientation")
-        orientation.setflags(write=False)
         at = None if self.at is None else vector(self.at, f"{what}: at")
-        self.set(at=at, orientation=orientation, colour=hex_colour(self.colour, what))
+        orientation = as_quaternion(self.orientation, f"{what}: orientation")
+        self._store(at=at, orientation=orientation, colour=hex_colour(self.colour, what))
         self.check(what)
+
+    set = Frozen._store
 
     def check(self, what: str) -> None:
         """Validate and convert the fields of one kind; errors start with ``what``."""
-        self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in self.sizes})
+        self._store(**{name: number(getattr(self, name), f"{what}: {name}", positive=True) for name in self.sizes})
 
-    def set(self, **values: Any) -> None:
-        """Write converted values into the frozen fields."""
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
-
-    def origin(self, body: Any) -> np.ndarray:
+    def origin(self, body: Shaped) -> np.ndarray:
         """Centre of the shape from O, body axes [m]."""
         return body.com if self.at is None else self.at
 
@@ -69,7 +65,7 @@ class Solid(Shape):
         """Triangles in the axes of the shape from its centre."""
         raise NotImplementedError
 
-    def mesh(self, body: Any) -> Mesh:
+    def mesh(self, body: Shaped) -> Mesh:
         """Triangles in the axes of the body from O [m]."""
         return moved(self.surface(), matrix(self.orientation), self.origin(body))
 
@@ -77,13 +73,13 @@ class Solid(Shape):
 class Round(Solid):
     """A body of revolution about ``axis``, of which `about_z` gives the triangles about z."""
 
-    axis: Any
+    axis: ArrayLike
 
     def check(self, what: str) -> None:
         axis = self.axis if isinstance(self.axis, str) else vector(self.axis, f"{what}: axis")
         if (axis not in AXES) if isinstance(axis, str) else not axis.any():
             raise ValueError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
-        self.set(axis=axis)
+        self._store(axis=axis)
         super().check(what)
 
     def about_z(self) -> Mesh:

@@ -20,15 +20,14 @@ def shapes(geoms: list[Mapping[str, Any]], r: np.ndarray, e: np.ndarray, R: np.n
             "orientation": multiply(conjugate(e), np.array(geom["quaternion"])),
             "colour": geom["colour"] and "#" + bytes(round(255 * x) for x in geom["colour"]).hex(),
         }
-        match geom["type"] if geom["shown"] else "":
-            case "box":
-                found.append(Box((2 * a, 2 * b, 2 * c), **place))
-            case "sphere":
-                found.append(Sphere(a, **place))
-            case "capsule":
-                found.append(Capsule(a, 2 * b, **place))
-            case "cylinder":
-                found.append(Cylinder(a, 2 * b, **place))
-            case "ellipsoid":
-                found.append(Ellipsoid((a, b, c), **place))
+        sizes = {
+            "box": (Box, ((2 * a, 2 * b, 2 * c),)),
+            "sphere": (Sphere, (a,)),
+            "capsule": (Capsule, (a, 2 * b)),
+            "cylinder": (Cylinder, (a, 2 * b)),
+            "ellipsoid": (Ellipsoid, ((a, b, c),)),
+        }
+        if geom["shown"] and geom["type"] in sizes:
+            kind, numbers = sizes[geom["type"]]
+            found.append(kind(*numbers, **place))
     return found or None

@@ -1,11 +1,11 @@
-"""What a body looks like: the shapes it was given, or the homogeneous solid that has its mass and inertia."""
+"""The shapes of a body: as given, or the homogeneous solid of its mass and inertia."""
 
 from typing import Any
 
 import numpy as np
 
 from ...base.rotations import quaternion_from_matrix
-from .base import Shape
+from .base import Shape, Shaped
 from .kinds import Box, Cylinder, Ellipsoid, Lines
 
 HOMOGENEOUS = ("ellipsoid", "box", "cylinder")
@@ -17,13 +17,10 @@ EQUAL = 1e-6  # relative difference of principal moments that counts as none
 THIN = 0.02  # thickness in parts of the largest extent that rods and plates have at least, so that one sees them
 
 
-def as_shape(body: Any) -> Any:
+def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
     """The shape of a body as it is kept: None, one of the texts, a shape, or a tuple of shapes.
 
-    Raises
-    ------
-    ValueError
-        Naming the body: a shape that is unknown, or a solid that cannot have the inertia of this body.
+    ValueError, naming the body, for an unknown shape or a solid that cannot have the inertia of this body.
     """
     shape = body.shape
     if shape is None or isinstance(shape, Shape):
@@ -39,7 +36,7 @@ def as_shape(body: Any) -> Any:
         raise ValueError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
 
 
-def shapes_of(body: Any) -> tuple[Shape, ...]:
+def shapes_of(body: Shaped) -> tuple[Shape, ...]:
     """The shapes of a body; none for one without inertia and shape."""
     shape = body.shape
     if shape is None and not body.inertia.any():
@@ -49,27 +46,12 @@ def shapes_of(body: Any) -> tuple[Shape, ...]:
     return (shape,) if isinstance(shape, Shape) else shape
 
 
-def homogeneous(body: Any, kind: str) -> Shape:
-    """The homogeneous solid with the mass and inertia of a body, but at least a fiftieth as thick as it is long.
+def homogeneous(body: Shaped, kind: str) -> Shape:
+    """The homogeneous solid with the mass and inertia of a body, about its centre of mass in its principal axes.
 
     With moments per mass j and s = (j1 + j2 + j3) - 2 j: half axes sqrt(5 s / 2) of an ellipsoid, edges sqrt(6 s) of a
-    box; radius sqrt(2 j_along) and length sqrt(12 j_across - 6 j_along) of a cylinder.
-
-    Parameters
-    ----------
-    body : Body
-        With inertia.
-    kind : "ellipsoid", "box" or "cylinder"
-
-    Returns
-    -------
-    Shape
-        In the principal axes of the body, about its centre of mass.
-
-    Raises
-    ------
-    ValueError
-        Naming the body: without inertia, or a cylinder where no two principal moments are equal.
+    box; radius sqrt(2 j_along) and length sqrt(12 j_across - 6 j_along) of a cylinder. At least a fiftieth as thick as
+    it is long. ValueError, naming the body, without inertia or for a cylinder where no two principal moments are equal.
     """
     if not body.inertia.any():
         raise ValueError(
@@ -85,7 +67,7 @@ def homogeneous(body: Any, kind: str) -> Shape:
     return Ellipsoid(thick(np.sqrt(2.5 * squares)), **place)
 
 
-def round_solid(body: Any, moments: np.ndarray, place: dict[str, Any]) -> Cylinder:
+def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cylinder:
     """The homogeneous cylinder with these principal moments per mass [m^2]."""
     apart = np.abs(np.roll(moments, -1) - np.roll(moments, 1))  # entry k: of the two moments across axis k
     k = 2 - int(np.argmin(apart[::-1]))  # the last of equals: z for a body whose moments all agree

@@ -3,13 +3,14 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...base.checks import number
 from ...base.rotations import matrix
-from .base import Round, Shape, Solid, positive
+from .base import Round, Shape, Shaped, Solid, positive
 from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, moved, read_mesh, torus
 
 
@@ -25,7 +26,7 @@ class Box(Solid):
     array([0.9 , 0.02, 1.  ])
     """
 
-    lengths: Any
+    lengths: ArrayLike
 
     def check(self, what: str) -> None:
         self.set(lengths=positive(self.lengths, f"{what}: lengths"))
@@ -42,7 +43,7 @@ class Ellipsoid(Solid):
     3.0
     """
 
-    radii: Any
+    radii: ArrayLike
 
     def check(self, what: str) -> None:
         self.set(radii=positive(self.radii, f"{what}: radii"))
@@ -166,10 +167,10 @@ class MeshFile(Solid):
         except TypeError:
             raise ValueError(f"{what}: path is {self.path!r}; give the name of a file") from None
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise ValueError(f"{what}: path '{path}' is no mesh; give a file that ends in {', '.join(SUFFIXES)}")
+            raise ValueError(f"{what}: path '{path}' is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
 
-    def origin(self, body: Any) -> np.ndarray:
+    def origin(self, body: Shaped) -> np.ndarray:
         return np.zeros(3) if self.at is None else self.at
 
     def surface(self) -> Mesh:
@@ -184,7 +185,7 @@ class Lines(Shape):
     (2, 3)
     """
 
-    points: Any
+    points: ArrayLike
 
     def check(self, what: str) -> None:
         remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
@@ -197,12 +198,11 @@ class Lines(Shape):
         lifted = np.isnan(points).all(axis=1)
         if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
             raise ValueError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
-        points.setflags(write=False)
         self.set(points=points)
 
-    def origin(self, body: Any) -> np.ndarray:
+    def origin(self, body: Shaped) -> np.ndarray:
         return np.zeros(3) if self.at is None else self.at
 
-    def line(self, body: Any) -> np.ndarray:
+    def line(self, body: Shaped) -> np.ndarray:
         """(k, 3) points in body axes from O [m]."""
         return self.points @ matrix(self.orientation).T + self.origin(body)

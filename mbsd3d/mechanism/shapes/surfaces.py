@@ -123,12 +123,9 @@ def capsule(radius: float, length: float) -> Mesh:
 
 
 def read_mesh(path: str, what: str) -> Mesh:
-    """Triangles of a file as they are, edges sharper than 30 degrees with vertices of their own.
+    """Triangles of a file, with separate vertices at edges sharper than 30 degrees.
 
-    Raises
-    ------
-    ValueError
-        For a file that is missing, too large, no mesh, or has too many triangles, none, or some not finite.
+    ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
     import trimesh
 
@@ -139,7 +136,7 @@ def read_mesh(path: str, what: str) -> Mesh:
     except OSError as error:
         raise ValueError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
     if not content:
-        raise ValueError(f"{what}: is no file, is empty or has more than {BYTES} bytes; give a mesh")
+        raise ValueError(f"{what}: is not a file, is empty or has more than {BYTES} bytes; give a mesh")
     options = {"skip_materials": True} if kind in ("obj", "glb") else {}
     try:  # from memory, so that a mesh cannot name further files
         found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)

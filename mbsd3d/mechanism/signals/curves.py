@@ -71,7 +71,7 @@ class Polynomial(Signal):
         values = _row(self.coefficients, "Polynomial: coefficients")
         if values.size == 0:
             raise ValueError("Polynomial: coefficients is empty; give at least the constant c0")
-        object.__setattr__(self, "coefficients", tuple(values.tolist()))
+        self._store(coefficients=tuple(values.tolist()))
 
     def terms(self) -> list[Term]:
         """The polynomial itself."""
@@ -82,20 +82,9 @@ class Polynomial(Signal):
 class Table(Signal):
     """Cubic spline through measured points (not-a-knot: the third derivative is continuous next to both ends).
 
-    Parameters
-    ----------
-    times : (n,) array_like
-        At least four strictly increasing times [s].
-    values : (n,) array_like
-        Value at each of them.
+    At least four strictly increasing ``times`` [s], with one value each. ValueError if the lengths differ, a number is
+    not finite, there are fewer than four, or the times do not increase.
 
-    Raises
-    ------
-    ValueError
-        If the lengths differ, a number is not finite, there are fewer than four, or the times do not increase.
-
-    Examples
-    --------
     >>> cube = Table([0.0, 1.0, 2.0, 4.0], [0.0, 1.0, 8.0, 64.0])
     >>> round(float(cube(3.0)), 12), cube.interval
     (27.0, (0.0, 4.0))
@@ -117,9 +106,7 @@ class Table(Signal):
                 f"Table: times[{i + 1}] = {times[i + 1]:.9g} does not come after times[{i}] = {times[i]:.9g}; "
                 f"sort the points and keep one per time"
             )
-        times.flags.writeable = values.flags.writeable = False
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "values", values)
+        self._store(times=times, values=values)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -138,27 +125,13 @@ class Table(Signal):
 
 @dataclass(frozen=True)
 class Pulse(Signal):
-    """From zero to ``height`` and back; zero before ``start`` and again ``duration`` later.
+    """From zero to ``height`` and back; zero before ``start`` [s] and again ``duration`` >= 2 edge [s] later (None = a
+    step).
 
-    Rise and fall take the time ``edge`` each and have no corners: ``height (3 s^2 - 2 s^3)`` of its share s.
-    The integral of the pulse is ``height (duration - edge)``.
+    Rise and fall take the time ``edge`` > 0 [s] each and have no corners: ``height (3 s^2 - 2 s^3)`` of its share s.
+    The integral of the pulse is ``height (duration - edge)``. ValueError for other times or numbers that are not
+    finite.
 
-    Parameters
-    ----------
-    height : float
-        In the unit of f.
-    start, edge : float
-        [s]; edge > 0.
-    duration : float or None
-        [s] >= 2 edge; None = a step, it does not fall.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite, the edge is not positive or the duration is below two edges.
-
-    Examples
-    --------
     >>> Pulse(height=3.0, start=1.0, edge=0.1, duration=0.5)([0.9, 1.05, 1.2, 1.6]).round(12)
     array([0. , 1.5, 3. , 0. ])
     """

@@ -1,22 +1,24 @@
-"""What signals share: values and derivatives, sums, multiples, and numbers as constant signals.
+"""Base class of signals: values and derivatives, sums, multiples, and numbers as constant signals.
 
 A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
 so what a user plots is what the model is driven by.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...base.checks import Frozen
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
 EVERYWHERE = (-np.inf, np.inf)
 
 
-class Signal(ABC):
+class Signal(Frozen, ABC):
     """A function of time f(t), twice differentiable, in the unit of what it drives; t in s.
 
     Signals add up, with each other and with numbers, and are multiplied by numbers.
@@ -160,26 +162,8 @@ class Scaled(Signal):
 
 
 def as_signal(value: "Signal | float", what: str) -> Signal:
-    """A signal as it is, a number as a `Constant`.
-
-    Parameters
-    ----------
-    value : Signal or float
-        In the unit of what it drives.
-    what : str
-        Name of the quantity in error messages, e.g. ``"driver 'motor': speed"``.
-
-    Returns
-    -------
-    Signal
-        The function of time.
-
-    Raises
-    ------
-    ValueError
-        If it is neither, or a number that is not finite.
-    """
-    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table or a sum of them)"
+    """A signal as it is, a finite number as a `Constant`; anything else is a ValueError that starts with ``what``."""
+    remedy = "give a finite number or a signal (Constant, Ramp, Sine, Polynomial, Pulse, Table, Input or a sum of them)"
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):
@@ -189,22 +173,21 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     return Constant(value)
 
 
+def three_signals(value: "Sequence[Signal | float | None]", what: str, free: bool = False) -> tuple[Signal | None, ...]:
+    """Three components, each a number or a signal, or None where ``free`` allows it."""
+    try:
+        x, y, z = value
+    except (TypeError, ValueError):
+        none = " (None = free)" if free else ""
+        raise ValueError(f"{what}: give three components, three signals or numbers{none}") from None
+    named = zip("xyz", (x, y, z), strict=True)
+    return tuple(None if free and s is None else as_signal(s, f"{what} along {k}") for k, s in named)
+
+
 def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
-    """Refuse a run that leaves the interval on which a signal is defined.
+    """ValueError for a run from ``start`` to ``end`` [s] that leaves the interval on which a signal is defined.
 
-    Parameters
-    ----------
-    signal : Signal
-        The function of time.
-    start, end : float
-        First and last time of the run [s]; 1e-9 of the interval may be missing, the rounding of a last step.
-    what : str
-        Name of the quantity in error messages, e.g. ``"driver 'motor'"``.
-
-    Raises
-    ------
-    ValueError
-        If it does.
+    1e-9 of the interval may be missing, the rounding of a last step; ``what`` names the part, "driver 'motor'".
     """
     first, last = signal.interval
     margin = 1e-9 * (last - first)
@@ -221,7 +204,7 @@ def _store_finite(signal: Signal, *names: str) -> None:
         value = getattr(signal, name)
         if not isinstance(value, Real) or not np.isfinite(value):
             raise ValueError(f"{type(signal).__name__}: {name} is {value!r}; give a finite number")
-        object.__setattr__(signal, name, float(value))
+        signal._store(**{name: float(value)})
 
 
 def _row(values: ArrayLike, what: str) -> np.ndarray:

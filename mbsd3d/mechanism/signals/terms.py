@@ -23,33 +23,20 @@ class Term(NamedTuple):
     ``SPLINE``              number of pieces n, breaks (n + 1) [s], then c3, c2, c1, c0 of each piece:
                             ``c3 s^3 + c2 s^2 + c1 s + c0`` with ``s = t - break_i``; the end pieces go on outside
     ======================= ==================================================================================
+
+    ``input`` is (name, value at the start) of the `Input` whose value times ``factor`` the data hold; None = they are
+    fixed.
     """
 
     kind: int
     data: np.ndarray
+    input: tuple[str, float] | None = None
+    factor: float = 1.0
 
 
 def evaluate(terms: list[Term], t: ArrayLike, order: int = 0) -> np.ndarray:
-    """Sum of terms or its derivative, ``d^order f / dt^order``.
-
-    Parameters
-    ----------
-    terms : list of Term
-        Summands.
-    t : (...) array_like
-        Times [s].
-    order : int
-        0, 1 or 2.
-
-    Returns
-    -------
-    (...) ndarray
-        In the unit of f per s^order.
-
-    Raises
-    ------
-    ValueError
-        If ``order`` is not 0, 1 or 2.
+    """Sum of terms at times t (...) [s], or its derivative ``d^order f / dt^order``; another order than 0, 1, 2:
+    ValueError.
     """
     if order not in (0, 1, 2):
         raise ValueError(f"evaluate: order is {order!r}; give 0, 1 or 2")
@@ -88,4 +75,4 @@ def scaled(term: Term, factor: float) -> Term:
     first, last = {POLYNOMIAL: (0, None), SINE: (0, 1), SPLINE: (int(term.data[0]) + 2, None)}[term.kind]
     data = term.data.copy()
     data[first:last] *= factor
-    return Term(term.kind, data)
+    return Term(term.kind, data, term.input, factor * term.factor)

@@ -35,6 +35,21 @@ def whole(value: int, what: str, least: int, most: int) -> int:
     return int(value)
 
 
+def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
+    """(frames per second, model time per real time, number of frames), checked."""
+    if t.size < 2 or t[-1] <= t[0]:
+        raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
+    fps, span = number(fps, "fps", positive=True), float(t[-1] - t[0])
+    speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
+    count = round(span * fps / speed) + 1
+    if not 2 <= count <= MOST:
+        raise ValueError(
+            f"speed: {span:g} s at speed {speed:g} and {fps:g} frames per second make {count} frames, "
+            f"not 2 ... {MOST}; give another speed"
+        )
+    return fps, speed, count
+
+
 class FilmFrames:
     """The frames of a film, (height, width, 3) uint8, and its size; options are those of `Solution.export_mp4`.
 
@@ -57,17 +72,7 @@ class FilmFrames:
         dark: bool = False,
         usual: tuple[float, float] = (LONG, SENSIBLE),
     ) -> None:
-        self.fps = number(fps, "fps", positive=True)
-        if motion.t.size < 2 or motion.t[-1] <= motion.t[0]:
-            raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
-        span = float(motion.t[-1] - motion.t[0])
-        self.speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
-        count = round(span * self.fps / self.speed) + 1
-        if not 2 <= count <= MOST:
-            raise ValueError(
-                f"speed: {span:g} s at speed {self.speed:g} and {self.fps:g} frames per second make {count} frames, "
-                f"not 2 ... {MOST}; give another speed"
-            )
+        self.fps, self.speed, count = paced(motion.t, fps, speed, usual)
         self.width = whole(width, "width", 64, LARGEST)
         rows = round(0.75 * self.width / 2) * 2 if height is None else whole(height, "height", 64, LARGEST)
         self.dpi = max(100.0, self.width / WIDEST)

@@ -43,7 +43,7 @@ class Asset:
         self.skins: dict[Hashable, Skin] = {}
 
     def once(self, key: Hashable, kind: str, make: Callable[[], object]) -> int:
-        """Place of a thing in the list ``kind``; made if there is none with this key."""
+        """Place of a thing in the list ``kind``; made if the key is new."""
         things = getattr(self.gltf, kind)
         if (kind, key) not in self.known:
             self.known[kind, key] = len(things)

@@ -1,4 +1,4 @@
-"""What a page holds: what is drawn, how it moves, and both as numbers the player reads.
+"""The content of a page: the drawing and its motion, as numbers for the player.
 
 Arrays become short texts: whole steps, second differences, deflate, base64. Motions are smooth, so that second
 differences of their steps are small numbers, whose bytes deflate well when all first bytes come first, then all second
@@ -28,7 +28,7 @@ TRACE = 10  # characters a number of a trace takes, whose points are in the scen
 
 
 class Content(NamedTuple):
-    """All that a page or a live view shows."""
+    """Everything a page or a live view shows."""
 
     drawing: Drawing
     frames: Frames

@@ -42,13 +42,7 @@ class View(HtmlPage):
         return f"<view: {bodies}, {motion}{len(self.html.encode()) / 1e6:.2f} MB; .save(path) or .open()>"
 
     def open(self) -> Path:
-        """Write the page to a folder for temporary files and show it in the browser; returns the file.
-
-        Raises
-        ------
-        ValueError
-            If no browser can be started.
-        """
+        """Write the page to a temporary file and show it in the browser; ValueError if there is none."""
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
         if not has_browser() or not webbrowser.open(path.as_uri()):
             raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
@@ -56,7 +50,7 @@ class View(HtmlPage):
 
 
 def has_browser() -> bool:
-    """Whether a browser with windows can be opened here."""
+    """True if a browser window can be opened here."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     try:

@@ -26,21 +26,11 @@ HOST = "127.0.0.1"  # nobody else on the network sees it
 class LiveView:
     """A running view; a context manager that stops it at its end.
 
-    Examples
-    --------
-    ::
+    ``playing``, ``speed`` (seconds of the run per second) and ``time`` (shown [s]) can be read and set::
 
         with solution.animate(live=True) as view:
             view.open()
             view.wait()
-
-    Attributes
-    ----------
-    playing : bool
-    speed : float
-        Seconds of the run per second.
-    time : float
-        Shown [s].
     """
 
     def __init__(self, content: Content, dark: bool | None = None) -> None:
@@ -77,7 +67,7 @@ class LiveView:
         return f"http://{HOST}:{self._server.get_port()}"
 
     def can_open(self) -> bool:
-        """Whether this machine has a browser with windows."""
+        """True if this machine can open a browser window."""
         return has_browser()
 
     def open(self) -> None:
@@ -104,11 +94,11 @@ class LiveView:
         self._server.stop()
 
     def refresh(self) -> None:
-        """Make the picture anew: other things are to be seen."""
+        """Redraw the picture: other layers are visible."""
         self._shown = None
 
     def _run(self) -> None:
-        """Let the time pass and show it, until stopped."""
+        """Advance and show the time until stopped."""
         before = time.perf_counter()
         while not self._ended.wait(PERIOD):
             now = time.perf_counter()

@@ -45,7 +45,7 @@ def remember_hints() -> None:
 
 
 class Recorder:
-    """What viser's scene asks of its owner and of its connection: keep messages, hear nothing."""
+    """Owner and connection of viser's scene: keeps messages, receives nothing."""
 
     client_id = ""  # the scope of all clients
 

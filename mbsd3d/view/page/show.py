@@ -1,4 +1,4 @@
-"""What the user asks for is checked, gathered and shown: as a page, or by a server on this machine."""
+"""Checks the options, gathers the content and shows it: as a page, or by a server on this machine."""
 
 from pathlib import Path
 

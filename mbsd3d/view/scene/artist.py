@@ -18,7 +18,7 @@ LIFT = np.full(3, np.nan)  # lifts the pen between two strokes
 
 
 def draw_system(system: Mechanism) -> Drawing:
-    """What is drawn of a system, true to scale; only the marks of joints and points have a size of their own."""
+    """What is drawn of a system, true to scale, except for the marks of joints and points."""
     return Artist(system).draw()
 
 
@@ -112,7 +112,7 @@ class Artist:
                 self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
 
     def draw(self) -> Drawing:
-        """All of it: what has a size of its own first, since that gives the size of the marks."""
+        """The whole drawing: first what is to scale, since that gives the size of the marks."""
         self.bodies()
         self.arms()
         self.circles()

@@ -1,4 +1,4 @@
-"""From where a mechanism is seen: the place of the eye, perspective, and round lengths for the grid on the ground."""
+"""The camera: position of the eye, perspective, and round lengths for the ground grid."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What is drawn of a system: triangles, lines and names, each fixed in a body, and the layers that show and hide them.
+"""The drawing of a system: triangles, lines and names, each fixed in a body, and the layers that show and hide them.
 
 Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
 """

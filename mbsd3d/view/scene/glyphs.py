@@ -1,4 +1,4 @@
-"""What joints look like, from the motion they allow, not from their names: a new joint needs nothing here.
+"""The solids of joints, from the motion they allow, not from their names: a new joint needs nothing here.
 
 An angle is a barrel about its axis, a slide a rail along it, a plane a plate, what turns and slides in no way a cube,
 a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
@@ -48,7 +48,7 @@ def anchor(joint: Joint) -> tuple[Body | Ground, np.ndarray]:
 
 
 def circles(joint: Joint) -> list[Glyph]:
-    """What of a joint has a true size: rolling and pitch circles."""
+    """The parts of a joint that are to scale: rolling and pitch circles."""
     if isinstance(joint, RollingDisc):
         return [circle(joint.b, joint.centre, joint.axis, joint.radius)]
     if isinstance(joint, GearMesh):

@@ -1,4 +1,4 @@
-"""What is shown of a motion besides the bodies: arrows, traces, and curves over time; no plotting library."""
+"""Arrows, traces and curves over time of a motion; no plotting library."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Panel, Wanted, panels_of
 from ...results.body_motion import Poses
 from ...results.certificate import scales_of
-from ...results.reactions import every_reaction
+from ...results.every_reaction import every_reaction
 from ...results.run_result import RunResult
 from .drawing import ARROWS
 from .frames import Between, Frames, between

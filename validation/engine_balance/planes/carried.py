@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d.extend import evaluate, kinds
+from mbsd3d import Force, SpringDamper, Torque
+from mbsd3d.extend import ForceElement, evaluate, kinds
 from validation.engine_balance.planes.shaft import EXACT, Failure, Shaft, bound, contains
 from validation.engine_balance.planes.units import Unit
 from validation.twins import planar
@@ -38,11 +39,11 @@ def carried_loads(shaft: Shaft, units: list[Unit], bodies: dict) -> tuple[Loads,
             failures.append(Failure("H4", name, text, len(own), "units"))
             continue
         z = units[own[0]].z if own else nearest(shaft, units, record)
-        off, unit = leaving(shaft, record, z)
+        off, unit = leaving(shaft, force, z)
         if off > EXACT:
             failures.append(Failure("H4", name, "acts across its plane", off, unit))
             continue
-        found = flat_loads(shaft, record, bodies)
+        found = flat_loads(shaft, force, bodies)
         if found is None:
             failures.append(Failure("H4", name, "is of a kind that the planes do not carry", 1, "load"))
             continue
@@ -58,30 +59,30 @@ def nearest(shaft: Shaft, units: list[Unit], record: Any) -> float:
     return float(heights[np.argmin(np.abs(heights - z))])
 
 
-def leaving(shaft: Shaft, record: Any, z: float) -> tuple[float, str]:
+def leaving(shaft: Shaft, force: ForceElement, z: float) -> tuple[float, str]:
     """How far a load acts beside its plane or out of it."""
-    normal, rows = shaft.rows.axes[2], shaft.rows
+    normal, rows, record = shaft.rows.axes[2], shaft.rows, force.record()
     off = max((abs(rows.height(point) - z) for point in record.points), default=0.0)
     if off > EXACT * rows.length:
         return off, "m"
-    if record.kind in (kinds.FORCE, kinds.TORQUE):
+    if isinstance(force, Force | Torque):
         axes = record.bodies[-1].axes.T @ normal if record.values[0] else normal
         vector = np.array([bound(signal, 0, 1.0) for signal in record.signals])
-        leaves = axes if record.kind == kinds.FORCE else np.sqrt(np.maximum(1 - axes**2, 0.0))
+        leaves = axes if isinstance(force, Force) else np.sqrt(np.maximum(1 - axes**2, 0.0))
         off = float(np.abs(vector * leaves).max())
-        return (off, "N" if record.kind == kinds.FORCE else "N m") if off > EXACT * vector.max() else (0.0, "N")
+        return (off, "N" if isinstance(force, Force) else "N m") if off > EXACT * vector.max() else (0.0, "N")
     return 0.0, "N"
 
 
-def flat_loads(shaft: Shaft, record: Any, bodies: dict) -> list | None:
+def flat_loads(shaft: Shaft, force: ForceElement, bodies: dict) -> list | None:
     """A load as its plane sees it; None if it cannot."""
-    rows = shaft.rows
+    rows, record = shaft.rows, force.record()
     ends = [bodies.get(id(body), planar.GROUND) for body in record.bodies]
-    if record.kind == kinds.SPRING:
+    if isinstance(force, SpringDamper):
         k, c, length = record.values
         at = [rows.flat(point) for point in record.points]
         return [planar.Spring(*ends, at_a=at[0], at_b=at[1], stiffness=k, damping=c, length=length)]
-    if record.kind not in (kinds.FORCE, kinds.TORQUE):
+    if not isinstance(force, Force | Torque):
         return None
     turned = record.bodies[-1].axes if record.values[0] else np.eye(3)
     options = {"frame": "body" if record.values[0] else "world"}
@@ -91,7 +92,7 @@ def flat_loads(shaft: Shaft, record: Any, bodies: dict) -> list | None:
             motion = flat_motion(term)
             if motion is None:
                 return None
-            if record.kind == kinds.FORCE:
+            if isinstance(force, Force):
                 at = rows.flat(record.points[-1])
                 found.append(planar.Force(ends[-1], rows.flat(axis), at=at, motion=motion, **options))
             else:

@@ -1,4 +1,4 @@
-"""The pictures of the README: ``python -m mbsd3d.demos.pictures docs/pictures`` (or ``make pictures``) makes them."""
+"""Makes the pictures of the README: ``python docs/make_pictures.py docs/pictures`` (or ``make pictures``)."""
 
 import io
 import sys
@@ -12,11 +12,10 @@ from mbsd3d import Body, Solution, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.base.style import COLOURS
+from mbsd3d.demos.cardan import one_turn, shaft_pair
+from mbsd3d.demos.heavy_top import falling_top
 from mbsd3d.mechanism.shapes import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
-
-from .cardan import one_turn, shaft_pair
-from .heavy_top import falling_top
 
 BARE = (*NAMES, "ground grid")
 

@@ -1,7 +1,7 @@
 """6-vectors as pairs of 3-vectors (linear, angular) and symmetric 6x6 matrices [A B; B' C] as three 9-tuples."""
 
-from .jit import fused_kernel
-from .vectors import add, cross, dot, rotate, rotate_back, scale
+from ..kernels.jit import fused_kernel
+from ..kernels.vectors import add, cross, dot, rotate, rotate_back, scale
 
 
 @fused_kernel

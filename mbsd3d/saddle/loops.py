@@ -3,14 +3,14 @@
     S = sum over links of G N D^-1 N'G',   (S + mu) lam_k+1 = rhs + mu lam_k
 
 Rows may repeat each other: mu keeps the factor regular, the sweeps take it away again where S resists. Off c = 0 such
-rows contradict each other by as little as the state is off, and a direction in which S has only that little would answer
-with a large multiplier: so where rows are nearly dependent the right side is first replaced by what S can reach.
+rows contradict each other by as little as the state is off, and a direction in which S has only that little would
+answer with a large multiplier: so where rows are nearly dependent, the right side is first replaced by what S reaches.
 """
 
 import numpy as np
 
-from .jit import fused_kernel, inner_kernel, merged_kernel
-from .vectors import add_scaled, clear, copy
+from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
+from ..kernels.vectors import add_scaled, clear, copy
 
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane

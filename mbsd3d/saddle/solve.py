@@ -1,16 +1,16 @@
 """The saddle point ``[M J'; J 0] [x; lam] = [top; bottom]`` over all rows in use.
 
-Bodies and the joints of a spanning tree are eliminated from the leaves to the roots (`tree`), rows that close loops by
-what the tree leaves of them (`loops`). Rows may be redundant. Where a pivot of the tree vanishes (bodies without inertia
-that only a loop holds), the whole is solved as one dense matrix. A free body needs neither.
+Bodies and the joints of a spanning tree are eliminated from the leaves to the roots (`links`), rows that close loops
+by what the tree leaves of them (`loops`). Rows may be redundant. Where a pivot of the tree vanishes (bodies without
+inertia that only a loop holds), the whole is solved as one dense matrix. A free body needs neither.
 """
 
 import numpy as np
 
-from .jit import allocating_kernel, inner_kernel, kernel
+from ..kernels.jit import allocating_kernel, inner_kernel, kernel
+from ..kernels.vectors import add, mat, pair, put, rotate, rotate_back, vec
+from .links import body_inertia, factor_links, load_links, move_links
 from .loops import assemble_loops, factor_loops, solve_loops
-from .tree import body_inertia, factor_links, load_links, move_links
-from .vectors import add, mat, pair, put, rotate, rotate_back, vec
 
 SOLVED, NOT_FINITE = 0, 1
 DENSE_SWEEPS = 3

@@ -9,13 +9,13 @@ the metric of M.
 
 import numpy as np
 
-from .jit import inner_kernel, kernel, merged_kernel
-from .kinds import PROJECTION
-from .kinematics import displace, kinematics, normalise, push_velocities, rates
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.kinds import PROJECTION
+from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
+from ..kernels.rows import row_speed, rows
+from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
+from ..saddle.solve import SOLVED, factor, solve
 from .loads import loads
-from .rows import row_speed, rows
-from .saddle import SOLVED, factor, solve
-from .vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
 FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time

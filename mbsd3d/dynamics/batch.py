@@ -1,10 +1,10 @@
 """Post-processing over all samples of a run: wrenches of rows on a body, and the equations checked once more."""
 
-from .jit import kernel
-from .kinematics import kinematics
+from ..kernels.jit import kernel
+from ..kernels.kinematics import kinematics
+from ..kernels.rows import rows
+from ..kernels.vectors import add, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
 from .loads import loads
-from .rows import rows
-from .vectors import add, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
 
 
 @kernel

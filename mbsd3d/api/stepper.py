@@ -1,0 +1,186 @@
+"""`Stepper`: a simulation that goes on from time to time, with inputs that are set in between."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import IntegrationError
+from ..equations.compiled import Switches
+from ..equations.inputs import History
+from ..integrators.method import Method
+from ..mechanism.measures import Measure
+from ..mechanism.signals import Input
+from ..mechanism.state import State
+from ..run.slices import Slices
+from .simulation import simulate, start_of
+from .solution import Solution
+from .system import System
+
+
+class Stepper:
+    """A mechanism that is integrated slice by slice: for controllers, co-simulation, live rides and learning.
+
+    Everything a run has prepared stays as it is between two slices, so that each costs little more than its steps; a
+    slice is at least one step of the method. What `Input` signals are `set` to holds until the next change.
+
+    Parameters
+    ----------
+    system : System
+    state : State or None
+        Start; None = ``system.state()``.
+    measures : sequence of measures
+        What `measured` gives, e.g. ``[measures.angle(hinge), measures.rate(hinge)]``.
+    method, rtol, as_built
+        As for `simulate`. Steps of ``dt`` are fitted to each slice.
+    keep : bool
+        Whether the end of each slice is a sample of `solution`.
+
+    Raises
+    ------
+    ValueError
+        For input that makes no sense.
+    AssemblyError
+        If the state does not meet the joints.
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, Force, Input, Stepper, System
+    >>> sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+    >>> stepper = Stepper(System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))]))
+    >>> stepper.set("push", 4.0)
+    >>> stepper.advance(1.0)
+    >>> stepper.set("push", 0.0)
+    >>> stepper.advance(2.0)
+    >>> stepper.q[:3].round(9).tolist(), stepper.v[:3].round(9).tolist()  # 1 m in the push, 2 m/s after it
+    ([3.0, 0.0, 0.0], [2.0, 0.0, 0.0])
+    """
+
+    def __init__(
+        self,
+        system: System,
+        state: State | None = None,
+        *,
+        measures: Sequence[Measure] = (),
+        method: Method | None = None,
+        rtol: float = 1e-8,
+        as_built: float | None = None,
+        keep: bool = True,
+    ) -> None:
+        start = start_of(system, state, "Stepper", as_built)
+        self._run = Slices(system, start, Switches(), method, rtol, as_built, measures)
+        self._run.keep = bool(keep)
+
+    def __repr__(self) -> str:
+        return f"<stepper: at t = {self.t:g} s, by {self._run.method}>"
+
+    def set(self, key: Input | str, value: float) -> None:
+        """Give an input, by itself or by its name, a value that holds from now on.
+
+        Raises
+        ------
+        ValueError
+            If the system has no such input, the value is not finite, or the input prescribes a motion, which must not
+            jump.
+        """
+        self._run.set(key, value)
+
+    def advance(self, t: float) -> None:
+        """Integrate to t [s], hit exactly.
+
+        Raises
+        ------
+        ValueError
+            If t does not lie ahead, or a table of a signal ends before.
+        IntegrationError
+            With time, part and advice; ``error.solution`` holds what was kept.
+        """
+        try:
+            self._run.advance(t)
+        except IntegrationError as error:
+            error.solution = error.solution and _solution_of(error.solution)
+            raise
+
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        return self._run.t
+
+    @property
+    def q(self) -> np.ndarray:
+        """(7 n,) per body (r, e): reference point [m, world] and unit quaternion, scalar first."""
+        return self._run.memory.y[: 7 * self._run.model.body.size].copy()
+
+    @property
+    def v(self) -> np.ndarray:
+        """(6 n,) per body (r_dot, w) [m/s], [rad/s], both world."""
+        return self._run.velocities
+
+    @property
+    def z(self) -> np.ndarray:
+        """(k,) own states of the force elements, in their order."""
+        first = 13 * self._run.model.body.size
+        return self._run.memory.y[first : first + self._run.model.z_work].copy()
+
+    @property
+    def measured(self) -> np.ndarray:
+        """(measures,) values of the measures that were asked for, now."""
+        return self._run.measured
+
+    @property
+    def inputs(self) -> dict[str, float]:
+        """Name of every input -> the value it has."""
+        return dict(self._run.inputs)
+
+    @property
+    def state(self) -> State:
+        """The state reached: other runs may start from it."""
+        return self._run.state
+
+    def solution(self) -> Solution:
+        """What was kept: a sample at the start and at the end of every slice, taken before an input changes there.
+
+        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the slices.
+        """
+        return _solution_of(self._run.solution())
+
+
+def _solution_of(result: Any) -> Solution:
+    """The solution of a run in slices: to run it again is to repeat its changes of inputs."""
+    return Solution.of(result, rerun(result.record.inputs))
+
+
+def rerun(history: History) -> Callable[..., Solution]:
+    """How a run with these inputs is run again: as `simulate` where none was ever changed."""
+    changed = any(len(changes) > 1 for changes in history.values())
+    return partial(_replay, history) if changed else simulate
+
+
+def _replay(
+    history: History,
+    system: System,
+    t_end: float,
+    *,
+    state: State,
+    output: Sequence[float],
+    method: Method,
+    rtol: float,
+    as_built: float | None = None,
+    **switches: Any,
+) -> Solution:
+    """`simulate` with inputs that change when they did."""
+    run = Slices(system, state, Switches(**switches), method, rtol, as_built, ())
+    changes = {t: [] for t in sorted({*map(float, output), t_end, *(t for x in history.values() for t, _ in x)})}
+    for name, values in history.items():
+        for t, value in values:
+            changes[t].append((name, value))
+    wanted = set(map(float, output))
+    for t, values in changes.items():
+        if state.t < t <= t_end:
+            run.keep = t in wanted
+            run.advance(t)
+        if t <= t_end:
+            for name, value in values:
+                run.set(name, value)
+    return Solution.of(run.solution(), partial(_replay, history))

@@ -1,0 +1,134 @@
+"""Bodies that can turn about an axis while nothing else moves, such as a rod between two ball joints."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.errors import AssemblyError
+from ..base.rotations import matrix
+from ..equations.compiled import Compiled
+from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
+from ..kernels.layout import Data
+from ..mechanism.bodies import GROUND, Body
+from ..mechanism.joints import Joint, Spherical
+
+NO_INERTIA = 1e-12  # of the largest moment of a body is none: a thin rod tilted in its body has rounding there
+THROUGH = 1e-9  # model lengths within which an axis goes through a point
+
+
+@dataclass(frozen=True)
+class Spin:
+    """A freedom of one body alone: rotation about a world axis (3,) through a point (3,), at the pose looked at."""
+
+    body: str
+    axis: np.ndarray
+    joints: tuple[str, ...]  # through which the axis goes
+    own: bool  # whether the centre of mass stays where it is
+    inertia: float  # about the axis [kg m^2]
+    massless: bool  # that is nothing, compared with the body's other moments
+    cure: str
+
+    @property
+    def about(self) -> str:
+        """The axis in words."""
+        x, y, z = (float(f"{x:.3g}") + 0.0 for x in self.axis)
+        where = " and ".join(f"'{name}'" for name in self.joints)
+        own = "its own axis" if self.own else "an axis"
+        return f"{own} ({x:g}, {y:g}, {z:g}){f' through {where}' if where else ''}"
+
+    @property
+    def text(self) -> str:
+        """What it is and, where that stops a run, what to do."""
+        if self.massless:
+            return f"'{self.body}' spins freely about {self.about} and has no inertia about it; {self.cure}"
+        return f"'{self.body}' spins freely about {self.about}, and nothing else moves with it"
+
+
+def free_spins(compiled: Compiled, data: Data, rows: BlockRows, members: list[Body] | None = None) -> list[Spin]:
+    """The spins that scaled rows leave free, of bodies with joints to more than one neighbour.
+
+    With one neighbour, a wheel or a pendulum, turning is what the joint is there for. The own columns J_b of a body
+    have a null space of one dimension then, and its motion is a pure rotation.
+    """
+    found, holding = [], {id(body): [] for body in compiled.system.bodies}
+    for joint in compiled.system.joints:
+        for body in {id(body): body for body in joint.bodies() if body is not GROUND}.values():
+            holding[id(body)].append(joint)
+    for body in compiled.system.bodies if members is None else members:
+        joints = holding[id(body)]
+        if len({id(other) for joint in joints for other in joint.bodies()}) < 3:
+            continue
+        b = compiled.body_index[id(body)]
+        on = rows.body == b
+        J = np.where(on[:, :, None], rows.J, 0.0).sum(axis=1)[on.any(axis=1)]
+        s, Vt = np.linalg.svd(J)[1:]
+        if (s > RANK_TOLERANCE * s.max(initial=0.0)).sum() == 5:
+            spin = spin_of(compiled, data, body, joints, Vt[5] * displacement_units(compiled.model.length, 1))
+            found += [spin] if spin else []
+    return found
+
+
+def spin_of(compiled: Compiled, data: Data, body: Body, joints: list[Joint], twist: np.ndarray) -> Spin | None:
+    """The spin of a body whose twist (velocity of O, omega) the rows leave free; None if it is no pure rotation."""
+    velocity, omega = twist[:3], twist[3:]
+    length, rate = compiled.model.length, np.linalg.norm(omega)
+    if rate * length < 1e-6 * np.linalg.norm(twist) or abs(velocity @ omega) > THROUGH * length * rate**2:
+        return None
+    axis = omega / rate * np.copysign(1.0, omega[np.argmax(np.abs(omega))])
+    state = data.body[compiled.body_index[id(body)]]
+    R, origin = matrix(np.array(state["e"])), np.array(state["r"])
+    point = origin + np.cross(omega, velocity) / rate**2
+    centre = distance(origin + R @ body.com, point, axis)
+    turned = R.T @ axis
+    inertia = float(turned @ body.inertia @ turned) + body.mass * centre**2
+    largest = float(np.linalg.eigvalsh(body.inertia)[-1]) + body.mass * (
+        centre**2 if centre > THROUGH * length else 0.0
+    )
+    through = [joint for joint in joints if near_axis(compiled, data, joint, point, axis)]
+    balls = [joint for joint in through if isinstance(joint, Spherical)]
+    name = compiled.system.name
+    massless = inertia <= NO_INERTIA * largest
+    cures = [f"make Spherical '{name(ball)}' a Universal with both axes across it" for ball in balls[:1]] + massless * [
+        "give the body a radius"
+    ]
+    return Spin(
+        body=name(body), axis=axis, joints=tuple(name(joint) for joint in through), own=centre <= THROUGH * length,
+        inertia=inertia, massless=massless, cure=", or ".join(cures) or "hold or drive it",
+    )  # fmt: skip
+
+
+def distance(place: np.ndarray, point: np.ndarray, axis: np.ndarray) -> float:
+    """Distance of a place from the line through a point along a unit axis [m]."""
+    return float(np.linalg.norm(np.cross(place - point, axis)))
+
+
+def near_axis(compiled: Compiled, data: Data, joint: Joint, point: np.ndarray, axis: np.ndarray) -> bool:
+    """True if the joint's point lies on the line, at the pose in ``data``."""
+    if type(joint).point is Joint.point:
+        return False
+    if joint.b is GROUND:
+        return distance(joint.point(), point, axis) <= 1e3 * THROUGH * compiled.model.length
+    state = data.body[compiled.body_index[id(joint.b)]]
+    place = np.array(state["r"]) + matrix(np.array(state["e"])) @ joint.b.local_point(joint.point())
+    return distance(place, point, axis) <= 1e3 * THROUGH * compiled.model.length
+
+
+def check_spins(compiled: Compiled, data: Data) -> None:
+    """AssemblyError where a body without inertia about an axis is free to spin about it: nothing determines how fast.
+
+    ``data`` holds the pose. Only bodies with a singular inertia are looked at.
+    """
+    thin = [body for body in compiled.system.bodies if is_thin(body)]
+    for spin in free_spins(compiled, data, scaled_rows(compiled.model, data), thin) if thin else ():
+        if spin.massless:
+            raise AssemblyError(
+                f"the velocity of body '{spin.body}' is not determined: it spins freely about {spin.about} and has no "
+                "inertia about it",
+                part=f"body '{spin.body}'", advice=spin.cure,
+            )  # fmt: skip
+
+
+def is_thin(body: Body) -> bool:
+    """True for a body with mass whose smallest moment is none, compared with its largest."""
+    moments = np.linalg.eigvalsh(body.inertia)
+    return body.mass > 0.0 and moments[0] <= NO_INERTIA * moments[-1]

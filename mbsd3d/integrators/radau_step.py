@@ -1,0 +1,296 @@
+"""The time loop of Radau IIA: stages by Newton's method, the error of a step, its length."""
+
+import numpy as np
+
+from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
+from ..kernels.coordinates import remember
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.vectors import copy, finite
+from ..saddle.solve import SOLVED
+from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
+from .newton import lu_factor, lu_solve
+from .outputs import along_cubic, cubic, evaluate_start, full, outputs
+from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
+
+ITERATIONS = 10  # of Newton's method in one attempt
+NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
+KEEP = 0.1  # contraction up to which J is kept for the next step
+SAME_STEP = 1.2  # growth below which the step, and with it the factors, is kept
+DIFFERENCE = 1.5e-8  # of its unit by which a coordinate is changed for J
+
+
+@inner_kernel
+def tolerance(run):
+    """What a step may err by its estimate of order 3, for one of order 5 within LOCAL rtol (ratio 2/3)."""
+    return LOCAL * run.task.rtol ** (2.0 / 3.0)
+
+
+@inner_kernel
+def unit(m, run, k):
+    """Size of coordinate k of y against which its errors count."""
+    n = m.body.shape[0]
+    if k < 7 * n:
+        return m.length if k % 7 < 3 else 1.0
+    if k < 13 * n:
+        return run.now.speed if (k - 7 * n) % 6 < 3 else run.now.turn
+    state = m.state[k - 13 * n]
+    return max(state.unit * run.now.speed**state.power, abs(run.y[k]))
+
+
+@merged_kernel
+def differentiate(m, d, s, run, g):
+    """J = df/dy at the start of the step, by forward differences: Newton's method needs no more, at a fifth of the time
+    of complex steps."""
+    N = g.J.shape[0]
+    for j in range(N):
+        copy(run.work, run.y)
+        run.work[j] += DIFFERENCE * unit(m, run, j)
+        step = run.work[j] - run.y[j]
+        run.now.evaluations += 1
+        if evaluate(m, d, s, run.now.t, run.work, run.work_rate) != SOLVED:
+            return False
+        for i in range(N):
+            g.J[i, j] = (run.work_rate[i] - run.dy[i]) / step
+    g.past.jacobian, g.past.factored = 1, 0.0
+    return True
+
+
+@merged_kernel
+def factor_systems(g, h):
+    """Factors of real/h - J and pair/h - J."""
+    N = g.J.shape[0]
+    for i in range(N):
+        for j in range(N):
+            g.R[i, j] = -g.J[i, j]
+            g.P[i, j] = -g.J[i, j]
+        g.R[i, i] += g.real / h
+        g.P[i, i] += g.pair / h
+    g.past.factored = h
+    return lu_factor(g.R, g.exchange_real, N) and lu_factor(g.P, g.exchange_pair, N)
+
+
+@inner_kernel
+def first_guess(g, h):
+    """Z of the last step's polynomial, carried on, and W = T^-1 Z."""
+    N, ratio = g.J.shape[0], h / g.past.step if g.past.step > 0.0 else 0.0
+    for k in range(N):
+        a, b, c = g.old[0, k], g.old[1, k], g.old[2, k]
+        for i in range(3):
+            x = 1.0 + ratio * g.c[i]
+            g.Z[i, k] = a * (x - 1.0) + b * (x * x - 1.0) + c * (x * x * x - 1.0) if ratio > 0.0 else 0.0
+        for i in range(3):
+            g.W[i, k] = g.inverse[i, 0] * g.Z[0, k] + g.inverse[i, 1] * g.Z[1, k] + g.inverse[i, 2] * g.Z[2, k]
+
+
+@inner_kernel
+def stage_rates(m, d, s, run, g, h):
+    """K_i = f(t + c_i h, y + Z_i); False where a stage has no solution."""
+    for i in range(3):
+        copy(run.work, run.y)
+        for k in range(g.J.shape[0]):
+            run.work[k] += g.Z[i, k]
+        run.now.evaluations += 1
+        if evaluate(m, d, s, run.now.t + g.c[i] * h, run.work, g.K[i]) != SOLVED:
+            return False
+    return True
+
+
+@inner_kernel
+def correct(m, run, g, h):
+    """One Newton correction of W and Z; its size in the units of errors."""
+    N = g.J.shape[0]
+    for k in range(N):
+        a, b, c = g.K[0, k], g.K[1, k], g.K[2, k]
+        inverse = g.inverse
+        g.x[k] = inverse[0, 0] * a + inverse[0, 1] * b + inverse[0, 2] * c - g.real / h * g.W[0, k]
+        re = inverse[1, 0] * a + inverse[1, 1] * b + inverse[1, 2] * c
+        im = inverse[2, 0] * a + inverse[2, 1] * b + inverse[2, 2] * c
+        g.x_pair[k] = re + 1j * im - g.pair / h * (g.W[1, k] + 1j * g.W[2, k])
+    lu_solve(g.R, g.exchange_real, g.x, N)
+    lu_solve(g.P, g.exchange_pair, g.x_pair, N)
+    largest = 0.0
+    for k in range(N):
+        g.W[0, k] += g.x[k]
+        g.W[1, k] += g.x_pair[k].real
+        g.W[2, k] += g.x_pair[k].imag
+    for k in range(N, run.work.shape[0]):
+        run.work[k] = 0.0
+    for i in range(3):
+        for k in range(N):
+            run.work[k] = g.T[i, 0] * g.x[k] + g.T[i, 1] * g.x_pair[k].real + g.T[i, 2] * g.x_pair[k].imag
+            g.Z[i, k] += run.work[k]
+        largest = max(largest, np.sqrt(state_error(m, run)))
+    return largest
+
+
+@inner_kernel
+def collocate(m, d, s, run, g, h):
+    """(True, iterations) when the stages of a step are found."""
+    fixed = run.task.steps > 0  # dt alone sets the error, and what is left adds up
+    enough = NEWTON * LOCAL * (min(run.task.rtol, 1e-8) if fixed else run.task.rtol)
+    allowed = enough / run.task.steps if fixed else enough
+    least = 20.0 * rounding(m, run.y)
+    eta, before = max(g.past.contraction, 1e-10) ** 0.8, 0.0
+    for k in range(ITERATIONS):
+        if not stage_rates(m, d, s, run, g, h):
+            return False, k
+        moved = correct(m, run, g, h)
+        if not np.isfinite(moved):
+            return False, k
+        if k > 0:
+            contraction = moved / before if before > 0.0 else 0.0
+            g.past.contraction = contraction
+            if contraction >= 1.0:
+                return moved <= least, k + 1
+            eta = contraction / (1.0 - contraction)
+            if moved * contraction ** (ITERATIONS - 1 - k) * eta > max(enough, least):  # it will not get there
+                return False, k
+        if eta * moved <= allowed or (k > 0 and eta * moved <= least) or moved == 0.0:
+            return True, k + 1
+        before = moved
+    return eta * before <= enough, ITERATIONS
+
+
+@merged_kernel
+def stages(m, d, s, run, g, h):
+    """`collocate` with the matrix at hand, else with a new one."""
+    if g.past.jacobian == -1 and not differentiate(m, d, s, run, g):
+        return False, 0
+    for _ in range(2):
+        if abs(g.past.factored - h) > 1e-10 * h and not factor_systems(g, h):
+            return False, 0
+        first_guess(g, h)
+        found, iterations = collocate(m, d, s, run, g, h)
+        if found or g.past.jacobian == 1:
+            break
+        g.past.contraction = 1.0
+        if not differentiate(m, d, s, run, g):
+            return False, iterations
+    return found, iterations
+
+
+@inner_kernel
+def end_of_stages(m, d, s, run, g, h):
+    """The trial state: y + Z_3, and the audit states by the same quadrature, of rates after the last correction.
+
+    False where a stage has no solution.
+    """
+    N = g.J.shape[0]
+    if not stage_rates(m, d, s, run, g, h):
+        return False
+    for k in range(run.y.shape[0]):
+        if k >= N:
+            for i in range(3):
+                g.Z[i, k] = h * (g.A[i, 0] * g.K[0, k] + g.A[i, 1] * g.K[1, k] + g.A[i, 2] * g.K[2, k])
+        run.trial[k] = run.y[k] + g.Z[2, k]
+    return True
+
+
+@inner_kernel
+def estimate(m, run, g, h, rate):
+    """Error of the step in units of its tolerance, (real/h - J)^-1 (rate + sum_i e_i Z_i / h): it damps stiffness."""
+    N, e = g.J.shape[0], run.work
+    for k in range(e.shape[0]):
+        e[k] = rate[k] + (g.error[0] * g.Z[0, k] + g.error[1] * g.Z[1, k] + g.error[2] * g.Z[2, k]) / h
+        if k >= N:
+            e[k] *= h / g.real
+    for k in range(N):
+        g.x[k] = e[k]
+    lu_solve(g.R, g.exchange_real, g.x, N)
+    for k in range(N):
+        e[k] = g.x[k]
+    return np.sqrt(state_error(m, run)) / tolerance(run)
+
+
+@merged_kernel
+def local_error(m, d, s, run, g, h, careful):
+    """`estimate`; where it rejects and ``careful``, again with the rate at y + error: stiff errors shrink."""
+    error = estimate(m, run, g, h, run.dy)
+    if careful and error > 1.0:
+        for k in range(run.y.shape[0]):
+            run.work[k] += run.y[k]
+        run.now.evaluations += 1
+        if evaluate(m, d, s, run.now.t, run.work, run.work_rate) != SOLVED:
+            return np.inf
+        error = estimate(m, run, g, h, run.work_rate)
+    return error
+
+
+@merged_kernel
+def attempt(m, d, s, run, g):
+    """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
+    rejected, fixed = False, run.task.steps > 0
+    while True:
+        t_new, h = end_of_step(run)
+        if h < run.task.min_step:
+            return NOT_CONVERGED, t_new, h
+        solved, iterations = stages(m, d, s, run, g, h)
+        if not solved or not end_of_stages(m, d, s, run, g, h):
+            if fixed:
+                return NOT_CONVERGED, t_new, h
+            run.now.step, rejected = 0.5 * h, True
+            run.now.rejected += 1
+            continue
+        error = 0.0 if fixed else local_error(m, d, s, run, g, h, rejected or g.past.step == 0.0)
+        safety = 0.9 * (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + iterations)
+        factor = min(8.0, max(0.2, safety * max(error, 1e-12) ** -0.25)) if np.isfinite(error) else 0.2
+        if error <= 1.0:
+            factor = min(factor, 1.0) if rejected else factor
+            run.now.step = h if 0.99 < factor < SAME_STEP else h * factor
+            return RUNNING, t_new, h
+        run.now.step, rejected = h * min(factor, 0.9), True
+        run.now.rejected += 1
+
+
+@merged_kernel
+def accept(run, g, t_new, h):
+    """The end of the step becomes the start of the next one."""
+    for k in range(g.J.shape[0]):
+        for i in range(3):
+            g.old[i, k] = g.spread[i, 0] * g.Z[0, k] + g.spread[i, 1] * g.Z[1, k] + g.spread[i, 2] * g.Z[2, k]
+    copy(run.y, run.trial)
+    copy(run.dy, run.trial_rate)
+    g.past.step = h
+    g.past.jacobian = 0 if g.past.contraction < KEEP else -1
+    run.now.t = t_new
+    run.now.steps += 1
+
+
+@merged_kernel
+def step(m, d, s, g, run):
+    """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
+    status, t_new, h = attempt(m, d, s, run, g)
+    if status != RUNNING:
+        return status
+    projected, solved = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, FAR)
+    if projected != PROJECTED:
+        return NOT_CLOSING
+    if solved != SOLVED or not finite(run.trial_rate):
+        return NO_SOLUTION
+    status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
+    if status != RUNNING:
+        return status
+    remember(m, d, t_new)
+    update_scales(m, d, run)
+    accept(run, g, t_new, h)
+    return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
+
+
+@kernel
+def collocation(m, d, s, g, run, budget):
+    """Take up to `budget` steps; DONE, RUNNING when the budget is used up, or a reason to come back to Python."""
+    if run.now.fresh == 1:
+        status = evaluate_start(m, d, s, run)
+        if status != RUNNING:
+            return status
+        update_scales(m, d, run)
+        g.past.jacobian, g.past.step, g.past.contraction = -1, 0.0, 1.0
+    for _ in range(budget):
+        if run.now.t >= run.task.t_end:
+            return DONE
+        if full(run):
+            return FULL
+        status = step(m, d, s, g, run)
+        if status != RUNNING:
+            return status
+    return RUNNING if run.now.t < run.task.t_end else DONE

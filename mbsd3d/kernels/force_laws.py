@@ -1,0 +1,31 @@
+"""What the laws of force elements are made of: forces at points and moments, with components that are signals.
+
+A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduced to O), the energy the element stores
+(``out.potential``) and the power of the part that stores none (``out.power``): Q'v = -d(potential)/dt + power. Along a
+hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.load``; Q is filled for it.
+"""
+
+from .jit import inner_kernel
+from .signals import signal
+from .vectors import add6, cross, scale
+
+
+@inner_kernel
+def push(body, force, s):
+    """Add a force acting at O + s to a body."""
+    add6(body.Q, force, cross(s, force))
+
+
+@inner_kernel
+def twist(body, moment):
+    """Add a moment to a body."""
+    add6(body.Q, scale(0.0, moment), moment)
+
+
+@inner_kernel
+def components(m, p, t):
+    """The three signal components of an element at time t."""
+    x = signal(m, p.signal[0], t)[0] if p.signal[0] >= 0 else 0.0
+    y = signal(m, p.signal[1], t)[0] if p.signal[1] >= 0 else 0.0
+    z = signal(m, p.signal[2], t)[0] if p.signal[2] >= 0 else 0.0
+    return x, y, z

@@ -1,0 +1,129 @@
+"""Elastic mounts between two bodies."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...base.checks import vector
+from ...base.rotations import as_quaternion, matrix
+from ...kernels.force_laws import push, twist
+from ...kernels.jit import inner_kernel, merged_kernel
+from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, vec
+from ..bodies import Body, Ground
+from ..force_element import ForceElement, ForceRecord, check_pair
+
+
+@inner_kernel
+def columns(body, frame):
+    """Columns of R frame: the axes of an element in world axes."""
+    R, F = mat(body.R), mat(frame)
+    return rotate(R, (F[0], F[3], F[6])), rotate(R, (F[1], F[4], F[7])), rotate(R, (F[2], F[5], F[8]))
+
+
+@inner_kernel
+def into(F, a):
+    """F'a for axes F given as three columns."""
+    return dot(F[0], a), dot(F[1], a), dot(F[2], a)
+
+
+@inner_kernel
+def out_of(F, a):
+    """F a for axes F given as three columns."""
+    return add(add(scale(a[0], F[0]), scale(a[1], F[1])), scale(a[2], F[2]))
+
+
+@inner_kernel
+def relative_quaternion(A, B):
+    """(p0, p) of the rotation A'B as a quaternion, for rotations below half a turn."""
+    p0 = 0.5 * np.sqrt(1.0 + dot(A[0], B[0]) + dot(A[1], B[1]) + dot(A[2], B[2]))
+    k = 0.25 / p0
+    x, y, z = dot(A[2], B[1]) - dot(A[1], B[2]), dot(A[0], B[2]) - dot(A[2], B[0]), dot(A[1], B[0]) - dot(A[0], B[1])
+    return p0, (k * x, k * y, k * z)
+
+
+@inner_kernel
+def scaled(p, first, x):
+    """Diagonal stiffness or damping times a vector: value[first + i] x_i."""
+    return p.value[first] * x[0], p.value[first + 1] * x[1], p.value[first + 2] * x[2]
+
+
+@merged_kernel
+def bushing(m, d, p, out, t):
+    """Linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
+
+    d is the displacement of the point of b in F; p the vector part of the relative quaternion, so that
+    p_dot = (p0 w + w x p)/2 and the elastic moment on b is -2 (p0 K_r p + p x K_r p) in F.
+    """
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    A, B = columns(a, p.frame[0]), columns(b, p.frame[1])
+    sb = arm(b, p.point[1])
+    reach = sub(point(b, sb), vec(a.r))  # the force on a acts where the point of b is
+    x = into(A, sub(reach, arm(a, p.point[0])))
+    x_dot = into(A, sub(point_velocity(b, sb), point_velocity(a, reach)))
+    w = into(A, sub(vec(b.w), vec(a.w)))
+    p0, e = relative_quaternion(A, B)
+    Kx, Cx, Ke, Cw = scaled(p, 0, x), scaled(p, 6, x_dot), scaled(p, 3, e), scaled(p, 9, w)
+    force = out_of(A, scale(-1.0, add(Kx, Cx)))
+    moment = out_of(A, sub(scale(-2.0, add(scale(p0, Ke), cross(e, Ke))), Cw))
+    push(b, force, sb)
+    push(a, scale(-1.0, force), reach)
+    twist(b, moment)
+    twist(a, scale(-1.0, moment))
+    out.potential = 0.5 * dot(x, Kx) + 2.0 * dot(e, Ke)
+    out.power = -dot(x_dot, Cx) - dot(w, Cw)
+
+
+@dataclass(frozen=True, eq=False)
+class Bushing(ForceElement):
+    """Elastic joint between a and b: linear in the displacement of a point and in the relative rotation.
+
+    In the axes F fixed in a, with d the displacement of the point of b, and (p0, p) the relative quaternion:
+    force on b ``-(K d + C d_dot)``, moment ``-2 (p0 K_r p + p x K_r p) - C_r w``. Energy ``d'K d / 2 + 2 p'K_r p``
+    (``theta' K_r theta / 2`` for small rotations); valid below half a turn.
+
+    Parameters
+    ----------
+    at : (3,) array_like
+        The point, world at the reference pose [m].
+    stiffness, damping : float or (3,) array_like
+        Along the element's axes [N/m], [N s/m].
+    turning_stiffness, turning_damping : float or (3,) array_like
+        About the element's axes [N m/rad], [N m s/rad].
+    axes : (4,) or (3, 3) array_like
+        Orientation of the element's axes, world at the reference pose.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Bushing, System, accelerations
+    >>> engine = Body("engine", mass=2.0, inertia=(0.1, 0.1, 0.1), velocity=(0, 0, 0.5))
+    >>> mount = Bushing(GROUND, engine, at=(0, 0, 0), stiffness=400.0, damping=(3.0, 3.0, 8.0))
+    >>> system = System([engine], forces=[mount], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(engine)[0, 2]), 12)  # -8 * 0.5 / 2
+    -2.0
+    """
+
+    law = staticmethod(bushing)
+
+    a: Body | Ground
+    b: Body | Ground
+    at: ArrayLike = field(kw_only=True)
+    stiffness: ArrayLike = field(kw_only=True)
+    turning_stiffness: ArrayLike = field(default=0.0, kw_only=True)
+    damping: ArrayLike = field(default=0.0, kw_only=True)
+    turning_damping: ArrayLike = field(default=0.0, kw_only=True)
+    axes: ArrayLike = field(default=(1.0, 0.0, 0.0, 0.0), kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_pair(self.a, self.b, what)
+        self.set(at=vector(self.at, f"{what}: at"), axes=as_quaternion(self.axes, f"{what}: axes"))
+        for name in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
+            value = getattr(self, name)
+            three = vector((value,) * 3 if np.ndim(value) == 0 else value, f"{what}: {name}")
+            if (three < 0).any():
+                raise ValueError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
+            self.set(**{name: three})
+
+    def record(self) -> ForceRecord:
+        values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
+        return ForceRecord((self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)

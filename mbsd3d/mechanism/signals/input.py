@@ -1,0 +1,44 @@
+"""A number that is set from outside while a model runs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .signal import Signal, _store_finite
+from .terms import POLYNOMIAL, Term
+
+
+@dataclass(frozen=True)
+class Input(Signal):
+    """``f = value`` until `Stepper.set` gives another number, which holds until the next one.
+
+    Parameters
+    ----------
+    name : str
+        What it is set by; signals of one name are one input.
+    value : float
+        At the start, in the unit of what it drives; `simulate` keeps it.
+
+    Raises
+    ------
+    ValueError
+        If there is no name, or the value is not a finite number.
+
+    Examples
+    --------
+    >>> throttle = Input("throttle", 0.5)
+    >>> float((2.0 * throttle + 1.0)(3.0))
+    2.0
+    """
+
+    name: str
+    value: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise ValueError(f"Input: name {self.name!r}; give a text, e.g. Input('throttle')")
+        _store_finite(self, "value")
+
+    def terms(self) -> list[Term]:
+        """The polynomial (value)."""
+        return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]

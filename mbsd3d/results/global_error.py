@@ -1,0 +1,63 @@
+"""How far a motion is from the true one: the same run at tighter settings, and how fast the difference grows."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .certificate import Certificate
+from .run_result import RunResult
+
+FEWEST = 8  # samples from which growth is read
+
+
+def estimate(solution: RunResult) -> Certificate:
+    """The certificate with a global error estimate: the same run at tighter settings, compared at the samples.
+
+    Adaptive: rtol/32 and rtol/1024; fixed steps: dt/2 and dt/4. The error is the largest difference of positions (model
+    lengths) and angles [rad] from the tightest run; the order is log2 of the ratio of successive differences for fixed
+    steps, and the exponent of rtol for adaptive ones.
+    """
+    record = solution.record
+    if record.method.dt is None and record.rtol < 3.2e-12:
+        raise ValueError(
+            f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
+        )
+    finer, finest = refined(solution, 1), refined(solution, 2)
+    first, second = (float(distances(run, finest).max(initial=0.0)) for run in (solution, finer))
+    factor = 32.0 if record.method.dt is None else 2.0
+    order = float(np.log(first / second) / np.log(factor)) if 0.0 < second < first else None
+    doubling = doubling_time(solution.t, distances(finer, finest))
+    return replace(solution.certificate, error=first, order=order, doubling=doubling)
+
+
+def refined(solution: RunResult, level: int) -> RunResult:
+    """The run again, ``level`` times refined."""
+    method = solution.record.method
+    if method.dt is None:
+        return solution.again(rtol=max(solution.record.rtol / 32**level, 1e-13))
+    return solution.again(method=replace(method, dt=method.dt / 2**level))
+
+
+def distances(one: RunResult, other: RunResult) -> np.ndarray:
+    """(samples,) largest difference of poses over the bodies: positions in model lengths, rotations in radians."""
+    a, b = one.arrays["q"], other.arrays["q"]
+    shift = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1) / one.compiled.model.length
+    turn = 2.0 * np.minimum(
+        np.linalg.norm(a[..., 3:] - b[..., 3:], axis=-1), np.linalg.norm(a[..., 3:] + b[..., 3:], axis=-1)
+    )
+    return np.maximum(shift, turn).max(axis=1, initial=0.0)
+
+
+def doubling_time(t: np.ndarray, apart: np.ndarray) -> float | None:
+    """Time [s] in which the distance of two runs doubles, if it grows like exp(k t) and not like a power of t.
+
+    Read where it is neither rounding nor as large as the motion itself, and only where it grows a thousandfold.
+    """
+    grown = np.maximum.accumulate(apart)
+    use = (grown > 1e-13) & (grown < 0.03) & (t > t[0])
+    if use.sum() < FEWEST or grown[use][-1] < 1e3 * grown[use][0]:
+        return None
+    x, y = t[use] - t[0], np.log(grown[use])
+    slopes = [np.polynomial.polynomial.polyfit(base, y, 1, full=True) for base in (x, np.log(x))]
+    (exponential, (misfit, *_)), (_, (power_misfit, *_)) = slopes
+    return float(np.log(2.0) / exponential[1]) if misfit[0] < power_misfit[0] else None

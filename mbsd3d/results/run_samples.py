@@ -1,0 +1,260 @@
+"""The samples of a run: every quantity by part, in world axes and SI units."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..base.rotations import matrix
+from ..dynamics.batch import wrenches
+from ..equations.compiled import Compiled
+from ..kernels.layout import Data
+from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.drivers import Driver
+from ..mechanism.force_element import ForceElement
+from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.state import State
+from .body_motion import Poses
+from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
+from .record import Record
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none."""
+
+    kinetic: np.ndarray
+    potential: np.ndarray
+    total: np.ndarray
+    work: np.ndarray
+
+
+@dataclass(frozen=True)
+class Momentum:
+    """Linear momentum [kg m/s] and angular momentum about the world origin [kg m^2/s], (samples, 3)."""
+
+    linear: np.ndarray
+    angular: np.ndarray
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Largest |c| [m or rad] and |J v - b| [m/s or rad/s] over all rows at each sample."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RunSamples(Poses):
+    """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes."""
+
+    compiled: Compiled
+    arrays: dict[str, np.ndarray]
+    record: Record
+    final: State
+
+    @classmethod
+    def from_run(
+        cls, compiled: Compiled, arrays: dict, record: Record, y: np.ndarray, t: float, data: Data
+    ) -> "RunSamples":
+        """Split the raw samples ``y`` into q, world velocities and own states."""
+        n = len(compiled.system.bodies)
+        states = arrays.pop("y")
+        arrays["state"] = states
+        arrays["q"] = states[:, : 7 * n].reshape(-1, n, 7)
+        arrays["v"] = world_velocities(states, n)
+        arrays["z"] = states[:, 13 * n :]
+        arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
+        velocities, own = world_velocities(y[None], n)[0].ravel(), y[13 * n : 13 * n + compiled.model.z_work]
+        end = State(t, unit_quaternions(y[: 7 * n]), velocities, own, data.coordinate["value"].copy())
+        return cls(compiled, arrays, record, end)
+
+    @property
+    def t(self) -> np.ndarray:
+        """(samples,) times [s]."""
+        return self.arrays["t"]
+
+    def velocity(self, body: Body | str) -> np.ndarray:
+        """Velocity of the reference point [m/s]."""
+        return self.arrays["v"][:, self._body(body), :3]
+
+    def omega(self, body: Body | str) -> np.ndarray:
+        """Angular velocity [rad/s], world axes."""
+        return self.arrays["v"][:, self._body(body), 3:]
+
+    def omega_body(self, body: Body | str) -> np.ndarray:
+        """Angular velocity [rad/s], body axes."""
+        return np.einsum("tji,tj->ti", self.rotation(body), self.omega(body))
+
+    def acceleration(self, body: Body | str) -> np.ndarray:
+        """Acceleration of the reference point [m/s^2]."""
+        return self.arrays["acceleration"][:, self._body(body), :3]
+
+    def alpha(self, body: Body | str) -> np.ndarray:
+        """Angular acceleration [rad/s^2], world axes."""
+        return self.arrays["acceleration"][:, self._body(body), 3:]
+
+    def _coordinate(self, joint: Joint | str, kind: str) -> np.ndarray:
+        part = self.system.part(joint, "joints")
+        return self.compiled.coordinate(coordinate_of(part, kind, f"solution.{kind}"))
+
+    def angle(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) angle of a hinge [rad], unwrapped, zero at the reference pose."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "angle")]
+
+    def slide(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) displacement of a sliding joint [m]."""
+        return self.arrays["coordinate"][:, self._coordinate(joint, "slide")]
+
+    def rate(self, joint: Joint | str) -> np.ndarray:
+        """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
+        part = self.system.part(joint, "joints")
+        a, b = (None if body is GROUND else body for body in (part.a, part.b))
+        w_a = self.omega(a) if a else np.zeros((self.t.size, 3))
+        if part.angle() is not None:
+            axis = self.body_axis(part.a, part.angle().axis)
+            return np.einsum("ti,ti->t", axis, (self.omega(b) if b else 0.0) - w_a)
+        x = part.slide()
+        if x is None:
+            raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
+        axis = self.body_axis(part.a, x.axis)
+        p_b, v_b = self._point_motion(part.b, x.point_b)
+        v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
+        return np.einsum("ti,ti->t", axis, v_b - v_a_there)
+
+    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a body point given at the reference pose."""
+        if body is GROUND:
+            return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
+        return self._carried(body, body.local_point(point))
+
+    def _carried(self, body: Body, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """World position and velocity of a point given in body axes from the reference point."""
+        arm = self.rotation(body) @ local
+        return self.position(body) + arm, self.velocity(body) + np.cross(self.omega(body), arm)
+
+    @cached_property
+    def _middle(self) -> MiddleRows:
+        """Which shares of the rows the constraints leave open."""
+        return middle_rows(self.compiled, self.t, self.arrays["state"], self.record.rows_left_out)
+
+    @cached_property
+    def _multipliers(self) -> np.ndarray:
+        """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
+        return minimum_norm(self.compiled, self._middle, self.t, self.arrays["state"], self.arrays["lam"])
+
+    def reaction(self, *joints: Joint | str) -> Reaction:
+        """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
+
+        With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
+        constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
+        """
+        system, compiled = self.system, self.compiled
+        parts = [system.part(joint, "joints") for joint in joints]
+        if not parts:
+            raise ValueError("solution.reaction: no joint given; give one or more joints")
+        body = parts[0].b
+        for part in parts[1:]:
+            if part.b is not body:
+                raise ValueError(
+                    f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
+                    f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
+                )
+        unique, samples = unique_wrench(compiled, self._middle, parts), self.t.size
+        lam = self.arrays["lam"] if unique else self._multipliers
+        total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
+        index, data = compiled.body_index[id(body)], compiled.data()
+        for part in parts:
+            rows = compiled.rows[id(part)]
+            wrenches(compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
+            total += one
+        point = parts[0].reaction_points(self)
+        origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
+        force = total[:, :3]
+        return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+
+    def effort(self, driver: Driver | str) -> np.ndarray:
+        """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
+        part = self.system.part(driver, "joints")
+        if not isinstance(part, Driver):
+            raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
+        rows = self.compiled.rows[id(part)]
+        unique = unique_wrench(self.compiled, self._middle, [part])
+        lam = self.arrays["lam"] if unique else self._multipliers
+        effort = -lam[:, rows]
+        return effort[:, 0] if effort.shape[1] == 1 else effort
+
+    @cached_property
+    def _energy(self) -> Energy:
+        model, system = self.compiled.model, self.system
+        kinetic, potential = np.zeros(self.t.size), self.arrays["potential"].sum(axis=1)
+        for body in system.bodies:
+            centre, v_com = self._carried(body, body.com)
+            w = self.omega_body(body)
+            kinetic += 0.5 * body.mass * (v_com**2).sum(axis=1) + 0.5 * np.einsum("ti,ij,tj->t", w, body.inertia, w)
+            potential -= body.mass * centre @ system.gravity
+        work = self.arrays["z"][:, model.z_work : model.z_impulse].sum(axis=1)
+        return Energy(kinetic, potential, kinetic + potential, work)
+
+    def energy(self) -> Energy:
+        """Kinetic, potential (gravity and springs), total energy and the work done by drivers and other forces [J]."""
+        return self._energy
+
+    def work(self, part: Driver | ForceElement | str) -> np.ndarray:
+        """(samples,) work [J] done since the start by a driver, or by the part of a force that stores no energy."""
+        model, system = self.compiled.model, self.system
+        if any(part is force or part == system.name(force) for force in system.forces):
+            first = model.z_work + system.forces.index(system.part(part, "forces"))
+            return self.arrays["z"][:, first]
+        rows = self.compiled.rows[id(system.part(part, "joints"))]
+        numbers = model.row["drive"][rows]
+        return self.arrays["z"][:, model.z_drive + numbers[numbers >= 0]].sum(axis=1)
+
+    def momentum(self) -> Momentum:
+        """Momentum and angular momentum about the world origin."""
+        linear, angular = np.zeros((self.t.size, 3)), np.zeros((self.t.size, 3))
+        for body in self.system.bodies:
+            centre, v_com = self._carried(body, body.com)
+            p = body.mass * v_com
+            linear += p
+            angular += np.cross(centre, p)
+            angular += np.einsum("tij,tj->ti", self.rotation(body), self.omega_body(body) @ body.inertia)
+        return Momentum(linear, angular)
+
+    def drift(self) -> Drift:
+        """Constraint residuals at the samples."""
+        residual = self.arrays["residual"]
+        return Drift(residual[:, 0], residual[:, 1])
+
+    def state(self, sample: int = -1) -> State:
+        """The state at a sample, to start another run from."""
+        a = self.arrays
+        own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
+        return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])
+
+    def state_of(self, force: ForceElement | str) -> np.ndarray:
+        """(samples, k) own states of a force element, e.g. of a filter or a `CustomForce`."""
+        part = self.system.part(force, "forces")
+        entry = self.compiled.model.force[self.system.forces.index(part)]
+        return self.arrays["z"][:, entry["state"] : entry["state"] + entry["states"]]
+
+
+def unit_quaternions(q: np.ndarray) -> np.ndarray:
+    """q with |e| = 1 for every body: without stabilisation the norms drift, which R(e) does not see."""
+    poses = q.reshape(-1, 7).copy()
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    return poses.ravel()
+
+
+def world_velocities(states: np.ndarray, n: int) -> np.ndarray:
+    """(samples, n, 6) world velocities (r_dot, w) from states y with u = (r_dot, R'w)."""
+    v = np.empty((states.shape[0], n, 6))
+    some = max(1, 2**14 // n)  # samples at a time: their rotation matrices take 1 MB
+    for k in range(0, states.shape[0], some):
+        y = states[k : k + some]
+        u = y[:, 7 * n : 13 * n].reshape(-1, n, 6)
+        R = matrix(y[:, : 7 * n].reshape(-1, n, 7)[..., 3:])
+        v[k : k + some, :, :3] = u[..., :3]
+        v[k : k + some, :, 3:] = np.einsum("tbij,tbj->tbi", R, u[..., 3:])
+    return v

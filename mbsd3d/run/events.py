@@ -1,0 +1,45 @@
+"""Whether the condition to stop can come true from the start on."""
+
+import numpy as np
+
+from ..integrators.memory import Run
+from ..kernels.coordinates import measure
+from ..kernels.kinematics import kinematics
+from ..kernels.layout import Data, Model
+from ..mechanism.measures import UNITS, Condition
+
+SLACK = 1e-9  # of its scale is what a measure may differ from a value that it is said to have
+SOON = 1e-3  # of the first step: so far the motion is a straight line
+
+
+def armed_at_start(model: Model, data: Data, run: Run, stop_when: Condition) -> tuple[int, float]:
+    """(1 if the condition is false at the start or becomes so at once, else 0; slack of the value).
+
+    A run may start where the measure has the value already, as one does that goes on after an event: then the condition
+    is not armed before the measure has left the value to the side where the condition is false.
+
+    Raises
+    ------
+    ValueError
+        If the condition holds already, by more than the slack.
+    """
+    length, speed = UNITS[stop_when.measure.unit]
+    slack = SLACK * max(abs(stop_when.value), model.length**length * float(run.now.speed) ** speed)
+    now, soon = at_start(model, data, run, 0.0), at_start(model, data, run, SOON * float(run.now.step))
+    gap = stop_when.direction * (now - stop_when.value)
+    if gap > slack:
+        raise ValueError(
+            f"simulate: stop_when: {stop_when} holds already at the start ({now:.6g}); "
+            "give another value or another start"
+        )
+    leaves = stop_when.direction * (soon - now) < -1e-3 * slack
+    return int(gap < -slack or leaves), slack
+
+
+def at_start(model: Model, data: Data, run: Run, dt: float) -> float:
+    """The measure dt after the start, along the first rates; leaves the work space at the start."""
+    t = float(run.now.t)
+    kinematics(model, data, run.y + dt * run.dy)
+    value = float(np.real(measure(model, data, 0, t + dt)))
+    kinematics(model, data, run.y)
+    return value

@@ -1,0 +1,250 @@
+"""Runs in slices: against one run, closed forms, a sampled controller from its matrices; inputs in files; errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from models import direction, random_body
+from scipy.linalg import expm
+
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    RK4,
+    AngleDriver,
+    Body,
+    CustomForce,
+    Force,
+    GeneralizedAlpha,
+    Input,
+    IntegrationError,
+    Kinematic,
+    Ramp,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    Spherical,
+    Stepper,
+    System,
+    Table,
+    Torque,
+    load,
+    measures,
+    simulate,
+)
+
+
+def double_pendulum(*forces, seed=3):
+    """Two bodies in general position on a ball joint and a hinge, with a Solution's handles."""
+    rng = np.random.default_rng(seed)
+    upper, lower = random_body(rng, "upper"), random_body(rng, "lower")
+    at, elbow = rng.normal(size=3), rng.normal(size=3)
+    joints = [Spherical(GROUND, upper, at=at), Revolute(upper, lower, at=elbow, axis=direction(rng), name="elbow")]
+    return System([upper, lower], joints, [force(upper, lower) for force in forces])
+
+
+def rotor(*signals, axis=(1.0, -2.0, 0.5)):
+    """A rotor on a hinge along a general axis through its centre of mass, with torques along it."""
+    n = np.array(axis) / np.linalg.norm(axis)
+    body = Body("rotor", 2.0, (0.3, 0.5, 0.4), com=(0.1, 0.2, -0.1))
+    hinge = Revolute(GROUND, body, at=body.centre, axis=n, name="hinge")
+    forces = [Torque(body, tuple(float(x) * signal for x in n)) for signal in signals]
+    return System([body], [hinge], forces, gravity=(0, 0, 0)), hinge, float(n @ np.diag((0.3, 0.5, 0.4)) @ n)
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "limit"),
+    [
+        (DOP853(), 1e-10, 1e-7),  # errors of two runs of other steps
+        (RK4(1e-3), 1e-8, 1e-13),  # the slices are whole numbers of steps: the same run but for rounding
+        (GeneralizedAlpha(dt=1e-3), 1e-8, 1e-8),  # the same, to what Newton's method leaves
+    ],
+)
+def test_slices_are_one_run(method, rtol, limit):
+    system = double_pendulum()
+    whole = simulate(system, 0.7, method=method, rtol=rtol)
+    stepper = Stepper(system, method=method, rtol=rtol)
+    for t in (0.05, 0.1, 0.103, 0.4, 0.7):
+        stepper.advance(t)
+    assert stepper.t == 0.7
+    assert np.abs(stepper.q - whole.final.q).max() < limit
+    assert np.abs(stepper.v - whole.final.v).max() < 10 * limit
+    assert np.array_equal(stepper.state.q, stepper.solution().final.q)
+
+
+def test_fixed_steps_land_on_every_slice():
+    stepper = Stepper(double_pendulum(), method=RK4(0.01))
+    for t in (0.1, 0.125, 0.126):  # 10, 3 and 1 steps
+        stepper.advance(t)
+    assert stepper.solution().certificate.steps == 14
+
+
+def test_driven_poses_follow_from_slice_to_slice():
+    body = Body("arm", 2.0, (0.1, 0.2, 0.15), com=(0.3, 0.1, 0))
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(1, 2, 2), name="hinge")
+    system = System([body], [hinge, AngleDriver(hinge, Ramp(3.0) + Sine(0.2, 1.0))])
+    stepper = Stepper(system, method=Kinematic(), measures=[measures.angle(hinge), measures.rate(hinge)])
+    for t in (0.4, 1.7, 4.0):
+        stepper.advance(t)
+    rate = 3.0 + 0.4 * np.pi * np.cos(8 * np.pi)
+    assert stepper.measured == pytest.approx([12.0 + 0.2 * np.sin(8 * np.pi), rate], abs=1e-11)
+    assert stepper.solution().t.tolist() == [0.0, 0.4, 1.7, 4.0]
+
+
+def test_inputs_hold_until_they_change():
+    """Torque 2 u + 1: the angle is a parabola in each slice; two terms of one name change together."""
+    push = Input("push", 0.25)
+    system, hinge, inertia = rotor(2.0 * push + 1.0, 0.5 * Input("push", 0.25))
+    seen = [measures.angle(hinge), measures.rate(hinge)]
+    stepper = Stepper(system, measures=seen)
+    angle, rate, t = 0.0, 0.0, 0.0
+    for value, end in ((None, 0.3), (-1.7, 0.9), (None, 1.0), (0.6, 2.0)):
+        if value is not None:
+            stepper.set(push, 99.0)  # the last one at a time counts
+            stepper.set("push", value)
+        alpha, h = (2.5 * stepper.inputs["push"] + 1.0) / inertia, end - t
+        angle, rate, t = angle + rate * h + 0.5 * alpha * h * h, rate + alpha * h, end
+        stepper.advance(end)
+        assert stepper.measured == pytest.approx([angle, rate], rel=1e-10, abs=1e-10)
+    assert stepper.inputs == {"push": 0.6}
+
+
+def test_simulate_keeps_the_first_value():
+    system, hinge, inertia = rotor(Input("push", 0.8))
+    assert simulate(system, 1.0).angle(hinge)[-1] == pytest.approx(0.4 / inertia, rel=1e-8)  # rtol
+
+
+def test_a_sampled_controller_is_its_matrix():
+    """u = -K x held for a period T: x' = (Ad - Bd K) x, from the matrix exponential."""
+    system, hinge, inertia = rotor(Input("torque"))
+    period, gains = 0.05, np.array([1.3, 0.7])
+    block = expm(np.array([[0, 1, 0], [0, 0, 1 / inertia], [0, 0, 0]]) * period)
+    closed = block[:2, :2] - np.outer(block[:2, 2], gains)
+    stepper = Stepper(
+        system, system.assemble(angles={hinge: 0.4}), measures=[measures.angle(hinge), measures.rate(hinge)]
+    )
+    for k in range(40):
+        stepper.set("torque", -gains @ stepper.measured)
+        stepper.advance((k + 1) * period)
+    assert stepper.measured == pytest.approx(np.linalg.matrix_power(closed, 40) @ (0.4, 0.0), abs=1e-10)
+
+
+def controlled():
+    """A double pendulum under an input that changed four times, and its stepper."""
+    system = double_pendulum(lambda a, b: Force(b, (Input("wind"), -0.5 * Input("wind"), 0.0), at=b.centre + 0.3))
+    stepper = Stepper(system)
+    for k, value in enumerate((4.0, 0.0, -7.0, 3.0)):
+        stepper.set("wind", value)
+        stepper.advance(0.2 * (k + 1))
+    return stepper
+
+
+def test_the_certificate_judges_the_inputs_as_they_were():
+    solution = controlled().solution()
+    assert solution.certificate.passed, solution.certificate
+    assert solution.t.tolist() == pytest.approx([0.0, 0.2, 0.4, 0.6, 0.8])
+    assert solution.record.inputs["wind"] == ((0.0, 4.0), (0.2, 0.0), (0.4, -7.0), (pytest.approx(0.6), 3.0))
+
+
+def test_a_file_keeps_the_inputs(tmp_path):
+    solution = controlled().solution()
+    again = load(solution.save(tmp_path / "run"))
+    assert again.certificate.passed, again.certificate
+    assert again.record.inputs == solution.record.inputs
+    assert np.array_equal(again.at(0.5).q, solution.at(0.5).q)
+    assert Stepper(again.system).inputs == {"wind": 0.0}
+    wrong = replace(solution, record=replace(solution.record, inputs={"wind": ((0.0, 4.0),)}))
+    assert not load(wrong.save(tmp_path / "wrong")).certificate["Newton-Euler"].passed
+
+
+def test_a_tighter_run_repeats_the_changes():
+    solution = controlled().solution()
+    again = solution.again()
+    assert np.abs(again.arrays["q"] - solution.arrays["q"]).max() < 1e-12
+    assert solution.estimate().error < 1e-7
+
+
+def test_stepping_on_from_a_solution_repeats_nothing():
+    stepper = controlled()
+    before = stepper.solution()
+    stepper.advance(1.0)
+    assert (before.t.size, stepper.solution().t.size) == (5, 6)
+    assert np.array_equal(stepper.solution().arrays["q"][:5], before.arrays["q"])
+
+
+def test_nothing_is_kept_on_request():
+    stepper = Stepper(double_pendulum(), keep=False)
+    for k in range(3000):  # more than the buffer of the time loop holds
+        stepper.advance(1e-4 * (k + 1))
+    assert stepper.solution().t.size == 0
+    whole = Stepper(double_pendulum())
+    for k in range(3000):
+        whole.advance(1e-4 * (k + 1))
+    assert whole.solution().t.size == 3001
+    assert np.array_equal(whole.q, stepper.q)
+
+
+def test_short_slices_cost_one_step_each():
+    stepper = Stepper(double_pendulum())
+    for k in range(50):
+        stepper.advance(1e-4 * (k + 1))
+    assert stepper.solution().certificate.steps == 50
+    stepper.advance(0.0051 + 1e-12)  # a slice that ends just after
+    stepper.advance(0.3)
+    assert stepper.solution().certificate.steps < 50 + 2 + 30
+
+
+def test_errors_name_what_is_wrong():
+    system, hinge, _ = rotor(Input("push"))
+    stepper = Stepper(system)
+    stepper.advance(1.0)
+    with pytest.raises(ValueError, match="'pull' is not one of the inputs.*'push'"):
+        stepper.set("pull", 1.0)
+    with pytest.raises(ValueError, match="input 'push': not finite"):
+        stepper.set("push", np.nan)
+    with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
+        stepper.advance(1.0)
+    with pytest.raises(ValueError, match="method 'DOP853' is unknown"):
+        Stepper(system, method="DOP853")
+    with pytest.raises(ValueError, match="two inputs 'push' start with 0 and 1"):
+        Stepper(rotor(Input("push"), Input("push", 1.0))[0])
+    with pytest.raises(ValueError, match="Input: name"):
+        Input("")
+    other = measures.angle(rotor()[1])
+    with pytest.raises(ValueError, match="Stepper: measures"):
+        Stepper(system, measures=[other])
+
+
+def test_an_input_may_not_tear_joints_apart():
+    body = Body("rotor", 1.0, (0.1, 0.1, 0.2))
+    hinge = Revolute(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+    motor = SpeedDriver(GROUND, body, axis=(0, 0, 1), speed=Input("speed", 2.0) + 1.0, name="motor")
+    stepper = Stepper(System([body], [hinge, motor]))
+    stepper.advance(0.5)
+    assert stepper.v[5] == pytest.approx(3.0)
+    stepper.set("speed", 2.0)  # no jump
+    with pytest.raises(ValueError, match="input 'speed' prescribes the motion of driver 'motor'"):
+        stepper.set("speed", 2.5)
+
+
+def test_a_slice_stays_inside_the_tables():
+    table = Table([0.0, 0.5, 1.0, 1.5], [0.0, 1.0, 0.0, 1.0])
+    stepper = Stepper(rotor(table)[0])
+    stepper.advance(1.5)
+    with pytest.raises(ValueError, match="the table covers 0 s to 1.5 s"):
+        stepper.advance(1.6)
+
+
+def burst(t, bodies, z, parameters, loads, z_dot):
+    """A force that has no value after 0.25 s."""
+    loads[0, 0] = np.sqrt(0.25 - t)
+
+
+def test_a_failure_carries_what_was_kept():
+    body = random_body(np.random.default_rng(5), "stone")
+    stepper = Stepper(System([body], forces=[CustomForce(burst, on=(body,), name="burst")]))
+    stepper.advance(0.1)
+    with pytest.raises(IntegrationError, match="force 'burst'") as caught:
+        stepper.advance(0.5)
+    assert caught.value.solution.t[:2].tolist() == [0.0, 0.1]
+    assert caught.value.solution.position(body).shape[1] == 3
