@@ -1,4 +1,5 @@
 from . import inertia as inertia
+from . import linkages as linkages
 from . import measures as measures
 from . import rotations as rotations
 from . import shapes as shapes

@@ -12,9 +12,9 @@ ROOT = Path(__file__).parent.parent
 STACK = (
     "base", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints", "results", "run",
     "linear",
-    "files", "plotting", "view", "report", "api", "sweeps", "demos", "cli",
+    "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
 )  # fmt: skip
-PUBLIC_MODULES = ("inertia", "measures", "rotations", "shapes", "signals")
+PUBLIC_MODULES = ("inertia", "linkages", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")
 FACADES = ("validation", "validation.crosscheck.result")
 LINES, FILES = 300, 14

@@ -28,6 +28,7 @@ from validation.theory.harmonics import (
     slider_crank_coefficients,
     slider_crank_harmonics,
 )
+from validation.theory.hinge_loop import HingeLoop
 from validation.theory.pendulum import hinge_force, pendulum_frequency, pendulum_motion, pendulum_period
 from validation.theory.slider_crank import CrankLoads, SliderCrank, block_force, slider_crank_loads, slider_crank_torque
 from validation.theory.small_motions import RollingCircle, rolling_circle

@@ -1,6 +1,6 @@
 """All trials of the suite, in the order of the report."""
 
-from validation.suite.trials import bicycles, demonstrations, engines, ladders, randoms, references
+from validation.suite.trials import bicycles, demonstrations, engines, ladders, loops, randoms, references
 from validation.suite.trials.trial import Trial
 
 
@@ -9,7 +9,7 @@ def trials(quick: bool = False) -> list[Trial]:
 
     ``quick``: whether the run must be short. Names are unique.
     """
-    groups = references, bicycles, ladders, demonstrations, engines, randoms
+    groups = references, bicycles, ladders, loops, demonstrations, engines, randoms
     return [trial for group in groups for trial in group.trials(quick)]
 
 

@@ -1,0 +1,42 @@
+"""The bodies of a loop: as given, or round bars."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import vector
+from ..base.inertia import MassProperties, cylinder
+from ..base.rotations import as_quaternion, matrix
+from ..mechanism.bodies import Body
+
+Links = Sequence[MassProperties] | None
+MASS = 1.0  # of a bar nobody gave a mass [kg]
+
+
+def base_frame(position: ArrayLike, orientation: ArrayLike, what: str) -> np.ndarray:
+    """(4, 4) of frame 0 in the world."""
+    base = np.eye(4)
+    base[:3, :3] = matrix(as_quaternion(orientation, f"{what}: orientation"))
+    base[:3, 3] = vector(position, f"{what}: position")
+    return base
+
+
+def bar(line: np.ndarray, radius: float) -> MassProperties:
+    """Round bar from the origin along a line (3,) [m], in the axes of the line."""
+    length = float(np.linalg.norm(line))
+    along = line / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
+    across, _, lengthwise = cylinder(MASS, radius, length)
+    turned = across * np.eye(3) + (lengthwise - across) * np.outer(along, along)
+    return MassProperties(MASS, 0.5 * line, turned)
+
+
+def link_body(
+    what: str, k: int, frame: np.ndarray, line: np.ndarray, axes: np.ndarray, radius: float, links: Links, count: int,
+    name: str = "",
+) -> Body:  # fmt: skip
+    """Link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns from."""
+    if links is not None and len(links) != count:
+        raise ValueError(f"{what}: {len(links)} links given; it has {count} that move, the ground is the last one")
+    given = bar(axes.T @ line, radius) if links is None else links[k - 1]
+    return Body(name or f"link {k}", **vars(given), position=frame[:3, 3], orientation=frame[:3, :3])
