@@ -18,7 +18,7 @@ from mbsd3d.extend import LINE, dress
 
 from ..output import new_figure, write_table
 from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, published
-from . import characteristic, critical
+from . import critical
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,7 +89,7 @@ def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> S
 
 def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
     """The outputs [m/s] of n bicycles."""
-    q = characteristic.of(variant)
+    q = critical.polynomial(variant)
     low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
     return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))

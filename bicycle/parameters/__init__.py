@@ -1,7 +1,6 @@
 """Parameters of bicycles: their definition, published sets, parameter files."""
 
-from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
-from .files import is_file, read_values
+from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, is_file, read_values
 from .published import Meijaard2007, deviations, entry_of, find, library, named, names
 
 __all__ = [

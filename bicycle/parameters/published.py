@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .definition import Parameters
-from .files import is_file
+from .definition import Parameters, is_file
 
 DATA = Path(__file__).parent / "published.json"
 SKATE_RADIUS = 0.1

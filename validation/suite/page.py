@@ -1,13 +1,10 @@
 """The report as one HTML file that needs no network: verdicts of all cases, and a section for each."""
 
 from collections.abc import Mapping, Sequence
-from functools import cache
+from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
-from mbsd3d.extend import digits
-from validation.pages import environment
+from mbsd3d.extend import digits, page_template
 from validation.suite import table
 from validation.suite.findings import (
     AGREES,
@@ -22,6 +19,7 @@ from validation.suite.findings import (
     Record,
 )
 
+TEMPLATES = Path(__file__).parents[1] / "templates"
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
 SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
@@ -35,7 +33,7 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     ``records``: in the order of the report; ``content``: of `document.content_of`: machine, versions, verdict. Returns
     HTML; every text of a case is escaped.
     """
-    return template().render(
+    return page_template("validation.html", TEMPLATES).render(
         content=content,
         groups=grouped(records),
         sections=grouped([record for record in records if detailed(record)]),
@@ -43,24 +41,15 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
         counted=table.counted(records),
         differences=table.differences(records),
         omissions=table.omissions(records),
-        meaning=JUDGES,
-    )
+        meaning=JUDGES, marks=MARKS, classes=CLASSES, number=number, cell=cell, key=anchor, single=single,
+        matrix=matrix, reasons=reasons, detailed=detailed,
+    )  # fmt: skip
 
 
 def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
     """Group -> its cases."""
     names = dict.fromkeys(record.group for record in records)
     return {name: [record for record in records if record.group == name] for name in names}
-
-
-@cache
-def template() -> Any:
-    """Template of the page."""
-    filters = {
-        "number": number, "cell": cell, "key": anchor, "svg": Markup, "single": single, "matrix": matrix,
-        "reasons": reasons, "detailed": detailed,
-    }  # fmt: skip
-    return environment(filters, marks=MARKS, classes=CLASSES).get_template("validation.html")
 
 
 def number(value: Any) -> str:

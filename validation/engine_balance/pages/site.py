@@ -5,14 +5,12 @@
 
 import re
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import quote
 
 import numpy as np
 
-from mbsd3d.extend import Progress, digits, write_atomically
+from mbsd3d.extend import Progress, digits, page_template, write_atomically
 from validation.engine_balance import gas, report, spatial
 from validation.engine_balance.balance import Comparison, compare
 from validation.engine_balance.layouts import Engine, names
@@ -20,10 +18,10 @@ from validation.engine_balance.pages import drawings, portrait
 from validation.engine_balance.pages.sheets import QUANTITIES, GasTorque, Sheet
 from validation.engine_balance.published.claims import Row
 from validation.engine_balance.published.truth import AGREES, rows
-from validation.pages import environment
 
 ORDERS, COUNT = 6, 72  # harmonics; samples of a turn
 PLAY = '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+TEMPLATES = Path(__file__).parents[2] / "templates"
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
 
@@ -173,16 +171,10 @@ def mark(row: Row) -> str:
     return "pass" if rounded or AGREES in row.verdict else "fail"
 
 
-@cache
-def templates() -> Any:
-    """Templates of the pages."""
-    return environment(
-        {"digits": digits, "figure": figure, "link": quote, "mark": mark},
-        drawings=drawings, sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, mark=mark,
-        sources=SOURCES, ways=report.ways, orders=ORDERS,
-    )  # fmt: skip
-
-
-def render(name: str, **values: Any) -> str:
+def render(name: str, truth: list[Row], **values: Any) -> str:
     """A page."""
-    return templates().get_template(name).render(**values)
+    return page_template(name, TEMPLATES).render(
+        truth=truth, marks=[mark(row) for row in truth], mark=mark, figure=figure, digits=digits, drawings=drawings,
+        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES, orders=ORDERS,
+        ways=report.ways, **values,
+    )  # fmt: skip
