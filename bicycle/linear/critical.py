@@ -6,8 +6,8 @@
 A leaned bicycle rolls straight on, so the first column of K2 vanishes and with it the term of e in w^2. By Routh and
 Hurwitz, for a > 0 and v > 0, all motions decay if and only if b, c, d, e and ``h = b c d - a d^2 - b^2 e`` are
 positive. That can only change at the root of e (capsize, s = 0) or of h (weave, s = +-i omega): where c or d reaches
-zero first, h = -a d^2 - b^2 e is negative already. Both are at most quadratic in w, so no range is too narrow to be found. Speeds
-are forward; backwards the spectrum is the negative one, so no speed is stable both ways.
+zero first, h = -a d^2 - b^2 e is negative already. Both are at most quadratic in w, so no range is too narrow to be
+found. Speeds are forward; backwards the spectrum is the negative one, so no speed is stable both ways.
 
 Arrays of bicycles are handled at once: matrices have shape (..., 2, 2), speeds (...).
 """
@@ -50,9 +50,8 @@ class Quartic(NamedTuple):
     def h(self) -> Array:
         """(..., 3) b c d - a d^2 - b^2 e by rising powers of w, without its factor w."""
         f = self.b[..., None] * self.c - self.a[..., None] * self.d
-        (f0, f1), (d0, d1), (e0, e1) = (np.moveaxis(x, -1, 0) for x in (f, self.d, self.e))
-        squared = self.b**2
-        return np.stack([f0 * d0 - squared * e0, f0 * d1 + f1 * d0 - squared * e1, f1 * d1], axis=-1)
+        (f0, f1), (d0, d1), (e0, e1) = (np.moveaxis(x, -1, 0) for x in (f, self.d, self.b[..., None] ** 2 * self.e))
+        return np.stack([f0 * d0 - e0, f0 * d1 + f1 * d0 - e1, f1 * d1], axis=-1)
 
     def at(self, v: Array | complex) -> Array:
         """(..., 5) p at the speed v, by rising powers of s."""
@@ -117,11 +116,8 @@ def double_roots(q: Quartic) -> list[DoubleRoot]:
     for w in discriminant(q, unit).trim().roots():  # what rounding leaves of higher powers adds starts only
         if 0.0 < w.real < (FASTEST / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
             found += [x for x in [meeting(q, unit * np.sqrt(w.real))] if x]
-    distinct = []
-    for x in sorted(found):
-        if not distinct or x.speed - distinct[-1].speed > 1e-9 * x.speed:
-            distinct.append(x)
-    return distinct
+    found.sort()
+    return [x for k, x in enumerate(found) if not k or x.speed - found[k - 1].speed > 1e-9 * x.speed]
 
 
 def discriminant(q: Quartic, unit: float) -> Polynomial:
@@ -239,8 +235,7 @@ def first_range(q: Quartic) -> tuple[Array, Array]:
     edges, stable = intervals(q)
     k = np.argmax(stable, axis=-1)[..., None]
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
-    low, high = (np.where(stable.any(-1), x, np.nan) for x in ends)
-    return low, high
+    return tuple(np.where(stable.any(-1), x, np.nan) for x in ends)
 
 
 def difference(first: list[Range], second: list[Range]) -> float:
@@ -271,14 +266,10 @@ class CriticalSpeeds:
     stable: list[Range]
 
     def __str__(self) -> str:
-        weave = f"{self.weave:.12g} m/s, omega {self.weave_rate:.12g} rad/s"
-        lines = [
-            f"weave     {weave if self.weave > 0.0 else '-'}",
-            f"capsize   {f'{self.capsize:.12g} m/s' if self.capsize > 0.0 else '-'}",
-            *(f"two modes meet at {x.speed:.12g} m/s, {x.eigenvalue:.12g} 1/s" for x in self.double_roots),
-            f"stable    {listed(self.stable)}",
-        ]
-        return "\n".join(lines)
+        weave = f"{self.weave:.12g} m/s, omega {self.weave_rate:.12g} rad/s" if self.weave > 0.0 else "-"
+        capsize = f"{self.capsize:.12g} m/s" if self.capsize > 0.0 else "-"
+        meet = [f"two modes meet at {x.speed:.12g} m/s, {x.eigenvalue:.12g} 1/s" for x in self.double_roots]
+        return "\n".join([f"weave     {weave}", f"capsize   {capsize}", *meet, f"stable    {listed(self.stable)}"])
 
 
 def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed: float = 5.0) -> CriticalSpeeds:

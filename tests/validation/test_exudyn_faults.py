@@ -39,7 +39,7 @@ from exudyn_models import distances, tree  # noqa: E402
 
 from validation.twins.exudyn import EXPRESSES, EXPRESSES_FORCES, FORMULATIONS, advised, twin  # noqa: E402
 from validation.twins.exudyn.forces import REFUSED as REFUSED_FORCES  # noqa: E402
-from validation.twins.exudyn.library import check_version  # noqa: E402
+from validation.twins.exudyn.solvers import check_version  # noqa: E402
 
 
 def test_tables_hold_public_classes_and_say_how():

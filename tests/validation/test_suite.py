@@ -9,7 +9,7 @@ import pytest
 from mbsd3d.demos.base import discover
 from validation import cases
 from validation.engine_balance.layouts import names
-from validation.suite import table
+from validation.suite import findings as words
 from validation.suite.findings import (
     AGREES,
     CERTIFICATE,
@@ -99,7 +99,7 @@ def test_what_leaves_the_plane_is_named():
 def test_engines_and_planar_mechanisms_agree():
     for trial in engines.trials(quick=True):
         found = examine(trial)[0]
-        assert found.verdict == AGREES, table.differences([found])
+        assert found.verdict == AGREES, words.differences([found])
         assert found.worst(PLANE).verdict == AGREES
 
 
@@ -180,4 +180,4 @@ def test_an_engine_that_is_missing_is_not_compared(monkeypatch):
     found = examined(references.trial_of("coriolis_slider"), 0.05)
     assert found.verdict != DIFFERS and found.worst(MUJOCO).verdict == NOT_COMPARED
     assert "install" in found.worst(MUJOCO).note
-    assert "MuJoCo, not compared" in table.text([found])
+    assert "MuJoCo, not compared" in words.table([found])

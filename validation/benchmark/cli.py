@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 PARTS = ("precision", "redundancy", "speed")
-STORE, TEXT, FIGURE = "precision.json", "precision.txt", "work_precision"
+LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
 
 
 class Failure(click.ClickException):
@@ -56,7 +56,10 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
         click.echo("\n".join(PROBLEMS))
         return
     if stored:
-        show_stored(out, pictures)
+        from validation.benchmark.precision import load
+
+        prepare(out, pictures)
+        show(load(out / DATA), out, pictures)
         return
     sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
     if "precision" in parts:
@@ -73,28 +76,32 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
 
 def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> None:
     """Measure problems one by one, storing after each; Ctrl-C keeps what there is."""
-    from validation.benchmark import store
-    from validation.benchmark.precision import measure
+    from mbsd3d.extend import Store
+    from validation.benchmark.precision import PACKAGES, from_dict, identity, measure, save
     from validation.benchmark.problems import PROBLEMS
     from validation.machine import machine
 
-    path, where = out / STORE, machine("mbsd3d", *store.PACKAGES[1:])
     prepare(out, pictures)
-    rows = [] if fresh else store.load(path, unfinished=True)
+    store, where = Store(out / LEDGER, identity(), "benchmark", replace=True), machine(*PACKAGES)
+    if fresh:
+        store.clear()
+    rows = [from_dict(row) for row in store.all().values()]
     if rows:
-        click.echo(f"going on with {path}: {len(rows)} measured (--fresh begins anew)", err=True)
+        click.echo(f"going on with {store.path}: {len(rows)} measured (--fresh begins anew)", err=True)
     try:
         for k, name in enumerate(names):
             if name in {row.name for row in rows}:
                 continue
             click.echo(f"{k + 1}/{len(names)} {name} ...", err=True)
             rows.append(measure(PROBLEMS[name](), note))
-            store.save(path, rows, where, complete=False)
+            store.put(name, rows[-1].to_dict())
     except KeyboardInterrupt:
-        click.echo(f"\ninterrupted; {len(rows)} problems are in {path}, the same command goes on", err=True)
+        save(out / DATA, rows, where, complete=False)
+        click.echo(f"\ninterrupted; {len(rows)} problems are in {store.path}, the same command goes on", err=True)
         show(rows, out, pictures)
         sys.exit(130)
-    store.save(path, rows, where, complete=True)
+    save(out / DATA, rows, where, complete=True)
+    store.clear()
     click.echo(where)
     show(rows, out, pictures)
 
@@ -116,19 +123,10 @@ def note(text: str) -> None:
         click.echo(f"\r\x1b[2K    {text}", nl=False, err=True)
 
 
-def show_stored(out: Path, pictures: Path | None) -> None:
-    """Table and figure of stored rows."""
-    from validation.benchmark import store
-
-    prepare(out, pictures)
-    show(store.load(out / STORE), out, pictures)
-
-
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
     """Print and write."""
     from mbsd3d import save_figure
-    from validation.benchmark.figure import SHOWN, work_precision
-    from validation.benchmark.tables import report
+    from validation.benchmark.tables import SHOWN, report, work_precision
 
     if not rows:
         return

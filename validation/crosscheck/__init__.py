@@ -5,5 +5,4 @@ Read in this order: `quantities` (what is compared), `limits` (convergence), `ou
 """
 
 from validation.crosscheck.check import ENGINES, cross_check
-from validation.crosscheck.result import CrossCheck
-from validation.crosscheck.verdict import Attribution, Compared, Curve, Finding
+from validation.crosscheck.result import Attribution, Compared, CrossCheck, Curve, Finding

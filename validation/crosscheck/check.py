@@ -9,15 +9,12 @@ import numpy as np
 
 from mbsd3d import State
 from mbsd3d.extend import Progress, check_state, check_system, number
-from validation.crosscheck.causes import explained
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
-from validation.crosscheck.judge import Runs, curves, judge_motion, own_error
+from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
 from validation.crosscheck.ladder import INTERVALS, climb, fastest_rate, first_steps
 from validation.crosscheck.ours import Ours, ours_at, ours_at_start
-from validation.crosscheck.result import CrossCheck
-from validation.crosscheck.start import judge_start
-from validation.crosscheck.verdict import DIFFERS, SKIPPED, Compared, Finding
+from validation.crosscheck.result import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
 from validation.twins.base import EngineMissing, NotComparable, Twin
 
 MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State, accelerations
-from validation.crosscheck.ours import TIGHT, whole_run
-from validation.crosscheck.quantities import Sizes, largest
-from validation.crosscheck.verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
+from validation.crosscheck.ours import TIGHT, Sizes, largest, whole_run
+from validation.crosscheck.result import AGREES, DIFFERS, SKIPPED, Compared, Finding
 from validation.twins.base import Array, NotExpressible
 from validation.twins.definitions import equations as reference_point
 from validation.twins.definitions import rows as definitions

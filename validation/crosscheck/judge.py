@@ -1,15 +1,68 @@
-"""From a ladder of runs to verdicts: over which time they can be compared, and whether the limits agree."""
+"""Verdicts: mass matrices and accelerations at the start, limits of the motions, causes of differences.
 
-from collections.abc import Mapping
-from typing import Any
+A difference is explained only if changing its cause, in the same run, changes it as it should.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbsd3d import State, accelerations
+from mbsd3d.extend import mass_matrix
 from validation.crosscheck.ladder import Ladder, Limit, best_limit
-from validation.crosscheck.ours import Ours
-from validation.crosscheck.quantities import POSES, Quantity, quantities
-from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
-from validation.twins.base import Array
+from validation.crosscheck.ours import POSES, Ours, Quantity, largest, quantities
+from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.twins.base import Array, NotComparable, Twin
+
+MASS = 1e-10
+"""Relative difference of mass matrices: rounding of some hundred products and of the engine's own kinematics."""
+START = ("acceleration", "angular acceleration")
+
+
+def judge_start(system: Any, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
+    """Findings about the mass matrix and the accelerations at the start."""
+    findings = [judge_mass(system, state, twin)]
+    by_quantity = acceleration_differences(system, state, twin, ours)
+    for name, (difference, part) in by_quantity.items():
+        status = AGREES if difference <= tolerance else DIFFERS
+        found = dict(difference=difference, tolerance=tolerance, until=state.t, part=part)
+        findings.append(Finding(twin.engine, name, status, **found))
+    return findings
+
+
+def judge_mass(system: Any, state: State, twin: Twin) -> Finding:
+    """T'M T of our reference-point mass matrix against the engine's, T from its velocities to ours."""
+    kinetic = twin.kinetic()
+    if kinetic is None:
+        return Finding(twin.engine, "mass matrix", SKIPPED, reason=f"{twin.engine} does not give it here")
+    T, theirs = kinetic.map, kinetic.matrix
+    ours = T.T @ mass_matrix(system, state) @ T
+    difference = largest(ours - theirs) / largest(theirs)
+    status = AGREES if difference <= MASS else DIFFERS
+    return Finding(
+        twin.engine, "mass matrix", status, difference=difference, tolerance=MASS, until=state.t, part="the whole"
+    )
+
+
+def acceleration_differences(system: Any, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
+    """Quantity -> (greatest relative difference, whose body): divided by the greatest acceleration, or by gravity."""
+    a = np.asarray(accelerations(system, state).arrays["acceleration"][0])
+    return relative_to(a, twin.accelerations(), system, ours)
+
+
+def relative_to(a: Array, theirs: Array, system: Any, ours: Ours) -> dict[str, tuple[float, str]]:
+    """As above, for given (bodies, 6) accelerations."""
+    size = ours.size
+    pull = max(largest(a[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
+    scales = (pull, max(largest(a[:, 3:]), pull / size.length))
+    found = {}
+    for name, part, scale in zip(START, (slice(0, 3), slice(3, 6)), scales, strict=True):
+        by_body = np.abs(a[:, part] - theirs[:, part]).max(axis=1) / scale
+        found[name] = (float(by_body.max()), system.bodies[int(by_body.argmax())].name)
+    return found
+
 
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
@@ -155,3 +208,67 @@ def curves(runs: Runs, span: int) -> tuple[Curve, ...]:
     end = float(runs.ours.motion.t[-1] - runs.ours.motion.t[0])
     steps = tuple(end / count for count in runs.ladder.steps)
     return tuple(Curve(name, steps, differences(runs, name, span)) for name in runs.values if span)
+
+
+class Cause(NamedTuple):
+    """A setting of a twin that may be to blame, what it is changed to, and the part of a difference that then stays."""
+
+    name: str
+    setting: str
+    value: Any
+    stays: float
+
+
+CAUSES: dict[str, tuple[Cause, ...]] = {
+    "MuJoCo": (Cause("softness of the equalities (solref)", "softness", 8.0, 0.25),),  # half: error as its square
+    "Exudyn": (Cause("tolerance of Newton's iterations", "tolerance", 1e-13, 0.0),),
+}
+"""By engine, in the order they are tried."""
+NEAR = 0.2
+"""By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen.
+
+So it is never more than `LOOSEST` of the quantity's size, however great the difference."""
+
+
+def explained(
+    findings: Sequence[Finding], make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None = None, span: int = 0,
+) -> list[Finding]:  # fmt: skip
+    """The findings, with a tried and measured cause on those that differ; without one they stay as they are."""
+    suspects = {x.quantity: x for x in findings if x.status == DIFFERS}
+    if not suspects:
+        return list(findings)
+    proofs: dict[str, list[Attribution]] = {name: [] for name in suspects}
+    for cause in CAUSES.get(findings[0].engine, ()):
+        for name, after in changed(cause, make, system, state, ours, climb, span).items():
+            before = suspects[name].difference if name in suspects else None
+            if before and abs(after - cause.stays * before) <= unseen(cause, suspects[name]):
+                proofs[name].append(Attribution(cause.name, f"{cause.setting} = {cause.value:g}", before, after))
+    return [
+        replace(x, status=EXPLAINED, attributions=(*x.attributions, *proofs[x.quantity]))
+        if x.status == DIFFERS and proofs[x.quantity]
+        else x
+        for x in findings
+    ]
+
+
+def unseen(cause: Cause, finding: Finding) -> float:
+    """How far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
+    share = NEAR * max(cause.stays, 0.05) * finding.difference
+    return min(share, LOOSEST if cause.stays else finding.bound)
+
+
+def changed(
+    cause: Cause, make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None, span: int,
+) -> dict[str, float]:  # fmt: skip
+    """Quantity -> difference with the cause changed; of motions that of the limits, as everywhere."""
+    try:
+        twin = make(**{cause.setting: cause.value})
+        found = {name: x[0] for name, x in acceleration_differences(system, state, twin, ours).items()}
+        if climb is not None and span:
+            runs = climb(twin)
+            found |= {name: limit_difference(runs, name, span)[0] for name in runs.values}
+    except NotComparable:
+        return {}
+    return found

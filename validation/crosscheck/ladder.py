@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.crosscheck.quantities import POSES, quantities
+from validation.crosscheck.ours import POSES, quantities, running_max
 from validation.twins.base import Array, EngineFailed, Motion, finite
 
 INTERVALS = 32
@@ -37,11 +37,6 @@ class Limit:
     error: Array
     order: float | None
     gaps: tuple[float, ...]
-
-
-def running_max(values: Array) -> Array:
-    """(n,) greatest absolute value over all parts up to each sample, of (n, parts, k)."""
-    return np.maximum.accumulate(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
 def observed_order(gaps: Sequence[float]) -> float | None:

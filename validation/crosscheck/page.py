@@ -6,16 +6,15 @@ from typing import Any
 from markupsafe import Markup
 
 from mbsd3d.extend import inline_svg, page_template
-from validation.crosscheck.result import CrossCheck, number, summary, verdict
-from validation.crosscheck.verdict import Finding
+from validation.crosscheck.result import CrossCheck, Finding, number, summary, verdict
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
 
-def page(check: CrossCheck, title: str, pictures: tuple[dict[str, str], ...] = ()) -> str:
-    """The page; ``pictures`` of the mechanism as {"kind": "on-light" or "on-dark", "data": a data: address}."""
+def page(check: CrossCheck, title: str) -> str:
+    """The whole page."""
     return page_template("cross_check.html", TEMPLATES).render(
-        title=title, check=check, summary=summary(check), numbers=numbers, verdict=verdict, pictures=pictures,
+        title=title, check=check, summary=summary(check), numbers=numbers, verdict=verdict,
         figure=Markup(inline_svg(check.figure(), "c-")),
     )  # fmt: skip
 

@@ -1,11 +1,24 @@
-"""The report as one HTML file that needs no network: verdicts of all cases, and a section for each."""
+"""The reports of a run: one HTML file that needs no network, and JSON with every finding, in SI units.
 
+format    1; rises when a field changes its meaning
+mbsd3d    version            machine   processor, cores, versions of what computed
+quick     short list?        verdict   "agrees", or "differs" if any case does
+complete  whether all cases of the list are in it
+counts    verdict -> number of cases
+judges    judge -> what it is
+cases     per case: name, group, title, verdict, seconds, facts, and
+  findings      judge, verdict, quantity, error, limit, note   (error, limit null where there is no number)
+  attributions  differences to other engines explained by a number of the same run
+"""
+
+import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from mbsd3d.extend import digits, page_template
-from validation.suite import table
+from mbsd3d.extend import digits, package_version, page_template
+from validation.machine import machine
 from validation.suite.findings import (
     AGREES,
     DEFINITIONS,
@@ -17,7 +30,37 @@ from validation.suite.findings import (
     NOT_COMPARED,
     Finding,
     Record,
+    columns_of,
+    counted,
+    differences,
+    failed,
+    omissions,
 )
+
+FORMAT = 1
+PICTURES = ("picture", "charts")
+
+
+def content_of(records: Sequence[Record], *, quick: bool, complete: bool) -> dict[str, Any]:
+    """The content of the JSON file; pictures are left to the page."""
+    cases = [{key: value for key, value in record.to_dict().items() if key not in PICTURES} for record in records]
+    return {
+        "format": FORMAT,
+        "mbsd3d": package_version(),
+        "machine": machine("numpy", "numba", "mujoco-core", "exudyn"),
+        "quick": quick,
+        "complete": complete,
+        "verdict": DIFFERS if failed(records) else AGREES,
+        "counts": dict(Counter(record.verdict for record in records)),
+        "judges": JUDGES,
+        "cases": cases,
+    }
+
+
+def encoded(content: dict[str, Any]) -> bytes:
+    """UTF-8, indented; NaN and infinity are no JSON and would be an error."""
+    return f"{json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)}\n".encode()
+
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
@@ -37,10 +80,10 @@ def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
         content=content,
         groups=grouped(records),
         sections=grouped([record for record in records if detailed(record)]),
-        judges=table.columns_of(records),
-        counted=table.counted(records),
-        differences=table.differences(records),
-        omissions=table.omissions(records),
+        judges=columns_of(records),
+        counted=counted(records),
+        differences=differences(records),
+        omissions=omissions(records),
         meaning=JUDGES, marks=MARKS, classes=CLASSES, number=number, cell=cell, key=anchor, single=single,
         matrix=matrix, reasons=reasons, detailed=detailed,
     )  # fmt: skip

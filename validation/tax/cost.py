@@ -21,8 +21,7 @@ import numpy as np
 from mbsd3d import DOP853, RK4, Kinematic, simulate, sweep
 from validation.cases import inline_four as engine
 from validation.machine import machine
-from validation.tax.noise import Floor, noise_floors
-from validation.tax.pairs import Mechanism, mechanisms
+from validation.tax.pairs import Floor, Mechanism, mechanisms, noise_floors
 from validation.twins import planar
 
 ROUNDS = 100  # of all forms in turns

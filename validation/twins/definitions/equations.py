@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, SpringDamper
-from validation.twins.definitions.rows import Motion, law_of
-from validation.twins.definitions.taylor import Array, Series, dot, sqrt
+from validation.twins.definitions.rows import Array, Motion, Series, dot, law_of, sqrt
 
 RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""

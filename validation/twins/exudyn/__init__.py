@@ -2,15 +2,13 @@
 
 from typing import Any
 
-from validation.twins.base import EngineFailed, NotExpressible, Twin
+from validation.twins.base import EngineFailed, NotExpressible, Twin, check_met, start_of
 from validation.twins.exudyn.assembly import ROTATIONS
 from validation.twins.exudyn.bodies import BodyTwin
 from validation.twins.exudyn.forces import FORCES
 from validation.twins.exudyn.joints import JOINTS
-from validation.twins.exudyn.library import exudyn
 from validation.twins.exudyn.minimal import TreeTwin
-from validation.twins.exudyn.solvers import last_words
-from validation.twins.inputs import check_met, start_of
+from validation.twins.exudyn.solvers import exudyn, last_words
 
 EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
 """Joint class -> one line how."""

@@ -7,14 +7,11 @@ from scipy.linalg import qr
 
 from mbsd3d import GROUND
 from mbsd3d.extend import Coupling, matrix, multiply, on_one_thread, one_thread
-from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible
-from validation.twins.exudyn.assembly import Assembly
-from validation.twins.exudyn.equations import Equations
+from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run
+from validation.twins.exudyn.assembly import Assembly, Equations
 from validation.twins.exudyn.forces import add_force_element
 from validation.twins.exudyn.joints import add_joint
-from validation.twins.exudyn.library import quiet
-from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
-from validation.twins.inputs import check_run
+from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet
 
 SPARSE_FROM = 10
 """Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""

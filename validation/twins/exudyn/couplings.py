@@ -1,13 +1,17 @@
-"""Couplings and drivers in Exudyn: conditions on hinge coordinates and rates."""
+"""Couplings, drivers and contacts in Exudyn: conditions on hinge coordinates, on rates, and on velocities of points.
+
+Contacts without slip, for which Exudyn has no element, are rows D (V_b - V_a) = 0 at a point of space, V the velocity
+of the matter of each body there: functions of Python; everything else is Exudyn's.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import AngleDriver, Constant, Gear, PositionDriver, RackPinion, SlideDriver, SpeedDriver
-from mbsd3d.extend import Coordinate, evaluate
-from validation.twins.base import NotExpressible
+from mbsd3d import GROUND, AngleDriver, Constant, Gear, PositionDriver, RackPinion, SlideDriver, SpeedDriver
+from mbsd3d.extend import Coordinate, cross, evaluate, exponential, matrix, skew
+from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
 
 
@@ -98,3 +102,103 @@ COUPLINGS: dict[type, Expression] = {
     SpeedDriver: Expression("CoordinateConstraint on velocities", add_speed_driver),
 }
 """Class -> how it is expressed."""
+
+
+class Pose(NamedTuple):
+    """A body now, where its point and axes stood along the world at the reference pose."""
+
+    body: Any
+    r: Array
+    R: Array
+    spin: Array
+
+    def axis(self, reference: Array) -> Array:
+        """A direction of the body."""
+        return self.R @ reference
+
+    def point(self, reference: Array) -> Array:
+        """A point of the body."""
+        return self.r + self.R @ (reference - self.body.position)
+
+    def velocity_of(self, point: Array) -> Array:
+        """(3, m): velocity of its matter at a point of space from Exudyn's velocities."""
+        return np.hstack([np.eye(3), -skew(point - self.r) @ self.spin])
+
+
+def pose(model: Assembly, body: Any, q: Array) -> Pose:
+    """Of the whole coordinates of its node; the ground has none."""
+    if body is GROUND:
+        return Pose(body, np.zeros(3), np.eye(3), np.zeros((3, 0)))
+    e = exponential(q[3:]) if model.rotation == "rotation vector" else q[3:]
+    return Pose(body, q[:3], matrix(e), model.spin(e))
+
+
+def add_contact(
+    model: Assembly, joint: Any, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
+) -> None:
+    """Rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
+
+    def jacobian(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
+        q = np.array(q)
+        sizes = [0 if body is GROUND else len(q) // sides for body in (joint.a, joint.b)]
+        a, b = pose(model, joint.a, q[: sizes[0]]), pose(model, joint.b, q[sizes[0] :])
+        point, directions = contact(a, b, mbs)
+        blocks = [sign * directions @ side.velocity_of(point) for sign, side in ((-1.0, a), (1.0, b)) if side.spin.size]
+        return np.hstack(blocks)
+
+    def residual(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
+        return jacobian(mbs, t, item, q, q_t, on_velocities) @ np.array(q_t)
+
+    sides = sum(body is not GROUND for body in (joint.a, joint.b))
+    nodes = [model.zero_node if body is GROUND else model.nodes[id(body)] for body in (joint.a, joint.b)]
+    markers = [model.mbs.AddMarker(model.items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+    item = model.items.ObjectConnectorCoordinateVector(
+        markerNumbers=markers, scalingMarker0=np.zeros((rows, 1)), velocityLevel=True,
+        constraintUserFunction=residual, jacobianUserFunction=jacobian,
+    )  # fmt: skip
+    model.connect(joint, item)
+
+
+def add_knife_edge(model: Assembly, joint: Any, what: str) -> None:
+    """The point of b does not move along a direction of b."""
+    add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
+
+
+def add_rolling(model: Assembly, joint: Any, what: str) -> None:
+    """The joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
+    if joint.crown:
+        add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
+        return
+    # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
+    markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
+    disc = model.items.ObjectJointRollingDisc(
+        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
+    )
+    model.connect(joint, disc)
+
+
+def add_mesh(model: Assembly, joint: Any, what: str) -> None:
+    """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
+    carrier, n = joint.support(), joint.direction()
+
+    def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
+        frame = carried(model, mbs, carrier)
+        return frame.point(joint.at), frame.axis(n)[None]
+
+    add_contact(model, joint, contact, 1)
+
+
+def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
+    """A body that no row moves, asked of Exudyn."""
+    if body is GROUND:
+        return pose(model, body, np.zeros(0))
+    kinds, number = model.module.OutputVariableType, model.body[id(body)]
+    r, R = (mbs.GetObjectOutputBody(number, kind, [0.0, 0.0, 0.0]) for kind in (kinds.Position, kinds.RotationMatrix))
+    return Pose(body, np.array(r), np.reshape(R, (3, 3)), np.zeros((3, 0)))
+
+
+def lowest(joint: Any, a: Pose, b: Pose) -> Array:
+    """Point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by crown."""
+    n, u = a.axis(joint.plane[1]), b.axis(joint.axis)
+    steepest = cross(u, cross(u, n))
+    return b.point(joint.centre) + (joint.radius - joint.crown) * steepest / np.linalg.norm(steepest) - joint.crown * n

@@ -15,8 +15,7 @@ from mbsd3d import GearMesh, KnifeEdge, RollingDisc
 from mbsd3d.extend import Coordinate, cross, matched_perpendiculars, perpendiculars
 from validation.twins.base import Array, label, refused
 from validation.twins.exudyn.assembly import Assembly
-from validation.twins.exudyn.contacts import add_knife_edge, add_mesh, add_rolling
-from validation.twins.exudyn.couplings import COUPLINGS, Expression, couple
+from validation.twins.exudyn.couplings import COUPLINGS, Expression, add_knife_edge, add_mesh, add_rolling, couple
 
 
 def frames_along(axis: Array, axis_b: Array, place: int) -> tuple[Array, Array]:

@@ -7,11 +7,10 @@ import numpy as np
 
 from mbsd3d import GROUND
 from mbsd3d.extend import Coordinate, multiply, quaternion_from_matrix
-from validation.twins.base import Array, Kinetic, Motion, NotExpressible
+from validation.twins.base import Array, Kinetic, Motion, NotExpressible, check_run
 from validation.twins.exudyn.forces import add_force_element
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
 from validation.twins.exudyn.tree import SHIFT, TURN, Frame, Link, links_of
-from validation.twins.inputs import check_run
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
 SECOND = ("Acceleration", "AngularAcceleration")

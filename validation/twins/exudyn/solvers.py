@@ -1,14 +1,61 @@
-"""Time integration in Exudyn: solvers by name, the settings a knowledgeable user would choose, and the loop."""
+"""Exudyn itself, found and quiet; its solvers by name, the settings one who knows it would choose, the loop."""
 
 import re
 import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from importlib import metadata
+from io import StringIO
 from typing import Any
 
 import numpy as np
 
-from validation.twins.base import Array, EngineFailed
-from validation.twins.exudyn.library import quiet
+from validation.twins.base import Array, EngineFailed, EngineMissing, release
+
+OLDEST = (1, 13, 6)
+"""Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
+
+WANTED = ".".join(map(str, OLDEST))
+
+
+def exudyn() -> Any:
+    """The module, imported when it is asked for.
+
+    EngineMissing if it is not installed or older than `OLDEST`.
+    """
+    try:
+        version = metadata.version("exudyn")
+    except metadata.PackageNotFoundError:
+        raise EngineMissing(f"Exudyn is not installed; pip install 'exudyn>={WANTED}'") from None
+    check_version(version)
+    try:
+        import exudyn as module
+        import exudyn.itemInterface
+    except ImportError as error:
+        raise EngineMissing(f"Exudyn {version} does not load: {error}; install it again") from None
+    return module
+
+
+def check_version(version: str) -> None:
+    """EngineMissing for a version before `OLDEST`."""
+    if release(version) < OLDEST:
+        raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
+
+
+@contextmanager
+def quiet(module: Any) -> Iterator[StringIO]:
+    """Nothing reaches the terminal, what was said is kept; the setting of the console is restored."""
+    said, before = StringIO(), module.config.printToConsole
+    try:
+        with redirect_stdout(said), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Exudyn's own hints; what matters ends in an error text
+            module.config.printToConsole = True
+            yield said
+    finally:
+        module.config.printToConsole = before
+
 
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),

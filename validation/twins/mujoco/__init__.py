@@ -11,17 +11,14 @@ from typing import Any
 import mbsd3d
 from mbsd3d import State, System
 from mbsd3d.extend import number
-from validation.twins.base import NotExpressible, refused, release
-from validation.twins.inputs import start_of
+from validation.twins.base import NotExpressible, refused, release, start_of
 from validation.twins.mujoco.build import sketch
-from validation.twins.mujoco.couplings import couple
+from validation.twins.mujoco.couplings import Motors, couple
 from validation.twins.mujoco.layout import lay_out
-from validation.twins.mujoco.library import SPARSE_BUG, require
 from validation.twins.mujoco.loads import load_all
-from validation.twins.mujoco.motors import Motors
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths
-from validation.twins.mujoco.simulator import MujocoTwin
+from validation.twins.mujoco.simulator import SPARSE_BUG, MujocoTwin, require
 
 EXPRESSES: dict[type, str] = {
     mbsd3d.Revolute: "hinge; closes a loop by two connects on its axis",

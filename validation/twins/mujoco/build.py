@@ -12,8 +12,7 @@ from mbsd3d import GROUND, Body, Distance, Revolute, System
 from mbsd3d.extend import quaternion_from_matrix
 from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
-from validation.twins.mujoco.freedoms import Freedoms, freedoms_of
-from validation.twins.mujoco.layout import Layout, Piece
+from validation.twins.mujoco.layout import Freedoms, Layout, Piece, freedoms_of
 
 FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
 TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five

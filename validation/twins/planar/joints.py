@@ -7,8 +7,7 @@ import numpy as np
 
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.motions import NONE, Motion
-from validation.twins.planar.parts import Ground, Part, Row, check_bodies, direction, pair
+from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, pair
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,7 @@ import numpy as np
 
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.motions import UNIT, Motion
-from validation.twins.planar.parts import GROUND, Body, Part, Row, check_bodies, pair
+from validation.twins.planar.parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, pair
 
 
 @dataclass(frozen=True, eq=False)
