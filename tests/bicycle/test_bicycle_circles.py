@@ -7,6 +7,7 @@ import matplotlib
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from closed_forms.steady_turn import steady_turn
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
@@ -18,7 +19,6 @@ from bicycle.turns.families import SECTIONS, Curve, Search
 from bicycle.turns.turning import TurnSolver
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
-from validation.theory.steady_turn import steady_turn
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()

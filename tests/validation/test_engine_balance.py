@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from closed_forms.slider_crank import SliderCrank, slider_crank_loads, slider_crank_torque
 
 from validation.engine_balance import balance, cli, phasor, planar_sum, spatial
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine, Layout, data, layout, names
-from validation.theory.slider_crank import SliderCrank, slider_crank_loads, slider_crank_torque
 
 GENERAL = dict(
     rpm=37.0, radius=0.8, rod_length=1.7, crank_mass=2.3, crank_centre=0.35, rod_mass=3.1, rod_fraction=0.37,

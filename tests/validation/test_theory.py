@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_forms import slider_crank as crank_theory
 
 from validation import theory
 
@@ -311,7 +312,7 @@ def test_cardan_rates_are_derivatives_of_the_angle():
 
 
 def test_cardan_harmonics():
-    amplitudes = theory.harmonic_amplitudes(lambda angle: theory.cardan_rate(angle, np.pi / 6), 8)
+    amplitudes = crank_theory.harmonic_amplitudes(lambda angle: theory.cardan_rate(angle, np.pi / 6), 8)
     assert amplitudes[0] == pytest.approx(1.0, rel=1e-14)
     assert amplitudes[2::2] == pytest.approx(theory.cardan_harmonics(np.pi / 6, 4), abs=1e-15)
     assert np.abs(amplitudes[1::2]).max() < 1e-15
@@ -445,7 +446,7 @@ RATE = TOY["omega"]
 
 def toy(length=None, crank_centre=None):
     crank, rod = TOY["crank"], TOY["rod"]
-    return theory.SliderCrank(
+    return crank_theory.SliderCrank(
         radius=TOY["R"],
         rod_length=length or TOY["L"],
         crank_mass=crank["mass"],
@@ -465,31 +466,31 @@ DOWN = (0.0, -9.81)
 @pytest.mark.parametrize("lam", [1 / 4, 0.3, 1 / 3, 0.5, 2 / 3])
 def test_rod_coefficients(lam):
     reference = ENGINE["coefficients"][f"lam={lam:.6f}"]
-    mine = theory.slider_crank_coefficients(lam, 4)
+    mine = crank_theory.slider_crank_coefficients(lam, 4)
     # the file's a8 comes from a transform with an absolute error of 1e-16, the elliptic a2 of 1e-15
     assert mine[1:] == pytest.approx([reference[f"a{k}"] for k in (2, 4, 6, 8)], rel=1e-9, abs=1e-17)
     assert mine[1] == pytest.approx(reference["a2_elliptic"], abs=1e-14)
     assert 4 * mine[1] / lam**2 == pytest.approx(reference["F2_over_leading_order"], rel=1e-12)
-    samples = theory.harmonic_amplitudes(lambda q: np.sqrt(1 - (lam * np.sin(q)) ** 2), 8)
+    samples = crank_theory.harmonic_amplitudes(lambda q: np.sqrt(1 - (lam * np.sin(q)) ** 2), 8)
     assert samples[::2] == pytest.approx(np.abs(mine), abs=1e-15)
 
 
 def test_block_force_harmonics():
     published = ENGINE["single_cylinder_closed_form_N"]
-    true, without = (theory.slider_crank_harmonics(toy(), RATE, 3, flag) for flag in (True, False))
+    true, without = (crank_theory.slider_crank_harmonics(toy(), RATE, 3, flag) for flag in (True, False))
     assert true.bore == pytest.approx([published[k] for k in ("1x_true", "2x", "4x", "6x")], rel=1e-12)
     assert without.bore[0] == pytest.approx(published["1x_article"], rel=1e-14)
     assert without.bore[1:] == pytest.approx(true.bore[1:], rel=1e-15)
     assert true.across == pytest.approx(published["perp_1x"], rel=1e-14)
     assert (toy().reciprocating, toy().rotating_moment) == (TOY["m_recip"], TOY["U_rot_full"])
-    assert theory.slider_crank_harmonics(toy(crank_centre=0.0), RATE, 1).bore[0] == pytest.approx(without.bore[0])
+    assert crank_theory.slider_crank_harmonics(toy(crank_centre=0.0), RATE, 1).bore[0] == pytest.approx(without.bore[0])
 
 
 @pytest.mark.parametrize("centripetal", [True, False])
 def test_block_force_has_these_harmonics_and_no_others(centripetal):
-    expected = theory.slider_crank_harmonics(toy(), RATE, 4, centripetal)
+    expected = crank_theory.slider_crank_harmonics(toy(), RATE, 4, centripetal)
     bore, across = (
-        theory.harmonic_amplitudes(lambda q, i=i: theory.block_force(toy(), q, RATE, centripetal)[:, i], 8)
+        crank_theory.harmonic_amplitudes(lambda q, i=i: crank_theory.block_force(toy(), q, RATE, centripetal)[:, i], 8)
         for i in (0, 1)
     )
     found = np.zeros(9)
@@ -502,17 +503,17 @@ def test_block_force_has_these_harmonics_and_no_others(centripetal):
 
 def test_rod_ratio_sweep_of_the_inline_four():
     for key, force in ENGINE["sweep_RL_I4_2x"].items():
-        second = theory.slider_crank_harmonics(toy(length=float(key[2:])), RATE, 1).bore[1]
+        second = crank_theory.slider_crank_harmonics(toy(length=float(key[2:])), RATE, 1).bore[1]
         assert 4 * second == pytest.approx(force, rel=1e-12)
 
 
 def test_driving_torque_peaks():
-    with_gravity = theory.slider_crank_torque(toy(), ANGLES, RATE, gravity=DOWN)
-    without = theory.slider_crank_torque(toy(), ANGLES, RATE)
+    with_gravity = crank_theory.slider_crank_torque(toy(), ANGLES, RATE, gravity=DOWN)
+    without = crank_theory.slider_crank_torque(toy(), ANGLES, RATE)
     # published with 6 digits; 0.1 deg sampling is 3e-7 off the peak
     assert np.abs(with_gravity).max() == pytest.approx(33.1231, abs=1e-4)
     assert np.abs(without).max() == pytest.approx(6.8925, abs=1e-4)
-    amplitudes = theory.harmonic_amplitudes(lambda q: theory.slider_crank_torque(toy(), q, RATE), 6)
+    amplitudes = crank_theory.harmonic_amplitudes(lambda q: crank_theory.slider_crank_torque(toy(), q, RATE), 6)
     # inertia torque of the inline four, 17.43 N m at twice shaft speed, and 3.19 N m per cylinder at three times
     assert [4 * amplitudes[2], amplitudes[3]] == pytest.approx([17.43, 3.19], abs=0.005)
     assert amplitudes[0] < 1e-14
@@ -521,7 +522,7 @@ def test_driving_torque_peaks():
 def test_pin_forces_of_the_toy_engine():
     published = ENGINE["single_cylinder_inverse_dynamics_g_9.81"]["theta0"]
     true, without = (
-        theory.slider_crank_loads(toy(), ANGLES, RATE, gravity=DOWN, centripetal=flag) for flag in (True, False)
+        crank_theory.slider_crank_loads(toy(), ANGLES, RATE, gravity=DOWN, centripetal=flag) for flag in (True, False)
     )
     mine = {
         "bearing_full": true.bearing,
@@ -539,13 +540,13 @@ def test_pin_forces_of_the_toy_engine():
 
 
 def test_torque_by_energy_equals_torque_by_forces():
-    mechanism = theory.SliderCrank(0.31, 0.83, 1.7, 0.12, 0.9, 0.37, 0.041, 1.3, crank_inertia=0.07)
+    mechanism = crank_theory.SliderCrank(0.31, 0.83, 1.7, 0.12, 0.9, 0.37, 0.041, 1.3, crank_inertia=0.07)
     arguments = dict(gravity=(2.1, -7.3), acceleration=-4.4)
-    torque = theory.slider_crank_torque(mechanism, ANGLES, 5.2, **arguments)
-    loads = theory.slider_crank_loads(mechanism, ANGLES, 5.2, **arguments)
+    torque = crank_theory.slider_crank_torque(mechanism, ANGLES, 5.2, **arguments)
+    loads = crank_theory.slider_crank_loads(mechanism, ANGLES, 5.2, **arguments)
     assert torque == pytest.approx(loads.torque, abs=1e-12)
     # work of the driving torque over a turn at constant speed is zero, with gravity too
-    steady = theory.slider_crank_torque(mechanism, ANGLES, 5.2, gravity=(2.1, -7.3))
+    steady = crank_theory.slider_crank_torque(mechanism, ANGLES, 5.2, gravity=(2.1, -7.3))
     assert abs(steady.mean()) < 1e-13
 
 
@@ -553,7 +554,7 @@ def test_slider_crank_errors_name_value_and_remedy():
     with pytest.raises(ValueError, match="must exceed the crank radius"):
         toy(length=0.9)
     with pytest.raises(ValueError, match="lam"):
-        theory.slider_crank_coefficients(1.0, 2)
+        crank_theory.slider_crank_coefficients(1.0, 2)
 
 
 def test_ghost_quaternion_after_one_turn():

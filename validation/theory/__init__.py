@@ -22,20 +22,14 @@ from validation.theory.cardan import (
 from validation.theory.common import EXTENDED, GRAVITY, Attitude, quaternion, rotation_matrix
 from validation.theory.constant_rate import arm_slider, arm_slider_torque, ghost_angle, ghost_norm, ghost_quaternion
 from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.harmonics import (
-    EngineHarmonics,
-    harmonic_amplitudes,
-    slider_crank_coefficients,
-    slider_crank_harmonics,
-)
 from validation.theory.pendulum import hinge_force, pendulum_frequency, pendulum_motion, pendulum_period
-from validation.theory.slider_crank import CrankLoads, SliderCrank, block_force, slider_crank_loads, slider_crank_torque
-from validation.theory.small_motions import RollingCircle, rolling_circle
 from validation.theory.top import (
     TAYLOR_ORDER,
     TAYLOR_TOLERANCE,
     Nutation,
+    RollingCircle,
     nutation,
+    rolling_circle,
     sleeping_spin,
     spinning_body,
     steady_precession,

@@ -1,11 +1,11 @@
-"""Heavy tops: any body by Taylor series, precession and nutation of the symmetric one."""
+"""Heavy tops: any body by Taylor series, precession and nutation of the symmetric one; a rolling disc."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.theory.common import EXTENDED, Array, Attitude, cross, rotation_matrix
+from validation.theory.common import EXTENDED, GRAVITY, Array, Attitude, cross, rotation_matrix
 from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
 
 TAYLOR_ORDER = 26
@@ -164,3 +164,42 @@ def _nutation_phase(start: float, low: float, high: float, climb: float, m1: flo
         return quarter_period(m1) if high - start < start - low else 0.0
     share = np.clip((start - low) / (high - low), 0.0, 1.0)
     return elliptic_phase(np.copysign(np.sqrt(share), climb), np.sqrt(1 - share), m1)
+
+
+class RollingCircle(NamedTuple):
+    """Steady circular rolling of a disc."""
+
+    precession: float
+    """Rate about the vertical, > 0 [rad/s]."""
+    spin: float
+    """Own rotation about the disc axis relative to the precessing frame, opposite in sign to the precession [rad/s]."""
+    centre_radius: float
+    """Radius of the circle of the disc centre [m]."""
+    centre_height: float
+    """[m]"""
+
+    @property
+    def period(self) -> float:
+        """Time for one round [s]."""
+        return 2 * np.pi / self.precession
+
+
+def rolling_circle(
+    mass: float, radius: float, transverse: float, axial: float, circle: float, lean: float, gravity: float = GRAVITY
+) -> RollingCircle:
+    """Thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle b.
+
+    Moment of momentum about the centre of mass, with rho = R - r sin(b) and spin = -W R / r:
+    ``W^2 (m r rho + C rho / r + A sin b) = m g r tan b``.
+
+    ``mass, radius``: of the disc [kg], r [m]; ``transverse, axial``: A (a diameter) and C (the axis) about the centre
+    of mass [kg m^2]; ``circle``: radius R of the track of the contact point [m]; ``lean``: angle b of the disc plane
+    from the vertical, 0 < b < pi/2 [rad]; ``gravity``: [m/s^2]. Returns rates, radius and height of the disc centre.
+    ValueError if no such motion exists.
+    """
+    rho = circle - radius * np.sin(lean)
+    inertia = mass * radius * rho + axial * rho / radius + transverse * np.sin(lean)
+    if not 0 < lean < np.pi / 2 or inertia <= 0:
+        raise ValueError(f"lean {lean} rad on a circle of {circle} m: lean inwards, by less than pi/2")
+    precession = np.sqrt(mass * gravity * radius * np.tan(lean) / inertia)
+    return RollingCircle(precession, -precession * circle / radius, rho, radius * np.cos(lean))
