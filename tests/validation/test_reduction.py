@@ -34,10 +34,16 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.rotations import matrix
-from validation.cases.inline_four import RATE, inline_four, one_turn
+from validation.cases.inline_four import RATE, SAMPLES, inline_four
 from validation.engine_balance.planes.shaft import bound
 from validation.engine_balance.spectrum import spectrum
 from validation.twins import planar
+
+
+def one_turn(system, rate=RATE):
+    """One turn of the crank by kinematics."""
+    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=SAMPLES + 1)
+
 
 TIMES = np.linspace(0, 2 * np.pi / RATE, 25)
 EXACT = 1e-12

@@ -14,7 +14,6 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
-    Kinematic,
     Prismatic,
     Ramp,
     Revolute,
@@ -22,7 +21,6 @@ from mbsd3d import (
     Spherical,
     System,
     Universal,
-    simulate,
 )
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm, the toy engine of references/engine.json
@@ -76,11 +74,6 @@ def crankshaft(places: np.ndarray, mass: float, centre: float) -> Body:
     arms = at - com
     inertia = mass * (np.sum(arms**2) * np.eye(3) - arms.T @ arms + 4 * np.diag([0.01, 0.02, 0.01]))
     return Body("crank", 4 * mass, inertia, com=com)
-
-
-def one_turn(system: System, rate: float = RATE) -> Solution:
-    """One turn of the crank by kinematics."""
-    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=SAMPLES + 1)
 
 
 def block_force(solution: Solution) -> np.ndarray:

@@ -22,23 +22,13 @@ Cylinder i runs at ``q + pins[i] - bores[i]`` in the plane z = stations[i]; its 
 order, and are summed. A phasor c_n stands for ``Re(c_n exp(i n q))``.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from scipy.special import ellipe, ellipk
+
+from validation.engine_balance.harmonics import Harmonics
 
 SMALLEST = 1e-18  # of the series, relative to their first terms
-
-
-class Phasors(NamedTuple):
-    """Harmonics 0, 1, 2 ... of the load on the block about the origin, world axes, and of the driving torque."""
-
-    force: np.ndarray
-    """(orders + 1, 3) complex [N]."""
-    moment: np.ndarray
-    """(orders + 1, 3) complex [N m]."""
-    torque: np.ndarray
-    """(orders + 1,) complex [N m]."""
 
 
 def series(lam: float, power: float, count: int) -> np.ndarray:
@@ -62,16 +52,10 @@ def _coefficient(lam: float, power: float, k: int) -> float:
     return total
 
 
-def elliptic_second(lam: float) -> float:
-    """a_2 of p = 1/2 by complete elliptic integrals, m = lam^2: (4 E - 8 ((2 m - 1) E + (1 - m) K) / (3 m)) / pi."""
-    m = lam**2
-    return float((4 * ellipe(m) - 8 / (3 * m) * ((2 * m - 1) * ellipe(m) + (1 - m) * ellipk(m))) / np.pi)
-
-
 def block_load(
     engine: Any, orders: int = 6, *, article: bool = False, across: bool = True, gravity: Any = (0.0, 0.0),
     dyno: bool = False,
-) -> Phasors:  # fmt: skip
+) -> Harmonics:  # fmt: skip
     """Load of all moving parts on the block, and the torque that keeps the crank at constant speed.
 
     ``engine``: identical cylinders without offset; ``orders``: highest harmonic; ``article``: true leaves out m_c w^2
@@ -96,7 +80,7 @@ def block_load(
     z = engine.stations
     moment = np.stack([-(z @ force[..., 1]), z @ force[..., 0], couple + (torque if dyno else 0.0)], axis=-1)
     total = np.pad(force.sum(axis=0), ((0, 0), (0, 1)))
-    return Phasors(total[: orders + 1], moment[: orders + 1], torque[: orders + 1])
+    return Harmonics(total[: orders + 1], moment[: orders + 1], torque[: orders + 1])
 
 
 def check_lemma(engine: Any) -> None:

@@ -166,7 +166,7 @@ def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
 
 def balance_shafts(engine: Engine) -> Table:
     """What counterweights and shafts in two planes leave of 1x and 2x, by theory, and how the spatial model differs."""
-    load, noise = Harmonics(*phasor.block_load(engine)), NOISE * engine.single
+    load, noise = phasor.block_load(engine), NOISE * engine.single
     size, found = amplitudes(load), []
     for order in (1, 2):
         if max(size["force"][order], size["couple"][order]) < noise:

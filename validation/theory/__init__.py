@@ -11,34 +11,18 @@ digits of the period with it.
 
 from validation.theory.cardan import (
     cardan_acceleration,
-    cardan_angle,
-    cardan_harmonics,
     cardan_motor_torque,
     cardan_rate,
-    cardan_ratio,
-    double_cardan_angle,
-    double_cardan_ratio,
 )
-from validation.theory.common import EXTENDED, GRAVITY, Attitude, quaternion, rotation_matrix
-from validation.theory.constant_rate import arm_slider, arm_slider_torque, ghost_angle, ghost_norm, ghost_quaternion
+from validation.theory.common import EXTENDED, GRAVITY, Attitude, rotation_matrix
 from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.pendulum import hinge_force, pendulum_frequency, pendulum_motion, pendulum_period
+from validation.theory.pendulum import arm_slider, arm_slider_torque, pendulum_frequency, pendulum_motion
 from validation.theory.top import (
     TAYLOR_ORDER,
     TAYLOR_TOLERANCE,
-    Nutation,
     RollingCircle,
-    nutation,
     rolling_circle,
-    sleeping_spin,
     spinning_body,
     steady_precession,
 )
-from validation.theory.torque_free import (
-    Polhode,
-    flip_interval,
-    free_body,
-    free_rod_point,
-    free_symmetric_body,
-    polhode,
-)
+from validation.theory.torque_free import Polhode, free_body, polhode

@@ -1,4 +1,8 @@
-"""Universal joints: angle, rate, torque and harmonics of one and of two."""
+"""A universal joint: rate and acceleration of its output, torque of the motor that keeps the input rate.
+
+Angles count from the pose where the arm of the cross carried by the **input** yoke is normal to the plane of shafts;
+with that arm in the plane, add pi/2.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -6,25 +10,10 @@ from numpy.typing import ArrayLike
 from validation.theory.common import Array
 
 
-def cardan_angle(angle: ArrayLike, bend: float) -> Array:
-    """Output angle of a universal joint, ``tan(out) = cos(bend) tan(in)``, continuous over all turns.
-
-    Both angles count from the pose where the arm of the cross carried by the **input** yoke is normal to the plane of
-    the shafts; with that arm in the plane, add pi/2 to both.
-
-    ``angle``: input angle [rad]; ``bend``: angle between the shafts, |bend| < pi/2 [rad]. Returns output angle [rad].
-    ValueError if the shafts are bent by a right angle or more.
-    """
-    _check_bend(bend)
-    s, c = np.sin(angle), np.cos(angle)
-    # the lag stays between -pi/2 and pi/2, so no turn is ever lost
-    return angle + np.arctan2((np.cos(bend) - 1) * s * c, c * c + np.cos(bend) * s * s)
-
-
 def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
     """Output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
 
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
     rate; 1 gives the transmission ratio [rad/s]. Returns output rate [rad/s].
     """
     _check_bend(bend)
@@ -34,7 +23,7 @@ def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
 def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration: float = 0.0) -> Array:
     """Output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
 
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle b between the shafts [rad];
+    ``angle``: input angle [rad]; ``bend``: angle b between the shafts [rad];
     ``rate, acceleration``: input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of
     :func:`cardan_rate`. Returns output acceleration [rad/s^2].
     """
@@ -45,55 +34,11 @@ def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration
 def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: float) -> Array:
     """Torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
 
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
     rate w [rad/s]; ``inertia``: axial moment of inertia I of the output shaft [kg m^2]. Returns torque on the input
     shaft [N m].
     """
     return inertia * cardan_acceleration(angle, bend, rate) * cardan_rate(angle, bend)
-
-
-def cardan_ratio(bend: float) -> float:
-    """Greatest over least output rate, ``1 / cos^2(bend)``.
-
-    ``bend``: angle between the shafts [rad]. Returns ratio [-].
-    """
-    _check_bend(bend)
-    return 1 / np.cos(bend) ** 2
-
-
-def cardan_harmonics(bend: float, count: int) -> Array:
-    """Amplitudes of the output rate over its mean at 2, 4, ..., 2 count times shaft speed, ``2 tan^(2k)(bend / 2)``.
-
-    ``cos(b) / (1 - sin^2(b) sin^2(x)) = 1 + 2 sum_k (-q)^k cos(2 k x)``, ``q = tan^2(b / 2)`` (Poisson kernel).
-
-    ``bend``: angle b between the shafts [rad]; ``count``: number of harmonics. Returns (count,): amplitudes [-].
-    """
-    _check_bend(bend)
-    return 2 * np.tan(bend / 2) ** (2 * np.arange(1, count + 1))
-
-
-def double_cardan_angle(angle: ArrayLike, first: float, second: float, phasing: float = 0.0) -> Array:
-    """Output angle of two universal joints with a shaft between them, all three shafts in one plane.
-
-    Aligned yokes on the middle shaft (``phasing = 0``) run the second joint backwards:
-    ``tan(out) = cos(first) tan(in) / cos(second)``, so equal bends give out = in, ratio 1.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second``: bend of the two joints, Z or W
-    arrangement alike [rad]; ``phasing``: angle by which the second yoke of the middle shaft is turned from the aligned
-    pose [rad]. Returns output angle, 0 at input angle 0 [rad].
-    """
-    quarter = np.pi / 2 + phasing
-    return cardan_angle(cardan_angle(angle, first) + quarter, second) - cardan_angle(quarter, second)
-
-
-def double_cardan_ratio(angle: ArrayLike, first: float, second: float, phasing: float = 0.0) -> Array:
-    """Output over input rate of two universal joints, the product of both ratios.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``first, second, phasing``: as in
-    :func:`double_cardan_angle` [rad]. Returns ratio [-].
-    """
-    middle = cardan_angle(angle, first) + np.pi / 2 + phasing
-    return cardan_rate(angle, first) * cardan_rate(middle, second)
 
 
 def _check_bend(bend: float) -> None:

@@ -24,27 +24,6 @@ def rotation_matrix(quaternion: ArrayLike) -> Array:
     return np.eye(3, dtype=EXTENDED) + 2 * e[0] * skew(e[1:]) + 2 * product(skew(e[1:]), skew(e[1:]))
 
 
-def quaternion(rotation: ArrayLike) -> Array:
-    """Unit quaternions of rotation matrices, sign such that the largest component is positive.
-
-    The rows of ``4 e e'`` are sums of entries of R; the row with the largest diagonal is normalised.
-
-    ``rotation`` (..., 3, 3): body to world [-]. Returns (..., 4): scalar first [-].
-    """
-    R = np.asarray(rotation)
-    outer = np.empty(R.shape[:-2] + (4, 4), dtype=R.dtype)
-    trace = np.trace(R, axis1=-2, axis2=-1)
-    outer[..., 0, 0] = 1 + trace
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        outer[..., i + 1, i + 1] = 1 + 2 * R[..., i, i] - trace
-        outer[..., 0, i + 1] = outer[..., i + 1, 0] = R[..., k, j] - R[..., j, k]
-        outer[..., i + 1, j + 1] = outer[..., j + 1, i + 1] = R[..., i, j] + R[..., j, i]
-    best = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
-    row = np.take_along_axis(outer, best[..., None, None], axis=-2)[..., 0, :]
-    return row / np.sqrt(np.sum(row * row, axis=-1, keepdims=True))
-
-
 class Attitude(NamedTuple):
     """Motion of a body about a point."""
 

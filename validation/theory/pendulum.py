@@ -1,10 +1,10 @@
-"""Physical pendulum of any amplitude, and the force in the hinges of a body on a fixed axis."""
+"""A physical pendulum of any amplitude, and a slider on an arm that turns at a constant rate."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.theory.common import EXTENDED, GRAVITY, Array
-from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
+from validation.theory.elliptic import elliptic_phase, jacobi
 
 
 def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: float = GRAVITY) -> float:
@@ -17,20 +17,6 @@ def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: fl
     if inertia <= 0 or min(mass, distance, gravity) < 0:
         raise ValueError(f"pendulum (inertia {inertia}, mass {mass}, distance {distance}): give positive values")
     return np.sqrt(mass * gravity * distance / inertia)
-
-
-def pendulum_period(frequency: float, angle: float, rate: float = 0.0) -> float:
-    """Period of a pendulum of any amplitude: full swing ``4 K(k^2) / w0``, or one turn ``2 K(1 / k^2) / (k w0)``.
-
-    ``k^2 = sin^2(angle / 2) + (rate / 2 w0)^2``; k > 1 means that it goes over the top.
-
-    ``frequency``: small-oscillation frequency w0 [rad/s]; ``angle, rate``: state at any instant, angle from the lowest
-    position [rad], [rad/s]. Returns period [s].
-    """
-    k2, m1 = _pendulum_modulus(frequency, angle, rate)
-    if k2 <= 1:
-        return 4 * quarter_period(m1) / frequency
-    return 2 * quarter_period(-m1 / k2) / (np.sqrt(k2) * frequency)
 
 
 def pendulum_motion(t: ArrayLike, frequency: float, angle: float, rate: float = 0.0) -> tuple[Array, Array]:
@@ -66,14 +52,20 @@ def _pendulum_modulus(frequency: float, angle: float, rate: float) -> tuple[floa
     return np.sin(angle / 2) ** 2 + speed, np.cos(angle / 2) ** 2 - speed
 
 
-def hinge_force(
-    mass: float, arm: ArrayLike, axis: ArrayLike, rate: float, acceleration: float, gravity: ArrayLike
-) -> Array:
-    """Total force of its hinges on a body that turns about a fixed axis, ``m (alpha u x s + w^2 u x (u x s) - g)``.
+def arm_slider(t: ArrayLike, rate: float, radius: float, speed: float = 0.0) -> tuple[Array, Array]:
+    """Free slider on an arm turning at a constant rate: ``r = r0 cosh(w t) + (v0 / w) sinh(w t)``.
 
-    ``mass``: [kg]; ``arm`` (3,): s from any point of the axis to the centre of mass, world [m]; ``axis`` (3,): unit
-    vector u, world [-]; ``rate, acceleration``: angular rate w [rad/s] and acceleration alpha about the axis [rad/s^2];
-    ``gravity`` (3,): world [m/s^2]. Returns (3,): force, world [N].
+    ``t``: times [s]; ``rate``: rate w of the arm, not zero [rad/s]; ``radius, speed``: distance from the axis [m] and
+    radial speed at t = 0 [m/s]. Returns radius, speed: [m], [m/s].
     """
-    side = np.cross(axis, arm)
-    return mass * (acceleration * side + rate**2 * np.cross(axis, side) - np.asarray(gravity))
+    c, s = np.cosh(rate * np.asarray(t)), np.sinh(rate * np.asarray(t))
+    return radius * c + speed / rate * s, radius * rate * s + speed * c
+
+
+def arm_slider_torque(mass: float, rate: float, radius: ArrayLike, speed: ArrayLike) -> Array:
+    """Coriolis torque that keeps the rate of the arm, ``2 m w r r_dot``.
+
+    ``mass, rate``: slider mass [kg] and rate w of the arm [rad/s]; ``radius, speed``: distance from the axis [m] and
+    radial speed [m/s]. Returns motor torque on the arm [N m].
+    """
+    return 2 * mass * rate * np.asarray(radius) * np.asarray(speed)

@@ -1,4 +1,4 @@
-"""Heavy tops: any body by Taylor series, precession and nutation of the symmetric one; a rolling disc."""
+"""Heavy tops: any body by Taylor series, steady precession of the symmetric one; a disc that rolls on a circle."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.theory.common import EXTENDED, GRAVITY, Array, Attitude, cross, rotation_matrix
-from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
 
 TAYLOR_ORDER = 26
 TAYLOR_TOLERANCE = 1e-21
@@ -100,70 +99,6 @@ def steady_precession(
     larger = momentum + np.copysign(np.sqrt(discriminant), momentum)
     fast = np.inf if abs(quadratic) < 1e-15 * transverse else larger / (2 * quadratic)
     return 2 * weight_moment / larger, fast
-
-
-def sleeping_spin(transverse: float, axial: float, weight_moment: float) -> float:
-    """Least spin of a stable upright top, ``C^2 w3^2 = 4 A m g l``.
-
-    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``weight_moment``: m g l [N m]. Returns w3 [rad/s].
-    """
-    return 2 * np.sqrt(transverse * weight_moment) / axial
-
-
-class Nutation(NamedTuple):
-    """Height ``u = cos(tilt) = lowest + (highest - lowest) sn^2(rate t + phase)`` of a heavy symmetric top."""
-
-    lowest: float
-    highest: float
-    third: float
-    """Third root of the cubic, >= 1."""
-    rate: float
-    """[1/s]"""
-    m1: float
-    phase: float
-
-    @property
-    def period(self) -> float:
-        """Time from one lowest point to the next, ``2 K / rate`` [s]."""
-        return 2 * quarter_period(self.m1) / self.rate
-
-    def height(self, t: ArrayLike) -> Array:
-        """Cosine of the tilt at the times ``t`` [s]."""
-        sn = jacobi(self.phase + self.rate * np.asarray(t, dtype=EXTENDED), self.m1).sn
-        return (self.lowest + (self.highest - self.lowest) * sn**2).astype(float)
-
-
-def nutation(
-    transverse: float, axial: float, spin: float, weight_moment: float, tilt: float, tilt_rate: float, precession: float
-) -> Nutation:
-    """Nutation of a heavy symmetric top from its cubic.
-
-    ``u_dot^2 = (alpha - beta u)(1 - u^2) - (b - a u)^2`` with ``a = C w3 / A``, ``b = a u0 + W sin^2(tilt)``,
-    ``beta = 2 m g l / A``, ``alpha = tilt_rate^2 + W^2 sin^2(tilt) + beta u0``; ``rate^2 = beta (u3 - u1) / 4`` and
-    ``m = (u2 - u1) / (u3 - u1)``.
-
-    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``spin``: axial component w3 of the angular velocity
-    [rad/s]; ``weight_moment``: m g l > 0 [N m]; ``tilt, tilt_rate, precession``: angle of the axis from the vertical
-    [rad], its rate and the precession W at t = 0 [rad/s]. Returns roots, rate and phase. ValueError if
-    ``weight_moment`` is not positive.
-    """
-    if weight_moment <= 0:
-        raise ValueError(f"weight_moment {weight_moment} of the top: must be positive (measure the tilt from the top)")
-    start, sine = np.cos(tilt), np.sin(tilt)
-    a, beta = axial * spin / transverse, 2 * weight_moment / transverse
-    b, alpha = a * start + precession * sine**2, tilt_rate**2 + (precession * sine) ** 2 + beta * start
-    cubic = [beta, -(alpha + a * a), 2 * a * b - beta, alpha - b * b]
-    low, high, third = np.sort(np.roots(cubic).real)
-    rate, m1 = np.sqrt(beta * (third - low)) / 2, (third - high) / (third - low)
-    return Nutation(low, high, third, rate, m1, _nutation_phase(start, low, high, -sine * tilt_rate, m1))
-
-
-def _nutation_phase(start: float, low: float, high: float, climb: float, m1: float) -> float:
-    """Argument at t = 0; a start at rest is a turning point exactly, which rounded roots would miss by 1e-8."""
-    if climb == 0.0:
-        return quarter_period(m1) if high - start < start - low else 0.0
-    share = np.clip((start - low) / (high - low), 0.0, 1.0)
-    return elliptic_phase(np.copysign(np.sqrt(share), climb), np.sqrt(1 - share), m1)
 
 
 class RollingCircle(NamedTuple):

@@ -1,4 +1,4 @@
-"""Torque-free rotation of any body, of a symmetric body and of a rod."""
+"""Torque-free rotation of any body."""
 
 from typing import NamedTuple
 
@@ -130,54 +130,3 @@ def _momentum_frame(angle: Array, rates: Array, curve: Polhode) -> Array:
     normal = np.stack([lead[..., 2] * sine, lead[..., 2] * cosine, -tilt], axis=-1)
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.stack([c * node - s * normal, s * node + c * normal, lead], axis=-2)
-
-
-def flip_interval(inertia: ArrayLike, omega: ArrayLike) -> float:
-    """Time between two flips of the middle axis, ``2 K / lam``.
-
-    ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
-    at any instant, body axes [rad/s]. Returns interval [s]; infinite on the separatrix and for a steady rotation.
-    """
-    curve = polhode(inertia, omega)
-    return np.inf if curve is None else float(2 * quarter_period(float(curve.m1)) / curve.rate)
-
-
-def free_symmetric_body(
-    t: ArrayLike, transverse: float, axial: float, omega: ArrayLike, orientation: ArrayLike = (1, 0, 0, 0)
-) -> Attitude:
-    """Torque-free body with symmetry axis z: ``R = R_0 exp([L_0] t / A) exp([e_z] w_z (1 - C / A) t)``.
-
-    ``t`` (n,): times [s]; ``transverse, axial``: A > 0 and C >= 0 about the centre of mass; C = 0 is a rod [kg m^2];
-    ``omega`` (3,): angular velocity at t = 0, body axes [rad/s]; ``orientation`` (4,): quaternion at t = 0 [-]. Returns
-    angular velocity (body axes) and rotation at ``t``. ValueError if ``transverse`` is not positive or ``axial`` is
-    negative.
-    """
-    if transverse <= 0 or axial < 0:
-        raise ValueError(f"moments ({transverse}, {axial}): transverse must be positive and axial not negative")
-    t = np.atleast_1d(np.asarray(t, dtype=EXTENDED))
-    omega = np.asarray(omega, dtype=EXTENDED)
-    precession = np.array([omega[0], omega[1], axial * omega[2] / transverse], dtype=EXTENDED)
-    spin = turn(np.array([0, 0, omega[2] * (1 - EXTENDED(axial) / EXTENDED(transverse))], dtype=EXTENDED), t)
-    rotation = product(product(rotation_matrix(orientation), turn(precession, t)), spin)
-    return Attitude(np.einsum("nji,j->ni", spin, omega), rotation)
-
-
-def free_rod_point(
-    t: ArrayLike, centre: ArrayLike, velocity: ArrayLike, arm: ArrayLike, omega: ArrayLike
-) -> tuple[Array, Array]:
-    """Point of a free thin rod: ``r = r_G + v t + s cos(w t) + (w x s) sin(w t) / |w|``.
-
-    ``t`` (n,): times [s]; ``centre, velocity`` (3,): centre of mass at t = 0 [m] and its velocity [m/s], world; ``arm``
-    (3,): from the centre of mass to the point at t = 0, along the rod, world [m]; ``omega`` (3,): angular velocity, at
-    right angles to the rod, world [rad/s]. Returns position, velocity (n, 3): of the point, world [m], [m/s].
-    ValueError if ``omega`` has a component along the rod.
-    """
-    t = np.atleast_1d(np.asarray(t, dtype=float))[:, None]
-    centre, velocity, arm, omega = (np.asarray(a, dtype=float) for a in (centre, velocity, arm, omega))
-    speed = np.linalg.norm(omega)
-    if abs(arm @ omega) > 1e-12 * np.linalg.norm(arm) * speed:
-        raise ValueError(f"omega {omega} of the rod: remove the component along the rod, it turns nothing")
-    side = np.cross(omega, arm)
-    swing = np.sinc(speed * t / np.pi) * t
-    position = centre + velocity * t + arm * np.cos(speed * t) + side * swing
-    return position, velocity - arm * speed**2 * swing + side * np.cos(speed * t)

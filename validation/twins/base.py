@@ -4,7 +4,7 @@ Every twin checks its start and its runs in the same way.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, NamedTuple, Protocol
@@ -59,6 +59,25 @@ def release(version: str) -> tuple[int, int, int]:
     """Version as three numbers, without what marks it as a preview: "4.1.0rc1" is (4, 1, 0)."""
     first, second, third = (re.findall(r"(?:^|\.)(\d+)", version) + ["0"] * 3)[:3]
     return int(first), int(second), int(third)
+
+
+def spanning(joints: Iterable[Joint]) -> list[Joint]:
+    """The joints that join what was not joined by those before."""
+    group: dict[int, int] = {}
+
+    def root(i: int) -> int:
+        while group.setdefault(i, i) != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    tree = []
+    for joint in joints:
+        a, b = root(id(joint.a)), root(id(joint.b))
+        if a != b:
+            group[a] = b
+            tree.append(joint)
+    return tree
 
 
 class Load(NamedTuple):

@@ -49,13 +49,13 @@ def family(beginnings: str) -> tuple[str, ...]:
 @cache
 def assumed(name: str, rod_length: float = 2.0) -> Harmonics:
     """Of a layout with the first toy set, under the article's assumptions."""
-    return Harmonics(*phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False))
+    return phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False)
 
 
 @cache
 def actual(name: str, rod_length: float = 2.0) -> Harmonics:
     """Of a layout with the first toy set."""
-    return Harmonics(*phasor.block_load(Engine(name, rod_length=rod_length)))
+    return phasor.block_load(Engine(name, rod_length=rod_length))
 
 
 def force(h: Harmonics, order: int, axis: int = 0) -> float:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND
+from mbsd3d import GROUND, State, System
 from mbsd3d.extend import Coordinate, H, conjugate, exponential, logarithm, matrix, multiply, on_one_thread, skew
 from validation.twins.base import Array, EngineFailed
 
@@ -26,14 +26,10 @@ ROTATIONS = {"rotation vector": 3, "euler parameters": 4}
 class Assembly:
     """A mechanism under construction: item numbers of Exudyn by part.
 
-    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`; ``left_out``: id(joint) -> rows of
-    its first object that Exudyn is not to see; see `bodies.repeated_rows`.
+    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`.
     """
 
-    def __init__(
-        self, module: Any, system: Any, state: Any, rotation: str, left_out: dict[int, set[int]] | None = None
-    ) -> None:
-        self.left_out = left_out or {}
+    def __init__(self, module: Any, system: System, state: State, rotation: str) -> None:
         self.system, self.state, self.rotation = system, state, rotation
         self.module, self.items = module, module.itemInterface
         self.container = module.SystemContainer()
@@ -77,11 +73,6 @@ class Assembly:
             mass = self.mbs.AddMarker(self.items.MarkerBodyMass(bodyNumber=number))
             self.mbs.AddLoad(self.items.LoadMassProportional(markerNumber=mass, loadVector=self.system.gravity))
         return number
-
-    def kept(self, joint: Any, locked: tuple[int, ...]) -> list[int]:
-        """Flags of the directions that a joint locks, without those left out."""
-        gone = self.left_out.get(id(joint), set())
-        return [int(flag and k not in gone) for k, flag in enumerate(locked)]
 
     def marker(self, body: Any, point: Array, axes: Array | None = None) -> int:
         """A frame on a body: point and axes (columns), world at the reference pose."""
@@ -128,10 +119,8 @@ class Assembly:
         return float(np.remainder(2 * np.arctan2(relative[1:] @ x.axis, relative[0]) + np.pi, 2 * np.pi) - np.pi)
 
     def connect(self, part: Any, item: Any) -> None:
-        """Add a connector of a joint or force; one with a single row goes with that row."""
-        single = isinstance(item, self.items.ObjectConnectorCoordinate | self.items.ObjectConnectorDistance)
-        if not (single and id(part) not in self.objects and 0 in self.left_out.get(id(part), ())):
-            self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
+        """Add a connector of a joint or force."""
+        self.objects.setdefault(id(part), []).append(self.mbs.AddObject(item))
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""

@@ -32,47 +32,16 @@ def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
     return np.column_stack([axis_a, cross(z, axis_a), z]), np.column_stack([cross(axis_b, z), axis_b, z])
 
 
-DOTS = {1: {5: (0, 1)}, 2: {3: (2, 0), 4: (2, 1)}, 3: {3: (2, 1), 4: (2, 0), 5: (0, 1)}}
-"""Locked turns -> row of GenericJoint -> (axis of frame a, axis of frame b) that stay across each other."""
-
-
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
-    """A joint that locks directions of its frames.
-
-    Three locked shifts stand along the world in GenericJoint, fewer along its frame: where a row of three is left out,
-    SphericalJoint keeps the others as they are. Where some of its turns are left, each is a GenericJoint.
-    """
+    """A joint that locks directions of its frames."""
 
     def add(model: Assembly, joint: Any, what: str) -> None:
         axes_a, axes_b = frames(joint)
         at, at_b = getattr(joint, "at", joint.a.position), getattr(joint, "at_b", joint.b.position)
-        flags, shifts, turns = model.kept(joint, locked), sum(locked[:3]), sum(locked[3:])
-        single = [k for k in (3, 4, 5) if flags[k]] if 0 < sum(flags[3:]) < turns else []
-        if single:
-            flags[3:] = 0, 0, 0
-        if sum(flags[:3]) < shifts == 3:
-            add_point(model, joint, at, at_b, flags[:3])
-            flags[:3] = 0, 0, 0
-        if any(flags):
-            connect(model, joint, flags, (at, axes_a), (at_b, axes_b))
-        for k in single:
-            first, second = DOTS[turns][k]
-            across_a, across_b = frames_across(axes_a[:, first], axes_b[:, second])
-            connect(model, joint, [0, 0, 0, 0, 0, 1], (at, across_a), (at_b, across_b))
+        markers = [model.marker(joint.a, at, axes_a), model.marker(joint.b, at_b, axes_b)]
+        model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=locked))
 
     return add
-
-
-def add_point(model: Assembly, joint: Any, at: Array, at_b: Array, flags: list[int]) -> None:
-    """Points coincide along the world axes with a flag."""
-    markers = [model.marker(joint.a, at), model.marker(joint.b, at_b)]
-    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers, constrainedAxes=flags))
-
-
-def connect(model: Assembly, joint: Any, flags: list[int], side_a: tuple, side_b: tuple) -> None:
-    """One GenericJoint between (point, axes) on a and b."""
-    markers = [model.marker(joint.a, *side_a), model.marker(joint.b, *side_b)]
-    model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=flags))
 
 
 def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
@@ -93,7 +62,8 @@ def crossed(joint: Any) -> tuple[Array, Array]:
 
 def add_spherical(model: Assembly, joint: Any, what: str) -> None:
     """Points coincide."""
-    add_point(model, joint, joint.at, joint.at_b, model.kept(joint, (1, 1, 1)))
+    markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
+    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
 def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:

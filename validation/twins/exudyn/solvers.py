@@ -203,9 +203,7 @@ def last_words(text: str) -> str:
     """What Exudyn said, on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
     words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
-    return words + (
-        "; rows that repeat each other need linear='full-pivot' or rows='independent'" if "singular" in words else ""
-    )
+    return words + ("; rows that repeat each other need linear='full-pivot'" if "singular" in words else "")
 
 
 def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:

@@ -9,7 +9,7 @@ two such pairs on the axis (Revolute); any other joint carries a *piece* of its 
 inertia, that is welded to the rest: the two together move as the body does.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ import numpy as np
 import mbsd3d
 from mbsd3d import GROUND, Body, Joint, System
 from mbsd3d.extend import matched_perpendiculars, perpendiculars
-from validation.twins.base import NotExpressible
+from validation.twins.base import NotExpressible, spanning
 
 X, Y, Z = range(3)
 BALL = None  # turns of a ball: a quaternion
@@ -223,25 +223,6 @@ def rank(joint: Joint, referred: bool) -> int:
     if type(joint) not in (mbsd3d.Revolute, mbsd3d.Spherical) or referred:
         return 0 if isinstance(joint, mbsd3d.Fixed) else 1
     return 2 if isinstance(joint, mbsd3d.Revolute) else 3
-
-
-def spanning(joints: Iterable[Joint]) -> list[Joint]:
-    """The joints that join what was not joined by those before."""
-    group: dict[int, int] = {}
-
-    def root(i: int) -> int:
-        while group.setdefault(i, i) != i:
-            group[i] = group[group[i]]
-            i = group[i]
-        return i
-
-    tree = []
-    for joint in joints:
-        a, b = root(id(joint.a)), root(id(joint.b))
-        if a != b:
-            group[a] = b
-            tree.append(joint)
-    return tree
 
 
 def grow(layout: Layout, start: Any, tree: list[Joint]) -> None:
