@@ -26,8 +26,7 @@ from .equations import Canonical, canonical
 from .general import Build, required_equations
 
 Array = np.ndarray
-FASTEST = 1e5
-"""[m/s] Speeds above come from rounding where there is none at all."""
+FASTEST = 1e5  # [m/s] Speeds above come from rounding where there is none at all
 NO_INERTIA = 1e-13
 """Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
 

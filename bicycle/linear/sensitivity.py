@@ -43,8 +43,7 @@ COARSE = 1e-3
 """Step of a difference, relative to the parameter, or to LEAST if that is larger: the error is its fourth power, and
 1e-12 of rounding over it."""
 LEAST = 0.1
-STEP = 1e-30
-"""Complex step: far below rounding, so that its square vanishes."""
+STEP = 1e-30  # Complex step: far below rounding, so that its square vanishes
 
 
 SHOWN = 14  # parameters of a figure: those that matter most

@@ -17,8 +17,7 @@ from ..parameters import Parameters
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
-FLIP = np.diag([1.0, -1.0, -1.0])
-"""From the axes of the paper to those of the model."""
+FLIP = np.diag([1.0, -1.0, -1.0])  # From the axes of the paper to those of the model
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,8 +28,7 @@ from ..parameters import Meijaard2007, Parameters, entry_of, find, named, names
 
 TEMPLATES = Path(__file__).parent / "templates"
 FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
-AGREES = 1e-6
-"""[m/s] Largest difference of critical speeds that counts as the same."""
+AGREES = 1e-6  # [m/s] Largest difference of critical speeds that counts as the same
 
 
 @dataclass(frozen=True, eq=False)

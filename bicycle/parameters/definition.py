@@ -269,8 +269,7 @@ SYMBOL, UNIT, MEANING = (
     {x.name: x.metadata[key] for x in fields(Parameters) if x.metadata} for key in ("symbol", "unit", "meaning")
 )
 TYRES = ("tR", "tF")
-SYMBOLS = tuple(key for key in MEANING if key not in TYRES)
-"""The 25 parameters of the paper and g."""
+SYMBOLS = tuple(key for key in MEANING if key not in TYRES)  # The 25 parameters of the paper and g
 POSITIVE = ("w", "rR", "rF")
 NOT_NEGATIVE = ("g", "mR", "mB", "mH", "mF", "tR", "tF")
 

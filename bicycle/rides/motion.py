@@ -14,8 +14,7 @@ from ..output import write_table
 from ..parameters import Parameters
 
 WHEELS = ("rear", "front")
-NO_ROAD = 2.0
-"""Coefficient of friction that no tyre reaches on any road."""
+NO_ROAD = 2.0  # Coefficient of friction that no tyre reaches on any road
 
 
 class Event(NamedTuple):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import DOP853
+from mbsd3d import DOP853, System
 from mbsd3d.extend import matrix
 from validation.benchmark.problems import PLANAR_CUTS, Poses, Problem, poses, whole
 from validation.twins import exudyn, mujoco
@@ -164,12 +164,12 @@ def untried(engine: str, label: str, why: str) -> Candidate:
     return Candidate(engine, label, (), start)
 
 
-def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:
+def twin(engine: str, system: System, settings: dict[str, Any]) -> Any:
     """The twin of a system in a peer."""
     return (mujoco if engine == "MuJoCo" else exudyn).twin(system, **settings)
 
 
-def stepped(engine: str, label: str, problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+def stepped(engine: str, label: str, problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
     """Equal steps."""
 
     def start() -> Callable[[float], Run]:
@@ -179,7 +179,7 @@ def stepped(engine: str, label: str, problem: Problem, system: Any, settings: di
     return Candidate(engine, label, STEPS, start)
 
 
-def adaptive(problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+def adaptive(problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
     """Exudyn's DOPRI5 with its own steps."""
 
     def start() -> Callable[[float], Run]:
@@ -193,7 +193,7 @@ def adaptive(problem: Problem, system: Any, settings: dict[str, Any]) -> Candida
     return Candidate("Exudyn", label, TOLERANCES, start)
 
 
-def read(problem: Problem, system: Any, motion: Any) -> Run:
+def read(problem: Problem, system: System, motion: Any) -> Run:
     """End of a motion, for the bodies of the problem: a form may have massless bodies before them."""
     extra = len(system.bodies) - len(problem.system.bodies)
     return Run(motion.seconds, Poses(motion.position[-1, extra:], matrix(motion.orientation[-1, extra:])))

@@ -34,8 +34,7 @@ class Counts(NamedTuple):
 
     name: str
     ours: Count
-    exudyn: Count | str
-    """Or why it was not compared."""
+    exudyn: Count | str  # Or why it was not compared
     file: Count | None
 
     @property
@@ -97,8 +96,7 @@ class Large(NamedTuple):
     rank: int
     check_seconds: float
     run_seconds: float
-    error: float
-    """At the end, against the closed form: metres over the rod length, and radians."""
+    error: float  # At the end, against the closed form: metres over the rod length, and radians
 
 
 def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-3) -> Large:

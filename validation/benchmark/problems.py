@@ -18,6 +18,7 @@ from mbsd3d import (
     Joint,
     PointOnLine,
     Revolute,
+    Solution,
     SpeedDriver,
     Spherical,
     System,
@@ -57,7 +58,7 @@ def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
     return solution
 
 
-def poses(solution: Any) -> Poses:
+def poses(solution: Solution) -> Poses:
     """End of a solution."""
     bodies = solution.system.bodies
     return Poses(

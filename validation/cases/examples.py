@@ -163,5 +163,4 @@ EXAMPLES: dict[type, Factory] = {
 }
 """The same of couplings, which use all four bodies, and drivers: lists of joints that end with one of the class."""
 
-NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.PositionDriver)
-"""Joints whose body b must be a moving body."""
+NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body

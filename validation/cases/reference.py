@@ -34,11 +34,9 @@ Array = NDArray[np.floating]
 Shift = int | Mapping[str, ArrayLike] | None
 
 REFERENCES = Path(__file__).parents[1] / "references"
-NOT_CASES = {"engine", "conditions"}
-"""Files in the same folder that hold other data."""
+NOT_CASES = {"engine", "conditions"}  # Files in the same folder that hold other data
 
-SHIFT_SIZE = 0.5
-"""Scatter of a seeded shift over the size of its body."""
+SHIFT_SIZE = 0.5  # Scatter of a seeded shift over the size of its body
 
 
 @dataclass(frozen=True, eq=False)

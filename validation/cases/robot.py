@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import System, Torque
+from mbsd3d import Solution, System, Torque
 from validation.cases.reference import Array, Case, Shift, _rotation, build, read
 
 
@@ -65,7 +65,7 @@ def _robot_pose(case: Case, joints: list[Any], row: Mapping[str, Any]) -> RobotP
     )
 
 
-def hinge_accelerations(solution: Any) -> Array:
+def hinge_accelerations(solution: Solution) -> Array:
     """Accelerations of the arm's hinge angles, ``u . (alpha_b - alpha_a)`` with u the hinge axis in the pose.
 
     ``solution``: of the arm, for example ``accelerations(pose.system, state)``, n samples. Returns (n, 6): [rad/s^2].

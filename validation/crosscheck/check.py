@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State
+from mbsd3d import State, System
 from mbsd3d.extend import Progress, check_state, check_system, number
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
@@ -41,7 +41,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 def cross_check(
-    system: Any,
+    system: System,
     t_end: float | None,
     *,
     engines: Sequence[str] = ENGINES,
@@ -122,7 +122,7 @@ def cross_check(
 
 
 def check_input(
-    system: Any, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
+    system: System, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
 ) -> tuple[State, np.ndarray]:
     """(start, sample times); ValueError for what makes no sense."""
     check_system(system, "cross_check")
@@ -146,7 +146,7 @@ def check_input(
 
 
 def compare(
-    engine: str, system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
+    engine: str, system: System, state: State, ours: Ours, tolerance: float, budget: float, report: Any
 ) -> Compared:
     """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
@@ -173,7 +173,7 @@ def compare(
 
 
 def compare_way(
-    make: Callable[..., Twin], system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
+    make: Callable[..., Twin], system: System, state: State, ours: Ours, tolerance: float, budget: float, report: Any
 ) -> Compared:  # fmt: skip
     """All findings about an engine run in one way; a motion it cannot follow is one of them."""
     twin, t_end = make(), float(ours.motion.t[-1])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import State, accelerations
+from mbsd3d import State, System, accelerations
 from mbsd3d.extend import mass_matrix
 from validation.crosscheck.ladder import Ladder, Limit, best_limit
 from validation.crosscheck.ours import POSES, Ours, Quantity, largest, quantities
@@ -21,7 +21,7 @@ MASS = 1e-10
 START = ("acceleration", "angular acceleration")
 
 
-def judge_start(system: Any, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
+def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
     """Findings about the mass matrix and the accelerations at the start."""
     findings = [judge_mass(system, state, twin)]
     by_quantity = acceleration_differences(system, state, twin, ours)
@@ -32,7 +32,7 @@ def judge_start(system: Any, state: State, twin: Twin, ours: Ours, tolerance: fl
     return findings
 
 
-def judge_mass(system: Any, state: State, twin: Twin) -> Finding:
+def judge_mass(system: System, state: State, twin: Twin) -> Finding:
     """T'M T of our reference-point mass matrix against the engine's, T from its velocities to ours."""
     kinetic = twin.kinetic()
     if kinetic is None:
@@ -46,13 +46,13 @@ def judge_mass(system: Any, state: State, twin: Twin) -> Finding:
     )
 
 
-def acceleration_differences(system: Any, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
+def acceleration_differences(system: System, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
     """Quantity -> (greatest relative difference, whose body): divided by the greatest acceleration, or by gravity."""
     a = np.asarray(accelerations(system, state).arrays["acceleration"][0])
     return relative_to(a, twin.accelerations(), system, ours)
 
 
-def relative_to(a: Array, theirs: Array, system: Any, ours: Ours) -> dict[str, tuple[float, str]]:
+def relative_to(a: Array, theirs: Array, system: System, ours: Ours) -> dict[str, tuple[float, str]]:
     """As above, for given (bodies, 6) accelerations."""
     size = ours.size
     pull = max(largest(a[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
@@ -66,12 +66,9 @@ def relative_to(a: Array, theirs: Array, system: Any, ours: Ours) -> dict[str, t
 
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
-LOOSEST = 1e-3
-"""Tolerance beyond which agreement would say nothing."""
-SLACK = 0.5
-"""By how much the observed order may miss the expected one; a lower one has to be explained."""
-HALVED = 0.75
-"""A difference that halving the step takes below this part of it is one of the step, of whatever order."""
+LOOSEST = 1e-3  # Tolerance beyond which agreement would say nothing
+SLACK = 0.5  # By how much the observed order may miss the expected one; a lower one has to be explained
+HALVED = 0.75  # A difference that halving the step takes below this part of it is one of the step, of whatever order
 BLUR = 100.0
 """Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations; never
 more than `LOOSEST`."""
@@ -80,7 +77,7 @@ more than `LOOSEST`."""
 class Runs:
     """Relative values of a ladder by quantity; reactions without the start, where multipliers are not valid yet."""
 
-    def __init__(self, system: Any, ladder: Ladder, ours: Ours) -> None:
+    def __init__(self, system: System, ladder: Ladder, ours: Ours) -> None:
         self.ladder, self.ours = ladder, ours
         joints = tuple(name for name in ours.motion.reactions if name in ladder.runs[-1].reactions)
         self.own = dict(ours.found)
@@ -231,7 +228,7 @@ So it is never more than `LOOSEST` of the quantity's size, however great the dif
 
 
 def explained(
-    findings: Sequence[Finding], make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    findings: Sequence[Finding], make: Callable[..., Twin], system: System, state: State, ours: Ours,
     climb: Callable[[Twin], Runs] | None = None, span: int = 0,
 ) -> list[Finding]:  # fmt: skip
     """The findings, with a tried and measured cause on those that differ; without one they stay as they are."""
@@ -259,7 +256,7 @@ def unseen(cause: Cause, finding: Finding) -> float:
 
 
 def changed(
-    cause: Cause, make: Callable[..., Twin], system: Any, state: State, ours: Ours,
+    cause: Cause, make: Callable[..., Twin], system: System, state: State, ours: Ours,
     climb: Callable[[Twin], Runs] | None, span: int,
 ) -> dict[str, float]:  # fmt: skip
     """Quantity -> difference with the cause changed; of motions that of the limits, as everywhere."""

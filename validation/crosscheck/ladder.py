@@ -7,20 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d import System
 from validation.crosscheck.ours import POSES, quantities, running_max
 from validation.twins.base import Array, EngineFailed, Motion, finite
 
 INTERVALS = 32
 """Samples of a comparison less the start: enough to see where motions part; a power of two, as all step counts are."""
 MOST_STEPS = 2**21
-IDLE = 2
-"""Finer runs in vain, after which rounding is all that is left."""
+IDLE = 2  # Finer runs in vain, after which rounding is all that is left
 ROUNDING = 1e-12
 """Gaps below this part of a quantity's size are rounding of 10^3 to 10^6 steps: no order is read from them."""
-FEWEST = 4
-"""Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays."""
-LEAST_ORDER = 0.5
-"""Below it halving the step hardly helps, and extrapolating would only amplify."""
+FEWEST = 4  # Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays
+LEAST_ORDER = 0.5  # Below it halving the step hardly helps, and extrapolating would only amplify
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,7 @@ def fastest_rate(motion: Motion) -> float:
 
 
 def climb(
-    twin: Any, system: Any, t_end: float, first: int, size: Any, target: float, budget: float,
+    twin: Any, system: System, t_end: float, first: int, size: Any, target: float, budget: float,
     report: Callable[[float], None],
 ) -> Ladder:  # fmt: skip
     """Halve the step until the limit of poses and velocities is known to ``target``, or ``budget`` seconds are up.
@@ -153,7 +151,7 @@ def why_stop(
     return f"{MOST_STEPS} steps are the most" if steps > MOST_STEPS else ""
 
 
-def known_to(ladder: Ladder, system: Any, size: Any) -> float:
+def known_to(ladder: Ladder, system: System, size: Any) -> float:
     """How uncertain the limit of poses and velocities is at the end, relative."""
     runs = [quantities(system, motion, size) for motion in ladder.runs]
     worst = 0.0

@@ -9,12 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import State, accelerations, simulate
+from mbsd3d import Solution, State, System, accelerations, simulate
 from validation.twins.base import Array, Load, Motion
 from validation.twins.definitions.equations import constraint_rows
 
-POSES = ("position", "rotation", "velocity", "angular velocity")
-"""Quantities that the others are made of."""
+POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
 
 
 class Quantity(NamedTuple):
@@ -52,7 +51,7 @@ def rotation_matrices(e: Array) -> Array:
     return square * np.eye(3) + 2.0 * outer + 2.0 * e0 * skew
 
 
-def momenta(system: Any, motion: Motion) -> tuple[Array, Array, Array, Array]:
+def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]:
     """(p, L about the world's origin, kinetic energy, potential energy of the weight): (n, 3), (n, 3), (n,), (n,)."""
     R = rotation_matrices(motion.orientation)
     n = motion.t.size
@@ -69,7 +68,7 @@ def momenta(system: Any, motion: Motion) -> tuple[Array, Array, Array, Array]:
     return p, L, kinetic, weight
 
 
-def sizes(system: Any, motion: Motion, length: float) -> Sizes:
+def sizes(system: System, motion: Motion, length: float) -> Sizes:
     """From a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
     span = float(motion.t[-1] - motion.t[0]) or 1.0
     mass = sum(body.mass for body in system.bodies) or 1.0
@@ -103,7 +102,7 @@ def largest(values: Array) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 
-def quantities(system: Any, motion: Motion, size: Sizes, joints: tuple[str, ...] = ()) -> Mapping[str, Quantity]:
+def quantities(system: System, motion: Motion, size: Sizes, joints: tuple[str, ...] = ()) -> Mapping[str, Quantity]:
     """All quantities of a motion by name; reactions of ``joints``, with the joint's name as the part.
 
     Rotations are compared as matrices (9 numbers): the sign of a quaternion and its jumps do not matter.
@@ -131,8 +130,7 @@ def quantities(system: Any, motion: Motion, size: Sizes, joints: tuple[str, ...]
 
 LOOSE, TIGHT = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
-NUDGE = 1e-6
-"""Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth."""
+NUDGE = 1e-6  # Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth
 RANK = 1e-9
 """Singular values of J below this part of the greatest are zero, as in `validation.twins.definitions.equations`."""
 
@@ -155,7 +153,7 @@ class Ours:
     open: tuple[str, ...]
 
 
-def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
+def motion_of(solution: Solution) -> tuple[Motion, tuple[str, ...]]:
     """(poses, velocities and unique reactions of a solution, names of joints whose reaction is not unique)."""
     system = solution.system
     stack = {
@@ -168,7 +166,7 @@ def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
     return Motion(t=solution.t, reactions=loads, seconds=solution.record.seconds, **stack), rest
 
 
-def whole_run(system: Any, t_end: float, state: State, rtol: float, output: Any) -> Any:
+def whole_run(system: System, t_end: float, state: State, rtol: float, output: Any) -> Any:
     """A solution up to t_end; KeyboardInterrupt if Ctrl-C ended it before."""
     solution = simulate(system, t_end, state=state, rtol=rtol, output=output)
     if (solution.record.stopped_by or "").startswith("interrupted"):
@@ -176,7 +174,7 @@ def whole_run(system: Any, t_end: float, state: State, rtol: float, output: Any)
     return solution
 
 
-def neighbour(system: Any, state: State, size: Sizes) -> State:
+def neighbour(system: System, state: State, size: Sizes) -> State:
     """The start with general velocities added, NUDGE of the run's speeds, that all joints allow."""
     J = constraint_rows(system, state)[0] if system.joints else np.zeros((0, state.v.size))
     units = np.tile([size.speed] * 3 + [size.spin] * 3, len(system.bodies))
@@ -187,7 +185,7 @@ def neighbour(system: Any, state: State, size: Sizes) -> State:
     return replace(state, v=state.v + NUDGE * units * shift / length) if length > RANK else state
 
 
-def ours_at(system: Any, state: State, times: Array) -> Ours:
+def ours_at(system: System, state: State, times: Array) -> Ours:
     """Our motion at the times, by a tight run; its error by a looser one, its sensitivity by a neighbouring one."""
     t_end = float(times[-1])
     tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
@@ -209,7 +207,7 @@ def ours_at(system: Any, state: State, times: Array) -> Ours:
     return Ours(motion, size, found, error, growth, rest)
 
 
-def ours_at_start(system: Any, state: State) -> Ours:
+def ours_at_start(system: System, state: State) -> Ours:
     """The same at the start alone: sizes and unique reactions, nothing to estimate."""
     solution = accelerations(system, state)
     motion, rest = motion_of(solution)

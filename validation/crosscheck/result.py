@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
-SURE = 3.0
-"""Errors of a limit by which another may be away from it: the estimate is the last change, not a bound."""
+SURE = 3.0  # Errors of a limit by which another may be away from it: the estimate is the last change, not a bound
 
 
 class Attribution(NamedTuple):

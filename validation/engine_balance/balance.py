@@ -17,8 +17,7 @@ class Comparison:
     engine: Engine
     ways: dict[str, Harmonics]
     """"phasor", "planar", "spatial"."""
-    gravity: tuple[float, float] = (0.0, 0.0)
-    """In the plane of the cylinders [m/s^2]."""
+    gravity: tuple[float, float] = (0.0, 0.0)  # In the plane of the cylinders [m/s^2]
     driver: str = "block"
     """Where the driving torque reacts, "block" or "dyno"."""
 

@@ -18,12 +18,9 @@ import numpy as np
 class Harmonics:
     """Orders 0, 1, 2 ... of crank speed of the load on the block about the origin, world axes."""
 
-    force: np.ndarray
-    """(orders + 1, 3) complex [N]."""
-    moment: np.ndarray
-    """(orders + 1, 3) complex [N m]; x and y are the couples, z is the torque reaction."""
-    torque: np.ndarray
-    """(orders + 1,) complex, of the driver on the crank [N m]."""
+    force: np.ndarray  # (orders + 1, 3) complex [N]
+    moment: np.ndarray  # (orders + 1, 3) complex [N m]; x and y are the couples, z is the torque reaction
+    torque: np.ndarray  # (orders + 1,) complex, of the driver on the crank [N m]
 
     @property
     def forward(self) -> np.ndarray:

@@ -43,10 +43,8 @@ class Place:
 
     pin: np.ndarray
     wrist: np.ndarray
-    throw: np.ndarray
-    """Centre of mass of the throw."""
-    bore: np.ndarray
-    """Direction of the bore, towards the head."""
+    throw: np.ndarray  # Centre of mass of the throw
+    bore: np.ndarray  # Direction of the bore, towards the head
 
 
 def place(engine: Engine, i: int) -> Place:

@@ -32,12 +32,9 @@ WHOLE = 1e-6  # of a step: allowed error of a period
 class Spectrum:
     """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``."""
 
-    orders: np.ndarray
-    """(bins,) multiples of the given period or shaft speed [-]; without either, frequency [Hz]."""
-    amplitudes: np.ndarray
-    """(bins,) or (bins, k) complex c."""
-    frequency: np.ndarray
-    """(bins,) w [rad/s]."""
+    orders: np.ndarray  # (bins,) multiples of the given period or shaft speed [-]; without either, frequency [Hz]
+    amplitudes: np.ndarray  # (bins,) or (bins, k) complex c
+    frequency: np.ndarray  # (bins,) w [rad/s]
     window: str
 
     def at(self, order: float) -> np.ndarray:

@@ -18,14 +18,11 @@ from validation.suite.trials.trial import Run
 QUANTITIES = ("position", "rotation", "velocity", "energy", "reaction force")
 """The curves that are drawn; the others follow from them."""
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 300.0, 190.0, 46.0, 34.0, 22.0
-LEAST = 1e-17
-"""Differences below it are drawn there: equal bits have no logarithm."""
+LEAST = 1e-17  # Differences below it are drawn there: equal bits have no logarithm
 Place = Callable[[float, float], complex]  # of a step and a difference
-KEY = 18.0
-"""Height of the line that says which colour is what."""
+KEY = 18.0  # Height of the line that says which colour is what
 SIZE, DOTS = (3.6, 2.7), 110  # inch, per inch
-MOST = 40
-"""Bodies that can be told apart at this size."""
+MOST = 40  # Bodies that can be told apart at this size
 
 
 def picture(made: Run) -> str:

@@ -140,8 +140,7 @@ def failed(records: Iterable[Record]) -> list[Record]:
     return [record for record in records if record.verdict == DIFFERS]
 
 
-MANY = 30
-"""Of one group: more cases than that share a line, and only those that differ have their own."""
+MANY = 30  # Of one group: more cases than that share a line, and only those that differ have their own
 SILENT, ABSENT, PART = "-", "", "~"
 LEGEND = (
     "Errors are relative; exact: counts equal; *: explained, with a number; !: differs; ~: in part; -: not compared."

@@ -65,8 +65,7 @@ def encoded(content: dict[str, Any]) -> bytes:
 TEMPLATES = Path(__file__).parents[1] / "templates"
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
-SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
-"""Judges that compare a dozen quantities each: they stand side by side."""
+SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)  # Judges that compare a dozen quantities each: they stand side by side
 PART = "◐ "  # some quantities were not compared
 
 

@@ -35,8 +35,7 @@ from validation.suite.trials.trial import Run, Trial, examine, stopped
 NAME = "validation"
 SEVERAL = 4  # cases that are worth the seconds in which processes start
 PEERS = (MUJOCO, EXUDYN)
-MORE = 5.0
-"""Times the budget for a second look at a difference."""
+MORE = 5.0  # Times the budget for a second look at a difference
 PACKAGES = ("numpy", "scipy", "numba", "mujoco-core", "mujoco", "exudyn")
 SOURCES = ("*.py", "references/*.json", "parameters/*.json")
 

@@ -44,14 +44,10 @@ class Cost(NamedTuple):
 
     mechanism: str
     form: str
-    per_second: float
-    """Median seconds of the loop per simulated second."""
-    per_evaluation: float
-    """The same per evaluation [s]; 4 a step and one at the end."""
-    ratio: float
-    """To the planar solver; of forms with O = G to the same form with O off G."""
-    least: float
-    """The same ratio of the least times."""
+    per_second: float  # Median seconds of the loop per simulated second
+    per_evaluation: float  # The same per evaluation [s]; 4 a step and one at the end
+    ratio: float  # To the planar solver; of forms with O = G to the same form with O off G
+    least: float  # The same ratio of the least times
 
 
 class Accuracy(NamedTuple):

@@ -25,6 +25,7 @@ from mbsd3d import (
     Prismatic,
     Ramp,
     Revolute,
+    Solution,
     Spherical,
     System,
     Universal,
@@ -57,8 +58,7 @@ class Coupling:
     a: str | None
     b: str
     at: tuple
-    axis: tuple = (1.0, 0.0, 0.0)
-    """Of a guide; of a cross, across the link b in the plane."""
+    axis: tuple = (1.0, 0.0, 0.0)  # Of a guide; of a cross, across the link b in the plane
 
 
 @dataclass(frozen=True)
@@ -219,12 +219,12 @@ def cubic(values: np.ndarray) -> np.ndarray:
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
-def grounded(mechanism: Mechanism, solution: Any) -> list[np.ndarray]:
+def grounded(mechanism: Mechanism, solution: Solution) -> list[np.ndarray]:
     """(n, 3) force of the ground in each of its joints [N]."""
     return [cubic(solution.reaction(c.name).force) for c in mechanism.couplings if c.a is None]
 
 
-def imbalance(mechanism: Mechanism, solution: Any) -> float:
+def imbalance(mechanism: Mechanism, solution: Solution) -> float:
     """Newton for the whole: largest |forces of the ground + m g - sum m a_G|, relative to the largest force."""
     forces, rest = grounded(mechanism, solution), 0.0
     for link in mechanism.links:
@@ -235,7 +235,7 @@ def imbalance(mechanism: Mechanism, solution: Any) -> float:
     return float(np.abs(sum(forces) - rest).max() / np.abs(forces).max())
 
 
-def balanced(mechanism: Mechanism, solution: Any) -> tuple[float, float]:
+def balanced(mechanism: Mechanism, solution: Solution) -> tuple[float, float]:
     """(1x force along the bores, largest force across them) of the inline four on its block over F_single.
 
     F_single = w^2 (m_c r_c + (m_r + m_p) R), 10 kg m w^2: the 1x force of one cylinder.

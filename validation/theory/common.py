@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating]
 
-GRAVITY = 9.81
-"""Acceleration of free fall used when none is given [m/s^2]."""
+GRAVITY = 9.81  # Acceleration of free fall used when none is given [m/s^2]
 
 EXTENDED = np.longdouble
 """80-bit floats where the machine has them (64-bit elsewhere: results then lose about three digits)."""
@@ -27,10 +26,8 @@ def rotation_matrix(quaternion: ArrayLike) -> Array:
 class Attitude(NamedTuple):
     """Motion of a body about a point."""
 
-    omega_body: Array
-    """Angular velocity in body axes, (n, 3) [rad/s]."""
-    rotation: Array
-    """Body to world, (n, 3, 3) [-]."""
+    omega_body: Array  # Angular velocity in body axes, (n, 3) [rad/s]
+    rotation: Array  # Body to world, (n, 3, 3) [-]
 
 
 def turn(omega: Array, t: Array) -> Array:

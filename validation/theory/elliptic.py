@@ -37,13 +37,11 @@ def elliptic_phase(sine: float, cosine: float, m1: float) -> float:
 class Jacobi(NamedTuple):
     """Jacobi elliptic functions, extended precision, shape of the argument."""
 
-    am: Array
-    """Amplitude, continuous over all turns [rad]."""
+    am: Array  # Amplitude, continuous over all turns [rad]
     sn: Array
     cn: Array
     dn: Array
-    turns: Array
-    """Nearest whole number of half periods: u = 2 K turns + rest, |rest| <= K."""
+    turns: Array  # Nearest whole number of half periods: u = 2 K turns + rest, |rest| <= K
     rest: Array
 
 

@@ -104,14 +104,11 @@ def steady_precession(
 class RollingCircle(NamedTuple):
     """Steady circular rolling of a disc."""
 
-    precession: float
-    """Rate about the vertical, > 0 [rad/s]."""
+    precession: float  # Rate about the vertical, > 0 [rad/s]
     spin: float
     """Own rotation about the disc axis relative to the precessing frame, opposite in sign to the precession [rad/s]."""
-    centre_radius: float
-    """Radius of the circle of the disc centre [m]."""
-    centre_height: float
-    """[m]"""
+    centre_radius: float  # Radius of the circle of the disc centre [m]
+    centre_height: float  # [m]
 
     @property
     def period(self) -> float:

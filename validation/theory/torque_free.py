@@ -13,19 +13,13 @@ from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_p
 class Polhode(NamedTuple):
     """Constants of torque-free rotation in axes (p, m, q): q is the axis the polhode surrounds, m the middle one."""
 
-    axes: Array
-    """Rows are the unit vectors of (p, m, q) in body axes, right-handed, (3, 3)."""
-    moments: Array
-    """(I_p, I_m, I_q) [kg m^2]."""
-    amplitudes: Array
-    """Signed amplitudes of (cn, sn, dn) [rad/s]."""
-    rate: float
-    """Argument of the elliptic functions per second, lam [1/s]."""
+    axes: Array  # Rows are the unit vectors of (p, m, q) in body axes, right-handed, (3, 3)
+    moments: Array  # (I_p, I_m, I_q) [kg m^2]
+    amplitudes: Array  # Signed amplitudes of (cn, sn, dn) [rad/s]
+    rate: float  # Argument of the elliptic functions per second, lam [1/s]
     m1: float
-    phase: float
-    """Argument at t = 0 [-]."""
-    momentum: float
-    """Length of the angular momentum [N m s]."""
+    phase: float  # Argument at t = 0 [-]
+    momentum: float  # Length of the angular momentum [N m s]
 
 
 def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:

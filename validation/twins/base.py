@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mbsd3d import Joint, State
+from mbsd3d import Joint, State, System
 from mbsd3d.extend import (
     check_quaternions,
     check_signals,
@@ -44,13 +44,13 @@ class EngineFailed(NotComparable):
     """The engine stopped, diverged or returned NaN; the text says when, and what it said itself."""
 
 
-def label(system: Any, part: Any) -> str:
+def label(system: System, part: Any) -> str:
     """How errors name a part: "joint 'hinge' (Revolute)"."""
     kind = "joint" if isinstance(part, Joint) else "force"
     return f"{kind} '{system.name(part)}' ({type(part).__name__})"
 
 
-def refused(system: Any, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
+def refused(system: System, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
     """The error for a part that no table of an engine has: its known reason, or what holds for any new class."""
     return NotExpressible(f"{label(system, part)}: {reasons.get(type(part), otherwise)}")
 
@@ -166,7 +166,7 @@ class Twin(Protocol):
 MET = 1e-8  # [1] of the model's length, or rad: the joints of a start; what `mbsd3d.simulate` asks for
 
 
-def start_of(system: Any, state: State | None, engine: str) -> State:
+def start_of(system: System, state: State | None, engine: str) -> State:
     """The start, a state of this system; a ValueError says what is wrong with either."""
     check_system(system, engine)
     check_state(state, engine)
@@ -176,7 +176,7 @@ def start_of(system: Any, state: State | None, engine: str) -> State:
     return start
 
 
-def check_met(system: Any, start: State) -> None:
+def check_met(system: System, start: State) -> None:
     """ValueError naming the joint, driver or gear that a start does not meet, as `mbsd3d.simulate` judges it."""
     compiled = system.lowered
     data = new_data(compiled.model)  # no loads: functions of forces need not be compiled
@@ -193,7 +193,7 @@ def check_met(system: Any, start: State) -> None:
         )
 
 
-def check_run(engine: str, system: Any, start: float, t_end: float, steps: int, samples: int) -> None:
+def check_run(engine: str, system: System, start: float, t_end: float, steps: int, samples: int) -> None:
     """ValueError if samples do not lie on steps, the end is not after the start, or tables do not reach it."""
     whole = all(isinstance(n, int | np.integer) and not isinstance(n, bool) and n >= 1 for n in (steps, samples))
     if not whole or steps % samples:

@@ -87,8 +87,7 @@ class Sheet:
     comparison: Comparison
     samples: tuple[np.ndarray, np.ndarray]
     """Crank angle [degrees] and driving torque [N m] of the spatial model over a turn."""
-    gas: "GasTorque | None" = None
-    """None where no firing order is known."""
+    gas: "GasTorque | None" = None  # None where no firing order is known
 
     @property
     def engine(self) -> Engine:
@@ -184,10 +183,8 @@ class GasTorque:
     """What half sines of the gas over the power strokes do to the crank, without inertia, over two turns."""
 
     engine: Engine
-    peak: float
-    """On each piston [N]."""
-    samples: tuple[np.ndarray, np.ndarray]
-    """Crank angle [degrees] and torque on the crank [N m] of the spatial model."""
+    peak: float  # On each piston [N]
+    samples: tuple[np.ndarray, np.ndarray]  # Crank angle [degrees] and torque on the crank [N m] of the spatial model
 
     @cached_property
     def closed(self) -> tuple[np.ndarray, np.ndarray]:

@@ -29,8 +29,7 @@ class Pages(NamedTuple):
     """What was written."""
 
     index: Path
-    comparisons: list[Comparison]
-    """Of the engines, in their order."""
+    comparisons: list[Comparison]  # Of the engines, in their order
 
 
 def write_pages(

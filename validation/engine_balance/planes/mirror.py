@@ -21,10 +21,8 @@ IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
 class Pose(NamedTuple):
     """Rows of all joints at a pose."""
 
-    q: np.ndarray
-    """(n, 7)."""
-    J: np.ndarray
-    """(rows, n, 2, 3) of (r_dot, w), world."""
+    q: np.ndarray  # (n, 7)
+    J: np.ndarray  # (rows, n, 2, 3) of (r_dot, w), world
 
 
 class Rows:

@@ -35,20 +35,16 @@ __all__ = ["BlockLoad", "Failure", "Plane", "Reduction", "reduce_to_planes"]
 class BlockLoad(NamedTuple):
     """Load of the moving parts on the frame."""
 
-    force: np.ndarray
-    """(k, 3) world [N]."""
-    moment: np.ndarray
-    """(k, 3) about the origin, world [N m]."""
+    force: np.ndarray  # (k, 3) world [N]
+    moment: np.ndarray  # (k, 3) about the origin, world [N m]
 
 
 class Plane(NamedTuple):
     """A planar model: all units of one station with their slice of the shaft."""
 
-    z: float
-    """Of the plane, along the axis from the origin [m]."""
+    z: float  # Of the plane, along the axis from the origin [m]
     system: planar.System
-    units: tuple[str, ...]
-    """First bodies of its units; none for the rest of the shaft."""
+    units: tuple[str, ...]  # First bodies of its units; none for the rest of the shaft
 
 
 @dataclass(frozen=True)
@@ -56,10 +52,8 @@ class Reduction:
     """What `reduce_to_planes` found."""
 
     failures: tuple[Failure, ...]
-    planes: tuple[Plane, ...]
-    """Empty where not even a sum can be formed."""
-    axes: np.ndarray
-    """(3, 3) rows e1, e2, n: directions of x and y in the planes and of the shaft, world."""
+    planes: tuple[Plane, ...]  # Empty where not even a sum can be formed
+    axes: np.ndarray  # (3, 3) rows e1, e2, n: directions of x and y in the planes and of the shaft, world
 
     @property
     def holds(self) -> bool:

@@ -15,8 +15,7 @@ class Link(NamedTuple):
     """All joints between two bodies; the frame counts as the ground."""
 
     a: Any
-    b: Any
-    """Moves; not the shaft."""
+    b: Any  # Moves; not the shaft
     joints: list
 
 
@@ -25,8 +24,7 @@ class Unit(NamedTuple):
 
     bodies: list
     links: list[Link]
-    z: float
-    """Of its plane, along the axis [m]."""
+    z: float  # Of its plane, along the axis [m]
 
     @property
     def name(self) -> str:

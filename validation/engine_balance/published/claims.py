@@ -30,8 +30,7 @@ class Row:
     assumed: float | None
     actual: float | tuple[float, float] | None
     verdict: str
-    layouts: tuple[str, ...] = ()
-    """Names of those it is about."""
+    layouts: tuple[str, ...] = ()  # Names of those it is about
 
 
 def family(beginnings: str) -> tuple[str, ...]:

@@ -15,12 +15,9 @@ from validation.suite.trials.plane import by_ladder
 from validation.suite.trials.trial import Run, Trial, run
 from validation.tax import pairs as twins
 
-GRAVITY = (1.3, -9.6)
-"""m/s^2, in the plane of the cylinders, along no axis."""
-SHORT = ("single", "I4", "V8_cross_real")
-"""Layouts of the short list."""
-PEERED = ("I4", "V6_90_split30")
-"""Layouts that other engines are asked about; the others have the same parts."""
+GRAVITY = (1.3, -9.6)  # m/s^2, in the plane of the cylinders, along no axis
+SHORT = ("single", "I4", "V8_cross_real")  # Layouts of the short list
+PEERED = ("I4", "V6_90_split30")  # Layouts that other engines are asked about; the others have the same parts
 SAMPLES = 33
 
 

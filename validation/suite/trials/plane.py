@@ -6,20 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Constant, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
+from mbsd3d import GROUND, Constant, Joint, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
 from mbsd3d.extend import Mbsd3dError
 from validation.suite.findings import PLANE, Finding, judged, not_compared
 from validation.suite.trials.trial import Run, run
 from validation.twins import planar
 
-EXACT = 1e-12
-"""Of directions and distances: beyond rounding a mechanism is not planar."""
-LEAST_ORDER = 3.5
-"""Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours."""
-LADDER = (2000, 8000)
-"""Steps of the runs."""
-SAMPLES = 9
-"""At which both are compared, the start and the end among them."""
+EXACT = 1e-12  # Of directions and distances: beyond rounding a mechanism is not planar
+LEAST_ORDER = 3.5  # Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours
+LADDER = (2000, 8000)  # Steps of the runs
+SAMPLES = 9  # At which both are compared, the start and the end among them
 LIMIT = 1e-5
 """Largest error of the finest run where it falls at the right order: what is left is the planar method's own."""
 
@@ -93,7 +89,7 @@ def flat_body(made: Flat, body: Any) -> planar.Body:
     return planar.Body(body.name, body.mass, inertia, com=com, position=position, velocity=velocity, omega=omega)
 
 
-def add_joint(made: Flat, system: System, joint: Any) -> None:
+def add_joint(made: Flat, system: System, joint: Joint) -> None:
     """The planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
     what, ends = system.name(joint), (made.of(joint.a), made.of(joint.b))
     if isinstance(joint, Prismatic):

@@ -5,14 +5,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mbsd3d import System, simulate
+from mbsd3d import Solution, State, System, simulate
 from mbsd3d.extend import Mbsd3dError
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
-RTOL = 1e-10
-"""Of our runs: a hundredth of the tightest limit."""
-ACCURACY = 100 * RTOL
-"""What the errors of some hundred steps add up to where nothing is amplified."""
+RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
+ACCURACY = 100 * RTOL  # What the errors of some hundred steps add up to where nothing is amplified
 STANDS = "other engines take too long for a short run; {} stands for it"
 """Why a trial is not compared with engines in a short run."""
 
@@ -28,14 +26,20 @@ class Run:
 
     system: System
     t_end: float = 0.0
-    solution: Any = None
-    state: Any = None
+    solution: Solution | None = None
+    state: State | None = None
     source: Any = None
     accuracy: float = ACCURACY
 
 
 def run(
-    system: System, t_end: float, *, state: Any = None, source: Any = None, accuracy: float = ACCURACY, **options: Any
+    system: System,
+    t_end: float,
+    *,
+    state: State | None = None,
+    source: Any = None,
+    accuracy: float = ACCURACY,
+    **options: Any,
 ) -> Run:
     """Simulate a mechanism at `RTOL`; other options as for `simulate`."""
     solution = simulate(system, t_end, state=state, **{"rtol": RTOL, **options})

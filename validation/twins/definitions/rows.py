@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
-from mbsd3d import GROUND
+from mbsd3d import GROUND, Joint, State, System
 from validation.twins.base import refused
 
 Array = np.ndarray
@@ -118,7 +118,7 @@ class Motion:
         d motions of n bodies.
     """
 
-    def __init__(self, system: Any, state: Any, velocities: Array) -> None:
+    def __init__(self, system: System, state: State, velocities: Array) -> None:
         self.t, self.index = state.t, {id(body): i for i, body in enumerate(system.bodies)}
         poses = state.q.reshape(-1, 7)
         self.r, self.R = poses[:, :3], [rotation(e / np.linalg.norm(e)) for e in poses[:, 3:]]
@@ -281,7 +281,7 @@ TURNS: dict[type, Callable] = {
 """Joint class -> (factor, hinge): whole turns of hinges add to the last part of c, which knows angles to +-pi only."""
 
 
-def law_of(system: Any, joint: Any) -> tuple[int, Callable]:
+def law_of(system: System, joint: Joint) -> tuple[int, Callable]:
     """(1 for c or 0 for s, the function); NotExpressible for a class without a definition."""
     for order, table in ((1, GEOMETRY), (0, VELOCITY)):
         if type(joint) in table:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from mbsd3d import State, System
 from validation.twins.base import EngineFailed, Twin, check_met, start_of
 from validation.twins.exudyn.assembly import ROTATIONS
 from validation.twins.exudyn.bodies import BodyTwin
@@ -10,19 +11,17 @@ from validation.twins.exudyn.joints import JOINTS
 from validation.twins.exudyn.minimal import TreeTwin
 from validation.twins.exudyn.solvers import exudyn, last_words
 
-EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
-"""Joint class -> one line how."""
+EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}  # Joint class -> one line how
 
-EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}
-"""Force class -> one line how."""
+EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}  # Force class -> one line how
 
 FORMULATIONS = ("rigid bodies", "kinematic tree")
 
 
 def twin(
-    system: Any,
+    system: System,
     *,
-    state: Any = None,
+    state: State | None = None,
     formulation: str = "rigid bodies",
     rotation: str = "rotation vector",
     **scheme: Any,

@@ -19,8 +19,7 @@ from mbsd3d import GROUND, State, System
 from mbsd3d.extend import Coordinate, H, conjugate, exponential, logarithm, matrix, multiply, on_one_thread, skew
 from validation.twins.base import Array, EngineFailed
 
-ROTATIONS = {"rotation vector": 3, "euler parameters": 4}
-"""How an orientation is described -> coordinates it takes."""
+ROTATIONS = {"rotation vector": 3, "euler parameters": 4}  # How an orientation is described -> coordinates it takes
 
 
 class Assembly:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, System
+from mbsd3d import GROUND, Joint, State, System
 from mbsd3d.extend import Coupling, matrix, multiply, one_thread
 from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run, spanning
 from validation.twins.exudyn.assembly import Assembly, Equations
@@ -29,7 +29,7 @@ class BodyTwin:
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str, **scheme: Any) -> None:
+    def __init__(self, module: Any, system: System, state: State, rotation: str, **scheme: Any) -> None:
         self.module, self.system, self.state, self.rotation = module, system, state, rotation
         Scheme(**scheme)  # refuses what it does not know before anything is built
         self.build()
@@ -132,7 +132,7 @@ class BodyTwin:
 class Carrier:
     """Bodies over time, as joints ask a solution for their points and axes."""
 
-    def __init__(self, system: Any, position: Array, turn: Array) -> None:
+    def __init__(self, system: System, position: Array, turn: Array) -> None:
         self.index = {id(body): i for i, body in enumerate(system.bodies)}
         self.place, self.axes = position, matrix(turn)
 
@@ -148,7 +148,7 @@ class Carrier:
             return np.broadcast_to(point, (len(self.place), 3))
         return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
 
-    def load(self, joint: Any, wrenches: Array) -> Load:
+    def load(self, joint: Joint, wrenches: Array) -> Load:
         """A joint's wrench on its body b at its point; what acts on the ground balances the rest."""
         point = joint.reaction_points(self)
         if joint.b is GROUND:

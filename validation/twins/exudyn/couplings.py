@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Constant, Gear, PositionDriver, RackPinion, SlideDriver, SpeedDriver
+from mbsd3d import GROUND, AngleDriver, Constant, Gear, Joint, PositionDriver, RackPinion, SlideDriver, SpeedDriver
 from mbsd3d.extend import Coordinate, cross, evaluate, exponential, matrix, skew
 from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
@@ -35,18 +35,18 @@ def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
     return model.coordinate(x)
 
 
-def couple(model: Assembly, joint: Any, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
+def couple(model: Assembly, joint: Joint, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
     """driven = ratio by."""
     markers = [hinge_coordinate(model, x, what) for x in (driven, by)]
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
 
 
-def add_gear(model: Assembly, joint: Any, what: str) -> None:
+def add_gear(model: Assembly, joint: Joint, what: str) -> None:
     """angle b = ratio angle a."""
     couple(model, joint, joint.hinge_b.angle(), joint.ratio, joint.hinge_a.angle(), what)
 
 
-def add_rack(model: Assembly, joint: Any, what: str) -> None:
+def add_rack(model: Assembly, joint: Joint, what: str) -> None:
     """slide = radius angle."""
     couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
 
@@ -64,17 +64,17 @@ def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
     )
 
 
-def add_angle_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_angle_driver(model: Assembly, joint: Joint, what: str) -> None:
     """theta = f(t)."""
     model.connect(joint, prescribe(model, joint.hinge.angle(), joint.signal, what))
 
 
-def add_slide_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_slide_driver(model: Assembly, joint: Joint, what: str) -> None:
     """s = f(t)."""
     model.connect(joint, prescribe(model, joint.slider.slide(), joint.signal, what))
 
 
-def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
     """Displacements along world axes."""
     for axis, signal in zip(np.eye(3), joint.signal, strict=True):
         if signal is not None:
@@ -82,7 +82,7 @@ def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
             model.connect(joint, prescribe(model, x, signal, what))
 
 
-def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
     """x_a . (w_b - w_a) = f(t), a condition on velocities."""
     x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
     moving = {}
@@ -134,7 +134,7 @@ def pose(model: Assembly, body: Any, q: Array) -> Pose:
 
 
 def add_contact(
-    model: Assembly, joint: Any, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
+    model: Assembly, joint: Joint, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
 ) -> None:
     """Rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
 
@@ -159,12 +159,12 @@ def add_contact(
     model.connect(joint, item)
 
 
-def add_knife_edge(model: Assembly, joint: Any, what: str) -> None:
+def add_knife_edge(model: Assembly, joint: Joint, what: str) -> None:
     """The point of b does not move along a direction of b."""
     add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
 
 
-def add_rolling(model: Assembly, joint: Any, what: str) -> None:
+def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
     """The joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
     if joint.crown:
         add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
@@ -177,7 +177,7 @@ def add_rolling(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, disc)
 
 
-def add_mesh(model: Assembly, joint: Any, what: str) -> None:
+def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
     """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
     carrier, n = joint.support(), joint.direction()
 
@@ -197,7 +197,7 @@ def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
     return Pose(body, np.array(r), np.reshape(R, (3, 3)), np.zeros((3, 0)))
 
 
-def lowest(joint: Any, a: Pose, b: Pose) -> Array:
+def lowest(joint: Joint, a: Pose, b: Pose) -> Array:
     """Point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by crown."""
     n, u = a.axis(joint.plane[1]), b.axis(joint.axis)
     steepest = cross(u, cross(u, n))

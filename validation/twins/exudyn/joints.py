@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
-from mbsd3d import GearMesh, KnifeEdge, RollingDisc
+from mbsd3d import GearMesh, Joint, KnifeEdge, RollingDisc
 from mbsd3d.extend import Coordinate, cross, matched_perpendiculars, perpendiculars
 from validation.twins.base import Array, label, refused
 from validation.twins.exudyn.assembly import Assembly
@@ -35,7 +35,7 @@ def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
     """A joint that locks directions of its frames."""
 
-    def add(model: Assembly, joint: Any, what: str) -> None:
+    def add(model: Assembly, joint: Joint, what: str) -> None:
         axes_a, axes_b = frames(joint)
         at, at_b = getattr(joint, "at", joint.a.position), getattr(joint, "at_b", joint.b.position)
         markers = [model.marker(joint.a, at, axes_a), model.marker(joint.b, at_b, axes_b)]
@@ -49,24 +49,24 @@ def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
     return lambda joint: frames_along(joint.axis, joint.axis_b, place)
 
 
-def one_sided(joint: Any) -> tuple[Array, Array]:
+def one_sided(joint: Joint) -> tuple[Array, Array]:
     """Frames along the axis or normal of a; only a's matters."""
     axis = joint.normal if hasattr(joint, "normal") else joint.axis
     return frames_along(axis, axis, 2)
 
 
-def crossed(joint: Any) -> tuple[Array, Array]:
+def crossed(joint: Joint) -> tuple[Array, Array]:
     """Frames of axis_a and axis_b."""
     return frames_across(joint.axis_a, joint.axis_b)
 
 
-def add_spherical(model: Assembly, joint: Any, what: str) -> None:
+def add_spherical(model: Assembly, joint: Joint, what: str) -> None:
     """Points coincide."""
     markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
-def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
+def add_constant_velocity(model: Assembly, joint: Joint, what: str) -> None:
     """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
     add_spherical(model, joint, what)
     turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
@@ -75,13 +75,13 @@ def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
 
 
-def add_distance(model: Assembly, joint: Any, what: str) -> None:
+def add_distance(model: Assembly, joint: Joint, what: str) -> None:
     """Constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
-def add_screw(model: Assembly, joint: Any, what: str) -> None:
+def add_screw(model: Assembly, joint: Joint, what: str) -> None:
     """A cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
@@ -119,7 +119,7 @@ JOINTS: dict[type, Expression] = {
 """Joint class -> how it is expressed."""
 
 
-def add_joint(model: Assembly, joint: Any) -> None:
+def add_joint(model: Assembly, joint: Joint) -> None:
     """Add a joint, or NotExpressible with its name."""
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")

@@ -66,8 +66,7 @@ SOLVERS = {
 }
 """Name -> (name in Exudyn, order of the error in the step)."""
 
-IMPLICIT = ("generalized-alpha", "index2")
-"""Solvers that take constraints."""
+IMPLICIT = ("generalized-alpha", "index2")  # Solvers that take constraints
 
 PULSES, LONG = 128, 1024
 """Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""

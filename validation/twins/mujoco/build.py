@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Distance, Revolute, System
+from mbsd3d import GROUND, Body, Distance, Joint, Revolute, System
 from mbsd3d.extend import quaternion_from_matrix
 from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
@@ -170,7 +170,7 @@ def turn_name(piece: Piece, k: int) -> str:
     return f"{piece.number} turn {k}"
 
 
-def close(made: Sketch, joint: Any) -> list[str]:
+def close(made: Sketch, joint: Joint) -> list[str]:
     """Equalities of a joint outside the tree, body b first: their forces act on b."""
     name = made.system.name(joint)
     offsets = (0.0,)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic, Screw, Signal
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal
 from mbsd3d.extend import Coordinate, kinds
 from validation.twins.base import NotExpressible, label
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
@@ -142,7 +142,7 @@ def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
 
 
 def hold(
-    made: Sketch, motors: Motors, joint: Any, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
+    made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
     """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
     name, terms = made.system.name(joint), {}
@@ -155,7 +155,7 @@ def hold(
 
 
 def hold_tendon(
-    made: Sketch, motors: Motors, joint: Any, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
+    made: Sketch, motors: Motors, joint: Joint, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
 ) -> Coupling:
     """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
     shown = label(made.system, joint)
@@ -217,6 +217,6 @@ def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | Non
     return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
 
 
-def loads_of(joint: Any) -> bool:
+def loads_of(joint: Joint) -> bool:
     """Whether a coupling of this joint is part of its own reaction."""
     return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from mbsd3d import Distance, State
+from mbsd3d import Distance, Joint, State
 from mbsd3d.extend import driven_coordinates, key_of, matrix, quaternion_from_matrix
 from validation.twins.base import Kinetic
 from validation.twins.mujoco import rods
@@ -68,7 +68,7 @@ def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.
     return (R_parent @ R0_parent.T @ at_rest).T @ R
 
 
-def counted(made: Sketch, joint: Any, state: State, angles: tuple) -> tuple:
+def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
     """The angle of a hinge with the turns that the state has counted, or else its driver."""
     own, lowered = joint.angle(), made.system.lowered
     if own is None or len(angles) != 1 or key_of(own) not in lowered.coordinate_index:

@@ -100,7 +100,7 @@ def freedoms_of(joint: Joint, name: str) -> Freedoms:
     return Freedoms(A, B, at_a, at_b, slides, turns, angles, np.eye(3))
 
 
-def frames(joint: Any) -> tuple[np.ndarray, np.ndarray]:
+def frames(joint: Joint) -> tuple[np.ndarray, np.ndarray]:
     """Axes of A and B: z is the axis of the joint, x and y of A and B those from which mbsd3d counts its angle."""
     if hasattr(joint, "axis_a"):  # a cross: x is axis_a, y is axis_b
         x, y = joint.axis_a, joint.axis_b

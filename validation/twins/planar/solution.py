@@ -12,12 +12,9 @@ from validation.twins.planar.system import System
 class Reaction(NamedTuple):
     """Of a joint on its body b."""
 
-    force: np.ndarray
-    """(k, 2) world [N]."""
-    moment: np.ndarray
-    """(k,) about ``point`` [N m]."""
-    point: np.ndarray
-    """(k, 2) world [m]."""
+    force: np.ndarray  # (k, 2) world [N]
+    moment: np.ndarray  # (k,) about ``point`` [N m]
+    point: np.ndarray  # (k, 2) world [m]
 
 
 class Energy(NamedTuple):

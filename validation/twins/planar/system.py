@@ -99,10 +99,8 @@ class Lowered(NamedTuple):
     """The arrays of a system with the joint of every row, and its reference pose."""
 
     model: Model
-    joint_of: np.ndarray
-    """(m,) index of the joint."""
-    q: np.ndarray
-    """(n + 1, 3) at the reference pose; the last row is the ground."""
+    joint_of: np.ndarray  # (m,) index of the joint
+    q: np.ndarray  # (n + 1, 3) at the reference pose; the last row is the ground
 
     def work(self) -> Work:
         """A new work space."""
