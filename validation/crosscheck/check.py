@@ -98,27 +98,30 @@ def cross_check(
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
         ours = ours_at_start(system, start) if t_end is None else ours_at(system, start, times)
-        found: list[Compared] = []
-        interrupted = False
-        for k, engine in enumerate(engines):
-            bar.update(1.0 + k)
-            try:
-                found.append(
-                    compare(engine, system, start, ours, tolerance, budget, lambda x, k=k: bar.update(1 + k + x))
-                )
-            except NotComparable as error:
-                found.append(skipped(NAMES.get(engine, engine), str(error)))
-            except KeyboardInterrupt as stop:
-                found += [stop.found] if isinstance(stop, Interrupted) else []
-                left = engines[k + isinstance(stop, Interrupted) :]
-                found += [skipped(NAMES.get(name, name), "interrupted") for name in left]
-                interrupted = True
-                break
+        found, interrupted = one_by_one(engines, partial(compare, system, start, ours, tolerance, budget), bar)
     own = float(own_error(ours)[-1]) if ours.error else 0.0
     end = float(ours.motion.t[-1])
     return CrossCheck(
         end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, t_end is None, notes(ours)
     )
+
+
+def one_by_one(
+    engines: Sequence[str], compare_with: Callable[..., Compared], bar: Progress
+) -> tuple[list[Compared], bool]:
+    """(what was found about each engine, whether Ctrl-C ended it)."""
+    found: list[Compared] = []
+    for k, engine in enumerate(engines):
+        bar.update(1.0 + k)
+        try:
+            found.append(compare_with(engine, lambda x, k=k: bar.update(1 + k + x)))
+        except NotComparable as error:
+            found.append(skipped(NAMES.get(engine, engine), str(error)))
+        except KeyboardInterrupt as stop:
+            found += [stop.found] if isinstance(stop, Interrupted) else []
+            left = engines[k + isinstance(stop, Interrupted) :]
+            return found + [skipped(NAMES.get(name, name), "interrupted") for name in left], True
+    return found, False
 
 
 def check_input(
@@ -146,8 +149,9 @@ def check_input(
 
 
 def compare(
-    engine: str, system: System, state: State, ours: Ours, tolerance: float, budget: float, report: Any
-) -> Compared:
+    system: System, state: State, ours: Ours, tolerance: float, budget: float, engine: str,
+    report: Callable[[float], None],
+) -> Compared:  # fmt: skip
     """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
         end = float(ours.motion.t[-1])

@@ -52,8 +52,7 @@ REFUSED: dict[type, str] = {
 
 
 def twin(
-    system: System, *, state: State | None = None, integrator: str = "RK4", softness: float = 16.0,
-    dampratio: float = 0.5, rods: str = "joints",
+    system: System, *, state: State | None = None, softness: float = 16.0, dampratio: float = 0.5, rods: str = "joints"
 ) -> MujocoTwin:  # fmt: skip
     """The twin of a system in MuJoCo.
 
@@ -62,8 +61,6 @@ def twin(
     system : System
     state : State or None
         Start; None is ``system.state()``.
-    integrator : str
-        "RK4", "Euler", "implicit" or "implicitfast".
     softness, dampratio : float
         Equalities have ``solref = (softness h, dampratio)``, h the step: stiffness 1 / (softness dampratio h)^2,
         damping 2 / (softness h). At 2 and 1 the stages of RK4, which leave the rows by h^2, see accelerations that do
@@ -77,7 +74,8 @@ def twin(
     Returns
     -------
     MujocoTwin
-        With MuJoCo's ``model`` and ``data``. Trees with RK4 have order 4, loops order 2.
+        With MuJoCo's ``model`` and ``data``, run by RK4: trees have order 4, loops order 2, as their softness falls with
+        the square of the step.
 
     Raises
     ------
@@ -98,9 +96,6 @@ def twin(
     ([-0.586308, 0.0, -0.810088], [4.3413, 0.0, 6.8901])
     """
     mujoco = require()
-    integrators = {"rk4": "RK4", "euler": "Euler", "implicit": "implicit", "implicitfast": "implicitfast"}
-    if str(integrator).lower() not in integrators:
-        raise ValueError(f"MuJoCo: integrator {integrator!r} is unknown; give one of {', '.join(integrators.values())}")
     softness = number(softness, "MuJoCo: softness", positive=True)
     dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
     if rods not in ("joints", "tendons"):
@@ -109,28 +104,27 @@ def twin(
     for joint in system.joints:
         if type(joint) not in EXPRESSES:
             raise refused(system, joint, REFUSED, "MuJoCo has no such element")
+    return assembled(mujoco, system, start, rods == "joints", softness, dampratio)
+
+
+def assembled(
+    mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float
+) -> MujocoTwin:  # fmt: skip
+    """The twin of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a tendon."""
     dense = release(mujoco.__version__) == SPARSE_BUG
-    made = sketch(mujoco, system, lay_out(system, rods == "joints"), integrator, dense)
+    made = sketch(mujoco, system, lay_out(system, rods), dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)
     model = compile_spec(mujoco, made, softness)
     set_lengths(made, model, tendons)
     reactions = Reactions(made, loads, couplings, tendons, mujoco, model)
-    method = integrators[str(integrator).lower()]
     soft = f", solref ({softness:g} h, {dampratio:g})" if model.neq else ""
     thin = f", inertia 1e-14 m L^2 or kg m^2 where it is less ({', '.join(made.raised)})" if made.raised else ""
     solver = ", dense Jacobian (4.0.0 factors sparse ones wrongly)" if dense else ""
     return MujocoTwin(
-        made, model, mujoco.MjData(model), start, reactions, loads, couplings, motors, softness,
-        dampratio, f"MuJoCo {mujoco.__version__}: {method}{soft}{solver}{thin}", order_of(method, model.neq),
+        made, model, mujoco.MjData(model), start, reactions, loads, couplings, motors, softness, dampratio,
+        f"MuJoCo {mujoco.__version__}: RK4{soft}{solver}{thin}", 2.0 if model.neq else 4.0,
     )  # fmt: skip
-
-
-def order_of(method: str, equalities: int) -> float:
-    """Of the error in the step: the softness of a loop falls with the square of it."""
-    if method != "RK4":
-        return 1.0
-    return 2.0 if equalities else 4.0
 
 
 def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:

@@ -60,12 +60,12 @@ class Sketch:
         return name
 
 
-def sketch(mujoco: Any, system: System, layout: Layout, integrator: str, dense: bool) -> Sketch:
+def sketch(mujoco: Any, system: System, layout: Layout, dense: bool) -> Sketch:
     """Bodies, joints and loop closures."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.gravity = system.gravity
-    spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
     spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
     spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
