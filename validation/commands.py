@@ -102,7 +102,7 @@ def validate_all(
 ) -> None:
     """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
     from validation.suite.suite import Suite, store
-    from validation.suite.trials.listing import chosen, trials
+    from validation.suite.trials import chosen, trials
 
     found = trials(quick)
     if only_list:

@@ -10,6 +10,7 @@ from mbsd3d.demos.base import discover
 from validation import cases
 from validation.engine_balance.layouts import names
 from validation.suite import findings as words
+from validation.suite import trials as listing
 from validation.suite.findings import (
     AGREES,
     CERTIFICATE,
@@ -28,7 +29,7 @@ from validation.suite.findings import (
     not_compared,
 )
 from validation.suite.suite import examined, lost
-from validation.suite.trials import bicycles, engines, ladders, listing, plane, randoms, references
+from validation.suite.trials import bicycles, engines, ladders, plane, randoms, references
 from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")

@@ -6,14 +6,10 @@ from typing import Any
 
 import click
 
+from mbsd3d.extend import INTERRUPTED, Failure, ready_folder
+
 PARTS = ("precision", "redundancy", "speed")
 LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
-
-
-class Failure(click.ClickException):
-    """Bad input: one line, exit code 2."""
-
-    exit_code = 2
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -58,7 +54,7 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
     if stored:
         from validation.benchmark.precision import load
 
-        prepare(out, pictures)
+        ready(out, pictures)
         show(load(out / DATA), out, pictures)
         return
     sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
@@ -81,7 +77,7 @@ def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> No
     from validation.benchmark.problems import PROBLEMS
     from validation.machine import machine
 
-    prepare(out, pictures)
+    ready(out, pictures)
     store, where = Store(out / LEDGER, identity(), "benchmark", replace=True), machine(*PACKAGES)
     if fresh:
         store.clear()
@@ -99,22 +95,18 @@ def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> No
         save(out / DATA, rows, where, complete=False)
         click.echo(f"\ninterrupted; {len(rows)} problems are in {store.path}, the same command goes on", err=True)
         show(rows, out, pictures)
-        sys.exit(130)
+        sys.exit(INTERRUPTED)
     save(out / DATA, rows, where, complete=True)
     store.clear()
     click.echo(where)
     show(rows, out, pictures)
 
 
-def prepare(out: Path, pictures: Path | None) -> None:
+def ready(out: Path, pictures: Path | None) -> None:
     """Folders that can be written, before anything is measured."""
-    for folder in filter(None, (out, pictures)):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / ".writable").touch()
-            (folder / ".writable").unlink()
-        except OSError as error:
-            raise ValueError(f"{folder}: cannot be written ({error.strerror}); give another folder") from None
+    for option, folder in {"--out": out, "--pictures": pictures}.items():
+        if folder:
+            ready_folder(str(folder), option)
 
 
 def note(text: str) -> None:

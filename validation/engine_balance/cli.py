@@ -4,6 +4,8 @@ from typing import Any
 
 import click
 
+from mbsd3d.extend import Failure, Mbsd3dError
+
 MASSES = {
     "crank": "crank_mass",
     "centre": "crank_centre",
@@ -13,12 +15,6 @@ MASSES = {
     "piston": "piston_mass",
 }
 DISAGREE = 1  # exit code
-
-
-class Failure(click.ClickException):
-    """Bad input: one line, exit code 2."""
-
-    exit_code = 2
 
 
 def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
@@ -67,7 +63,6 @@ def main(
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
     engine in space. The exit code is 1 if they disagree.
     """
-    from mbsd3d.extend import Mbsd3dError
     from validation.engine_balance.layouts import Engine, names
 
     try:

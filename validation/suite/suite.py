@@ -16,7 +16,6 @@ from mbsd3d.extend import Progress, Store, on_one_thread, outcomes, write_atomic
 from validation.crosscheck import CrossCheck, cross_check
 from validation.crosscheck import Finding as PeerFinding
 from validation.machine import installed
-from validation.suite.charts import chart, picture
 from validation.suite.findings import (
     CERTIFICATE,
     DIFFERS,
@@ -28,8 +27,8 @@ from validation.suite.findings import (
     not_compared,
     record_from,
 )
-from validation.suite.page import content_of, encoded, page_of
-from validation.suite.trials.listing import chosen, trials
+from validation.suite.page import chart, content_of, encoded, page_of, picture
+from validation.suite.trials import chosen, trials
 from validation.suite.trials.trial import Run, Trial, examine, stopped
 
 NAME = "validation"

@@ -74,8 +74,8 @@ def twin(
     Returns
     -------
     MujocoTwin
-        With MuJoCo's ``model`` and ``data``, run by RK4: trees have order 4, loops order 2, as their softness falls with
-        the square of the step.
+        With MuJoCo's ``model`` and ``data``, run by RK4: trees have order 4, loops 2, as their softness falls with the
+        square of the step.
 
     Raises
     ------
