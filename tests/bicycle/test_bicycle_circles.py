@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 from bicycle import Meijaard2007, circles
 from bicycle.linear.equations import canonical
 from bicycle.model.mechanism import steer_torque
-from bicycle.pages.figures import plot_circles
 from bicycle.parameters import library, named
+from bicycle.turns.circles import plot_circles
 from bicycle.turns.families import SECTIONS, Curve, Search
 from bicycle.turns.turning import TurnSolver
 from mbsd3d.cli import main

@@ -18,13 +18,12 @@ from models import all_joints_mechanism, consistent_state, pendulum
 import validation
 from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
-from mbsd3d.extend import matrix
 from validation import cross_check
 from validation.cases.mechanisms import chain
 from validation.crosscheck import check as checking
 from validation.crosscheck import formulation, judge, ladder
 from validation.crosscheck import ours as own
-from validation.crosscheck.ours import momenta, motion_of, ours_at
+from validation.crosscheck.ours import momenta, motion_of, ours_at, rotation_matrices
 from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, CrossCheck, Finding
 from validation.tax import pairs as twins
 from validation.twins.base import EngineFailed, EngineMissing
@@ -101,10 +100,10 @@ def test_momenta_and_energies_from_poses_alone_are_those_of_the_solution():
     assert np.allclose(L, momentum.angular, rtol=1e-12, atol=1e-11)
     assert np.allclose(kinetic, energy.kinetic, rtol=1e-12) and not rest
     assert np.allclose(weight, energy.potential, rtol=1e-12)  # no springs here
-    R = matrix(motion.orientation)
+    R = rotation_matrices(motion.orientation)
     assert np.allclose(R @ R.swapaxes(-1, -2), np.eye(3), atol=1e-14)
     assert np.allclose(R[:, 2], solution.rotation(system.bodies[2]), atol=1e-15)
-    assert np.array_equal(matrix(-motion.orientation), R)
+    assert np.array_equal(rotation_matrices(-motion.orientation), R)
 
 
 def test_growth_of_a_pendulum_that_stands_on_its_head():

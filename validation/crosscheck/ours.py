@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import Solution, State, System, accelerations, simulate
-from mbsd3d.extend import matrix
 from validation.twins.base import Array, Load, Motion
 from validation.twins.definitions.equations import constraint_rows
 
@@ -43,9 +42,18 @@ class Sizes:
     moment: float
 
 
+def rotation_matrices(e: Array) -> Array:
+    """(e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x, (..., 3, 3), of unit quaternions (..., 4) of either sign."""
+    e0, v = e[..., :1, None], e[..., 1:]
+    outer = v[..., :, None] * v[..., None, :]
+    skew = np.cross(np.eye(3), v[..., None, :])  # row i of [v]x is e_i x v
+    square = e0**2 - (v * v).sum(axis=-1)[..., None, None]
+    return square * np.eye(3) + 2.0 * outer + 2.0 * e0 * skew
+
+
 def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]:
     """(p, L about the world's origin, kinetic energy, potential energy of the weight): (n, 3), (n, 3), (n,), (n,)."""
-    R = matrix(motion.orientation)
+    R = rotation_matrices(motion.orientation)
     n = motion.t.size
     p, L, kinetic, weight = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for i, body in enumerate(system.bodies):
@@ -102,7 +110,7 @@ def quantities(system: System, motion: Motion, size: Sizes, joints: tuple[str, .
     bodies = tuple(body.name for body in system.bodies)
     n, everything = motion.t.size, ("the whole",)
     p, L, kinetic, weight = momenta(system, motion)
-    R = matrix(motion.orientation).reshape(n, len(bodies), 9)
+    R = rotation_matrices(motion.orientation).reshape(n, len(bodies), 9)
     found = {
         "position": Quantity(motion.position, bodies, size.length),
         "rotation": Quantity(R, bodies, 1.0),
