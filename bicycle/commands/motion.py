@@ -25,8 +25,8 @@ RATE, MOST = 100, 20_000
     "--manoeuvre", type=click.Choice([*MANOEUVRES]), default="push", show_default=True, help="What happens; see --list."
 )
 @click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
-@click.option("--speed", type=float, help="At the start [m/s]; default: that of the manoeuvre.")
-@click.option("--t-end", type=float, help="End of the ride [s]; default: that of the manoeuvre.")
+@click.option("--speed", type=float, help="At the start [m/s]; default: as in the manoeuvre.")
+@click.option("--t-end", type=float, help="End of the ride [s]; default: as in the manoeuvre.")
 @click.option(
     "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends it [°]."
 )

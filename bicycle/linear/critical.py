@@ -26,7 +26,7 @@ from .equations import Canonical, canonical
 from .general import Build, required_equations
 
 Array = np.ndarray
-FASTEST = 1e5  # [m/s] Speeds above come from rounding where there is none at all
+FASTEST = 1e5  # [m/s] Higher speeds are rounding: there is no such root
 NO_INERTIA = 1e-13
 """Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
 
@@ -169,7 +169,7 @@ def listed(ranges: Sequence[Range]) -> str:
 
 
 def roots(x: Array) -> Array:
-    """(..., 2) real roots of x0 + x1 w + x2 w^2, NaN where there is none; without loss where x2 is small or zero."""
+    """(..., 2) real roots of x0 + x1 w + x2 w^2, NaN where they are complex; without loss where x2 is small or zero."""
     x0, x1, x2 = np.moveaxis(x, -1, 0)
     with np.errstate(all="ignore"):
         larger = -(x1 + np.copysign(np.sqrt(x1 * x1 - 4.0 * x0 * x2), x1)) / 2.0
@@ -230,7 +230,7 @@ def ranges(q: Quartic) -> list[Range]:
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
-    """(low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN where there is none."""
+    """(low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
     edges, stable = intervals(q)
     k = np.argmax(stable, axis=-1)[..., None]
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
@@ -246,13 +246,13 @@ def difference(first: list[Range], second: list[Range]) -> float:
 
 
 def typical_speed(found: list[Range]) -> float:
-    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s if there is none."""
+    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s without a range."""
     return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
 @dataclass(frozen=True)
 class CriticalSpeeds:
-    """The critical speeds of one bicycle [m/s], NaN where there is none.
+    """The critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue
     is zero. At ``double_roots`` two real modes meet. In the ranges ``stable`` every motion decays.

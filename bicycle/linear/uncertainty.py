@@ -96,7 +96,7 @@ def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
 
 
 def published_deviations(parameters: Parameters) -> dict[str, float]:
-    """Standard deviations published with the set of this name; empty if there is none."""
+    """Standard deviations published with the set of this name; empty for other names."""
     return published.deviations(parameters.name) if parameters.name in published.names() else {}
 
 

@@ -56,7 +56,7 @@ class Entry:
 
     @property
     def file(self) -> str:
-        """Name of its own page."""
+        """Name of its page."""
         return file_of(self.parameters.name)
 
 

@@ -25,7 +25,7 @@ UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.I
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a name is that of a parameter file, by its ending."""
+    """Whether a name belongs to a parameter file, by its ending."""
     return Path(path).suffix.lower() in FORMATS
 
 
@@ -237,7 +237,7 @@ class Parameters:
 
     @property
     def front_load(self) -> float:
-        """Share of the weight that the front wheel carries when it stands upright: below 0 or above 1 it tips."""
+        """Share of the weight that the front wheel carries when it is upright: below 0 or above 1 it tips."""
         return (self.mB * self.xB + self.mH * self.xH + self.mF * self.w) / (self.w * self.mass)
 
     def values(self) -> dict[str, float]:

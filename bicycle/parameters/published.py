@@ -11,7 +11,7 @@ import numpy as np
 from .definition import Parameters, is_file
 
 DATA = Path(__file__).parent / "published.json"
-SKATE_RADIUS = 0.1  # [m] of the massless wheels that stand for skates, whose radius is published as zero
+SKATE_RADIUS = 0.1  # [m] of the massless wheels that replace skates, whose radius is published as zero
 
 
 @cache

@@ -454,7 +454,7 @@ def test_errors_name_part_value_and_remedy():
     one, two = pair.bodies
     _, b, gear = pair.joints
     ground = planar.GROUND
-    with pytest.raises(ValueError, match="Rolling 'wheel': radius 0.3 m, but the centre stands 0.25 m.*equal"):
+    with pytest.raises(ValueError, match="Rolling 'wheel': radius 0.3 m, but the centre is 0.25 m.*equal"):
         planar.Rolling(ground, body("d", (0, 0.25), 0, com=(0, 0)), at=(1, 0), along=(1, 0), radius=0.3, name="wheel")
     rail = planar.Slider(ground, one, at=(0, 0), axis=(1, 0), name="rail")
     with pytest.raises(ValueError, match=r"Gear 'pair': 'rail' \(Slider\) is not a Revolute"):

@@ -216,7 +216,7 @@ def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
 
 
 def load(path: Path) -> list[Row]:
-    """The rows of a file of `save`; ValueError if there is none, or it is something else."""
+    """The rows of a file of `save`; ValueError if it is missing or something else."""
     if not path.is_file():
         raise ValueError(f"{path}: not found; measure first, python -m validation.benchmark --out {path.parent}")
     try:

@@ -73,7 +73,7 @@ class Problem:
 
     ``name, family``: "four-bar 40", "loop"; ``system``: as one would build it; ``t_end``: [s]; ``forms``: text ->
     System with the same motion, other joints at the cuts; ``tree``: the mechanism as a tree of hinges, if it is one;
-    massless bodies it adds stand before the others; ``exact``: poses at ``t_end`` in closed form.
+    massless bodies it adds come before the others; ``exact``: poses at ``t_end`` in closed form.
     """
 
     name: str

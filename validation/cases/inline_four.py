@@ -1,6 +1,6 @@
 """An inline four in space: one crank with four throws, four rods, four pistons; every row independent.
 
-The crank turns about y, the bores point along z, the cylinders stand side by side along y, evenly about the origin:
+The crank turns about y, the bores point along z, the cylinders are side by side along y, evenly about the origin:
 
     pin i = R (sin q_i, 0, cos q_i) + y_i e_y,   q_i = q + (0, 180, 180, 0) degrees,   q = rate t
 
@@ -68,7 +68,7 @@ def inline_four(
 
 
 def crankshaft(places: np.ndarray, mass: float, centre: float) -> Body:
-    """Four throws as one body with its reference point on the axis; each has moments of its own."""
+    """Four throws as one body with its reference point on the axis; each with its moments of inertia."""
     at = np.stack([np.zeros(4), places, centre * np.array(SIDES)], axis=1)
     com = at.mean(axis=0)
     arms = at - com

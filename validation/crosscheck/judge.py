@@ -259,7 +259,7 @@ def changed(
     cause: Cause, make: Callable[..., Twin], system: System, state: State, ours: Ours,
     climb: Callable[[Twin], Runs] | None, span: int,
 ) -> dict[str, float]:  # fmt: skip
-    """Quantity -> difference with the cause changed; of motions that of the limits, as everywhere."""
+    """Quantity -> difference with the cause changed; for motions the difference of the limits, as everywhere."""
     try:
         twin = make(**{cause.setting: cause.value})
         found = {name: x[0] for name, x in acceleration_differences(system, state, twin, ours).items()}

@@ -38,7 +38,7 @@ class Limit:
 
 
 def observed_order(gaps: Sequence[float]) -> float | None:
-    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if there is none."""
+    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if all are rounding."""
     for coarse, fine in reversed(list(zip(gaps[:-1], gaps[1:], strict=True))):
         if fine > ROUNDING:
             return float(np.log2(coarse / fine)) if coarse > 0.0 else 0.0

@@ -114,7 +114,7 @@ class CrossCheck:
     own_error : float
         Estimated error of our own poses and velocities at t_end, relative.
     interrupted : bool
-        Ctrl-C ended it; what was found until then stands.
+        Ctrl-C ended it; what was found until then is kept.
     start_only : bool
         Only mass matrix and accelerations were asked for.
     """
@@ -150,7 +150,7 @@ class CrossCheck:
 
     @property
     def followed(self) -> tuple[str, ...]:
-        """Engines whose motion was compared, or whose start where only that was asked for; definitions are none."""
+        """Engines, without the definitions, whose motion was compared, or the start where only that was asked for."""
         return tuple(
             x.engine
             for x in self.engines
@@ -202,7 +202,7 @@ class CrossCheck:
 
 
 def finite(value: Any) -> Any:
-    """The same of plain Python types, None for numbers that are not finite: JSON has no word for them."""
+    """The same of plain Python types, None for numbers that are not finite: JSON cannot hold them."""
     if isinstance(value, dict):
         return {key: finite(x) for key, x in value.items()}
     if isinstance(value, list | tuple):
@@ -229,7 +229,7 @@ def table(check: CrossCheck) -> str:
 def summary(check: CrossCheck) -> str:
     """The last line."""
     if check.interrupted:
-        return "interrupted: what stands above was compared"
+        return "interrupted: what is listed above was compared"
     if check.failures:
         return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
     partly = [name for name in check.compared if name not in (*check.followed, "definitions")]

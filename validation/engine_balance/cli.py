@@ -40,7 +40,7 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--rpm", type=float, default=10.0, show_default=True, help="Crank speed [1/min].")
 @click.option("--R", "radius", type=float, default=1.0, show_default=True, help="Crank radius [m].")
 @click.option("--L", "rod_length", type=float, default=2.0, show_default=True, help="Rod length [m].")
-@click.option("--spacing", type=float, help="Bore spacing [m]; default: that of the layout.")
+@click.option("--spacing", type=float, help="Bore spacing [m]; default: as in the layout.")
 @click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
 @click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")

@@ -19,7 +19,7 @@ with ``s = R cos q + L sqrt(...)`` the place of the piston, and a dash for d/dq.
 
 with p = 1/2 for P, -1/2 for ``phi' = lam cos q (...)^(-1/2)``, -1 for ``phi'^2 = 1 - (1 - lam^2) (...)^(-1)``.
 Cylinder i runs at ``q + pins[i] - bores[i]`` in the plane z = stations[i]; its phasors turn by that angle times the
-order, and are summed. A phasor c_n stands for ``Re(c_n exp(i n q))``.
+order, and are summed. A phasor c_n means ``Re(c_n exp(i n q))``.
 """
 
 from typing import Any
@@ -62,7 +62,7 @@ def block_load(
     r_c, the centripetal force of the crank, as the published figures did; ``across``: false leaves out the force at
     right angles to the bore, as the published figures of V engines did; ``gravity`` (2,): components along x and y
     [m/s^2]; ``dyno``: the driving torque reacts outside of the block. ValueError if cylinders differ or have an
-    offset (the closed form is that of identical, centred ones), or at rpm 0.
+    offset (the closed form holds for identical, centred ones), or at rpm 0.
     """
     check_lemma(engine)
     w, g = engine.rate, np.asarray(gravity, dtype=float)
@@ -90,7 +90,7 @@ def check_lemma(engine: Any) -> None:
         light, heavy = min(engine.pistons), max(engine.pistons)
         raise ValueError(f"{what}: pistons from {light:g} to {heavy:g} kg are not alike (H2); use planar or spatial")
     if engine.offset:
-        raise ValueError(f"{what}: offset {engine.offset:g} m has no such closed form; use planar or spatial")
+        raise ValueError(f"{what}: offset {engine.offset:g} m has no closed form here; use planar or spatial")
 
 
 def terms(engine: Any, orders: int) -> int:

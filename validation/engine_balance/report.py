@@ -145,7 +145,7 @@ def number(x: float | None) -> str:
 def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
     """Half sines of the gas: their sum in closed form, the torque on the crank, and what the block of the model feels.
 
-    The torque is that of virtual power; M_z of the block and its largest other component are those of the spatial
+    The torque follows from virtual power; M_z of the block and its largest other component come from the spatial
     model on a dyno, with gas less without.
     """
     system, pulse = spatial.build(engine, driver="dyno"), gas.half_sine(peak)

@@ -63,7 +63,7 @@ def build(
 ) -> System:
     """The engine at q = 0 as a mechanism.
 
-    ``pins``: "spherical": the rods stand on a ball and a universal joint, all their rows are independent; "revolute":
+    ``pins``: "spherical": the rods have a ball and a universal joint, all their rows are independent; "revolute":
     on two hinges, three rows of each cylinder repeat others; ``driver``: "block": the driving torque reacts on the
     block; "dyno": on the ground, through a coupling of torque only; ``gravity`` (3,): [m/s^2]; ``bearings``: main
     bearings, evenly from end to end. Bodies "block", "crank", "rod 1", "piston 1" ...; joints "mount", "main 1"

@@ -143,7 +143,7 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
     off = np.abs(t - t[0] - step * np.arange(t.size))
     if off.max() > EVEN * step:
         raise ValueError(
-            f"spectrum: sample {int(off.argmax())} stands {off.max():.3g} s off even steps of {step:.6g} s; "
+            f"spectrum: sample {int(off.argmax())} is {off.max():.3g} s off even steps of {step:.6g} s; "
             "ask the run for a number of samples (output=361), not for its own steps"
         )
     return t, values, step
@@ -163,7 +163,7 @@ def _period(period: float | None, rate: float | None) -> float | None:
 def _extent(
     n: int, step: float, values: np.ndarray, period: float | None, turns: int | None, window: str
 ) -> tuple[int, float, float]:
-    """Number of samples to use, the time that they stand for [s] and the period of order 1 [s].
+    """Number of samples to use, the time they cover [s] and the period of order 1 [s].
 
     Of whole periods that time is exact, while the step is rounded: far from t = 0 a phase w t would show it.
     """

@@ -74,7 +74,7 @@ def encoded(content: dict[str, Any]) -> bytes:
 TEMPLATES = Path(__file__).parents[1] / "templates"
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
-SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)  # Judges that compare a dozen quantities each: they stand side by side
+SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)  # Judges that compare a dozen quantities each: they are shown side by side
 PART = "◐ "  # some quantities were not compared
 
 
@@ -125,7 +125,7 @@ def entry(finding: Finding | None) -> dict[str, str]:
 
 
 def detailed(record: Record) -> bool:
-    """Whether a case has a section of its own; of random ones only where there is something to say."""
+    """Whether a case has its own section; random ones only where there is something to say."""
     return bool(record.picture or record.charts) or record.verdict != AGREES
 
 

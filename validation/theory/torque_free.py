@@ -30,7 +30,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     ``a_q^2 = (L^2 - 2 T I_p) / (I_q (I_q - I_p))``, ``lam^2 = (I_q - I_m) (L^2 - 2 T I_p) / (I_p I_m I_q)`` and
     ``m1 = (I_q - I_p) (L^2 - 2 T I_m) / ((I_q - I_m) (L^2 - 2 T I_p))``. Each bracket is a sum over squared rates, so
     no digits cancel: ``2 T I_q - L^2 = I_p (I_q - I_p) w_p^2 + I_m (I_q - I_m) w_m^2``, and so on. q is the axis of
-    largest moment if ``L^2 >= 2 T I_m``, else that of the smallest.
+    largest moment if ``L^2 >= 2 T I_m``, else the axis of the smallest.
 
     ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
     at t = 0, body axes [rad/s]. Returns None if ``w x I w = 0``: the body then turns steadily. ValueError if a moment
@@ -48,7 +48,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     gap = ip * (ip - im) * wp**2 + iq * (iq - im) * wq**2
     rate = np.sqrt((iq - im) * near_q / (ip * im * iq))
     m1 = np.clip((iq - ip) * gap / ((iq - im) * near_q), 0, 1)
-    # with the signs of p and q from the start, cn and dn begin positive; Euler's equations then fix that of m
+    # with the signs of p and q from the start, cn and dn begin positive; Euler's equations then fix the sign of m
     ap = np.copysign(np.sqrt(near_p / (ip * (iq - ip))), wp)
     aq = np.copysign(np.sqrt(near_q / (iq * (iq - ip))), wq)
     am = np.copysign(np.sqrt(near_p / (im * (iq - im))), ap * aq * (iq - im))
@@ -73,7 +73,7 @@ def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: A
     """Torque-free rotation of any body from any start: elliptic functions and integrals of the third kind.
 
     Angular velocity as in :func:`polhode`. With l the direction of the angular momentum in axes (p, m, q), the body
-    stands at ``R = R_L R_z(phi) R_x(theta) R_z(psi)``, ``l = (sin theta sin psi, sin theta cos psi, cos theta)``, and
+    has ``R = R_L R_z(phi) R_x(theta) R_z(psi)``, ``l = (sin theta sin psi, sin theta cos psi, cos theta)``, and
     precesses about the angular momentum by
 
         phi = L t / I_q + L (I_q - I_p) / (I_p I_q lam) [Pi(u) - Pi(u0)],

@@ -93,7 +93,7 @@ def playing(view: str) -> str:
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
-    """Of the pages: the names of the layouts with "-" for what may not stand in a file name.
+    """Of the pages: the names of the layouts with "-" for what a file name cannot have.
 
     ValueError if two would be the same.
     """
@@ -159,7 +159,7 @@ def figure(x: Any) -> str:
 
 
 def mark(row: Row) -> str:
-    """Whether a published figure is the true one: "pass", "fail", or nothing where there is no such pair.
+    """Whether a published figure is the true one: "pass", "fail", or nothing where one of the two is missing.
 
     It is if the verdict says so, or if it is the true one rounded to its own two or more decimals.
     """

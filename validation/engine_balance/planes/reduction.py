@@ -6,7 +6,7 @@ of bearings, slides and driver, about the origin) is the sum of the loads of pla
     F = sum F_i,      M = sum (z_i n x F_i + (r_i x F_i + driver) n),
 
 if H1 one rigid shaft turns about a fixed axis n at a prescribed constant speed; H2 identical units hang on it, up to
-phase, bank and station; H3 every unit moves in a plane of its own, normal to the shaft; H4 every moving body is
+phase, bank and station; H3 every unit moves in its own plane, normal to the shaft; H4 every moving body is
 symmetric about its plane (its centre of mass lies there, products of inertia with n vanish) and forces superpose: none
 couples units or leaves the planes, gravity among them. Then the reflection in its plane maps each unit onto itself, so
 nothing drives it out, and all that passes between unit and shaft are forces in the plane.
@@ -14,7 +14,7 @@ nothing drives it out, and all that passes between unit and shaft are forces in 
 The shaft is a stack of slices, one per station, with mass moments u s_i along their throws s_i (one complex u for all)
 plus a part in proportion to their masses. Only what its product of inertia holds beyond that, [kg m^2], breaks H4: at
 the speed w a couple w^2 times as large turns with the shaft, and no plane sees it. H2, of bodies and joints, is what
-makes phasor sums valid; the sum of planes stands without it. Loads may be each unit's own: gas pressure has its phase.
+makes phasor sums valid; the sum of planes holds without it. Loads may be each unit's own: gas pressure has its phase.
 """
 
 from dataclasses import dataclass

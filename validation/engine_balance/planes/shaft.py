@@ -172,7 +172,7 @@ def tensor(shaft: Shaft, body: Any) -> np.ndarray:
 
 
 def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
-    """Sum of the arms from the axis to the pins of a unit [m], x + i y; a weld is none."""
+    """Sum of the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
     crank = bodies[id(shaft.body)]
     pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
     return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
@@ -192,8 +192,8 @@ def cut(
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses
-    keep m and m z_G: the last slice, half of the shaft, is left out if the stations stand about z_G. A shaft that is no
-    stack of such throws may do better with u = 0: then so.
+    keep m and m z_G: the last slice, half of the shaft, is left out if the stations are centred on z_G. A shaft that
+    is no stack of such throws may do better with u = 0: then so.
     """
     body, k = shaft.body, len(z)
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)
@@ -218,5 +218,5 @@ def cut(
     left = abs(product - u * ((z - com) @ throws))
     if left <= EXACT * np.trace(inertia):
         return heights, slices, []
-    text = "has a product of inertia with its axis beyond that of its throws"
+    text = "has a product of inertia with its axis that its throws do not explain"
     return heights, slices, [Failure("H4", body.name, text, left, "kg m^2")]

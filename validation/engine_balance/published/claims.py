@@ -1,4 +1,4 @@
-"""Published figures of the toy engines and what stands behind them: the sources' assumptions, and the physics.
+"""Published figures of the toy engines and what is behind them: the sources' assumptions, and the physics.
 
 The article's figures are those of cylinders without m_c w^2 r_c of the crank, pushed and pulled along their bores only:
 ``assumed``. ``actual`` is the load of the masses as declared. Couples of either in units of F a are those of the

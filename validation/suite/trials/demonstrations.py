@@ -16,11 +16,11 @@ WHOLE = {
 }
 """Demo -> its runs with all terms; of other demos the first run is one."""
 LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
-"""Demo -> the case that stands for its mechanism in other engines when the run must be short."""
+"""Demo -> the case compared with other engines in its place when the run must be short."""
 
 
 def trials(quick: bool) -> list[Trial]:
-    """One per mechanism of a demo; the theory stands with the first one."""
+    """One per mechanism of a demo; the theory goes with the first one."""
     found = []
     for demo in discover().values():
         names = WHOLE.get(demo.name, (demo.name,))

@@ -36,7 +36,7 @@ def trials(quick: bool) -> list[Trial]:
 
 def layout(name: str) -> Trial:
     """An engine of `validation.engine_balance`."""
-    alone = "" if name in PEERED else f"{' and '.join(PEERED)} stand for the layouts, which have the same parts"
+    alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
 
@@ -75,5 +75,5 @@ def free(k: int, redundant: bool) -> Run:
 
 
 def twin(k: int, made: Run) -> Iterable[Finding]:
-    """The same mechanism in the planar solver; the plane is that of x and y."""
+    """The same mechanism in the planar solver; its plane is x and y."""
     return by_ladder(made, twins.mechanisms()[k].plane(), np.eye(3))

@@ -13,7 +13,7 @@ from validation.suite.trials.trial import Run, Trial, run
 SIZES = (10, 40)
 T_END, SAMPLES = 3.0, 7  # s: twice through a pose in which all rods lie on one line
 RTOL = 1e-8  # Closer to rounding, which 605 rows make larger, the steps of N = 40 become tiny
-LARGE = "Exudyn takes minutes for this size; iftomm_A02_fourbar_N2 stands for it"
+LARGE = "Exudyn takes minutes for this size; see iftomm_A02_fourbar_N2 instead"
 
 
 def trials(quick: bool) -> list[Trial]:

@@ -33,7 +33,7 @@ def started(seed: int) -> Run:
 def run_to(system: System, state: object, t_end: float) -> Run:
     """A run, half as long where a driver pulls the mechanism to a dead centre before.
 
-    As tight as that of `cross_check`, which must reach the end too.
+    As tight as in `cross_check`, which must reach the end too.
     """
     try:
         return run(system, t_end, state=state, output=SAMPLES, rtol=TIGHT)

@@ -11,7 +11,7 @@ from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, jud
 
 RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
 ACCURACY = 100 * RTOL  # What the errors of some hundred steps add up to where nothing is amplified
-STANDS = "other engines take too long for a short run; {} stands for it"
+STANDS = "other engines take too long for a short run; see {} instead"
 """Why a trial is not compared with engines in a short run."""
 
 
@@ -20,7 +20,7 @@ class Run:
     """A mechanism with its motion.
 
     ``t_end``: [s]; 0 where only the start counts; ``solution``: our motion; None without one; ``state``: start; None =
-    that of the bodies; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
+    as the bodies give it; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
     ``accuracy``: what our own motion may be wrong, relative to ``max(1, largest value)``: nobody is judged more finely.
     """
 

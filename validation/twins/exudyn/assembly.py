@@ -1,6 +1,6 @@
 """Bodies, ground and markers of a `System` in Exudyn, and the equations of motion as Exudyn has them at a state.
 
-The frame of a body in Exudyn stands along the world axes at the reference pose of `mbsd3d` and has the same reference
+The frame of a body in Exudyn is along the world axes at the reference pose of `mbsd3d` and has the same reference
 point O, so a marker is where and how the world sees it there, relative rotations are zero at the reference pose, and
 hinge coordinates of both sides count alike. With A the rotation of Exudyn: A = R R_ref'.
 
@@ -189,7 +189,7 @@ class Equations:
         return np.array(self.solver.GetSystemResidual())[: self.size]
 
     def jacobian(self) -> Array:
-        """J at the current state, whether a row stands on positions or on velocities."""
+        """J at the current state, whether a row is on positions or on velocities."""
         if not self.rows:
             return np.zeros((0, self.size))
         self.solver.SetSystemJacobian(np.zeros((self.size + self.rows,) * 2))

@@ -34,7 +34,7 @@ class BodyTwin:
         Scheme(**scheme)  # refuses what it does not know before anything is built
         self.build()
         self.counts = {} if is_forest(system) else self.counted()
-        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has none
+        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has no repeated rows
         self.scheme = Scheme(**self.fitting() | scheme)
         if system.joints and not self.scheme.implicit:
             raise NotExpressible(

@@ -26,7 +26,7 @@ from validation.twins.exudyn.couplings import Expression, follow, hinge_coordina
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
     """A force or torque; a Python function of time only where a component changes."""
-    axes = load.body.axes if load.frame == "body" else np.eye(3)  # those in Exudyn stand along the world at first
+    axes = load.body.axes if load.frame == "body" else np.eye(3)  # in Exudyn they are along the world at first
     functions = [follow(signal) for signal in components]
 
     def now(mbs: Any, t: float, vector: Any = None) -> Array:
@@ -127,7 +127,7 @@ FORCES: dict[type, Expression] = {
 """Force class -> how it is expressed."""
 
 REFUSED: dict[type, str] = {
-    StateFeedback: "Exudyn has no force with states and measures of its own",
+    StateFeedback: "Exudyn has no force element with internal states and measures",
     CustomForce: "its function is compiled for mbsd3d",
 }
 """Force class -> why not."""

@@ -109,7 +109,7 @@ def own_inertia(link: Link) -> tuple[float, Array, Array]:
 class TreeTwin:
     """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
 
-    It reports no reactions: a tree in hinge coordinates has none.
+    It reports no reactions: hinge coordinates have no constraint forces.
     """
 
     engine = "Exudyn"

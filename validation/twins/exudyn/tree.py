@@ -1,7 +1,7 @@
 """A tree of hinges and guides as one kinematic tree of Exudyn, in its hinge coordinates.
 
-Every joint becomes one or two hinge coordinates; between two of one joint stands a link without mass. The frame of a
-link is that of its joint, z along the axis, and coordinates count from the reference pose as those of `mbsd3d` do.
+Every joint becomes one or two hinge coordinates; between two of one joint is a massless link. The frame of a
+link is its joint frame, z along the axis; coordinates count from the reference pose as in `mbsd3d`.
 """
 
 from collections.abc import Callable

@@ -1,6 +1,6 @@
 """A `System` as MuJoCo has it: a tree of joints, loops closed by soft equalities.
 
-Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball stands before a slide
+Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball comes before a slide
 in one body (0.6 m/s^2 off at speeds of 1 m/s), so that joints of a point on a line or plane are the last to span the
 tree; and with a heavy body in the model its solver keeps the last forces at the usual tolerance of 1e-8 (1.6e-2 m off
 where 1e-24 leaves 3.8e-6), so that `TOLERANCE` is far below.
@@ -37,13 +37,13 @@ EXPRESSES: dict[type, str] = {
     mbsd3d.Distance: "two hinges at one end and a ball at the other, or a spatial tendon held at its length",
     mbsd3d.Gear: "sum of joint coordinates held at zero",
     mbsd3d.RackPinion: "sum of joint coordinates held at zero",
-    mbsd3d.GearMesh: "sum of joint coordinates held at zero, its force as that of the teeth",
+    mbsd3d.GearMesh: "sum of joint coordinates held at zero, its force acts at the teeth",
     mbsd3d.AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
     mbsd3d.SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
     mbsd3d.PositionDriver: "three slides and a ball, the slides tied to a clock and oscillators; no Table",
     mbsd3d.SpeedDriver: "joint coordinate tied to a clock and oscillators, if a joint turns about its axis; no Table",
 }
-"""Joint class -> how; where a joint without closure of its own closes a loop, a piece of its body is welded to it."""
+"""Joint class -> how; where MuJoCo cannot close a loop with a joint, a piece of its body is welded to it."""
 
 REFUSED: dict[type, str] = {
     mbsd3d.RollingDisc: "MuJoCo rolls by contact with friction only, which slips",

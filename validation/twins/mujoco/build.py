@@ -1,6 +1,6 @@
 """The MuJoCo model of a layout: bodies with their joints, and equalities that close loops.
 
-The frame of every MuJoCo body is the one of the body it stands for: its ``xpos`` is O, its ``xquat`` the orientation.
+The frame of a MuJoCo body is the frame of the body it represents: its ``xpos`` is O, its ``xquat`` the orientation.
 """
 
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class Sketch:
     held: dict[str, Any] = field(default_factory=dict)
 
     def body(self, body: Any) -> Any:
-        """The MuJoCo body that stands for a body of the system."""
+        """The MuJoCo body that represents a body of the system."""
         return self.spec.worldbody if body is GROUND else self.spec.body(self.layout.main[id(body)].name)
 
     def site(self, body: Any, point: np.ndarray) -> str:

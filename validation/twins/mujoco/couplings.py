@@ -65,7 +65,7 @@ class Motors:
     def generate(self, signal: Signal, integrated: bool, shown: str) -> tuple[dict[str, float], tuple[float, ...]]:
         """Generators of the sines with their factors, and ascending coefficients of the rest.
 
-        ``integrated`` gives the integral of the signal: that of a sine is a sine, a quarter turn later.
+        ``integrated`` gives the integral of the signal; a sine becomes a sine a quarter turn later.
         """
         sines, polynomial = {}, np.zeros(1)
         for term in signal.terms():

@@ -121,7 +121,7 @@ def right_handed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def shafts(joint: mbsd3d.ConstantVelocity, name: str) -> Freedoms:
-    """Hinges about shaft a, the common normal n and shaft b; constant velocity is q3 = -q1, a row of its own.
+    """Hinges about shaft a, the common normal n and shaft b; constant velocity is the additional row q3 = -q1.
 
     B = A Rz(q) Ry(bend) Rz(-q) turns about an axis across z, which is what the row of mbsd3d says: with n of both
     sides, n_a . (z_b x n_b) = (z_a x n_a) . n_b.
@@ -185,7 +185,7 @@ class Layout:
 
 
 def lay_out(system: System, rods: bool) -> Layout:
-    """The tree of most worth to the loops: what has no closure of its own first, balls last; ``rods``: these too."""
+    """The tree of most worth to the loops: first what MuJoCo cannot close by itself, balls last; ``rods``: also these."""
     known = {*TABLE, mbsd3d.ConstantVelocity, *((mbsd3d.Distance,) if rods else ())}
     joints = [joint for joint in system.joints if type(joint) in known]
     referred = {id(other) for part in (*system.joints, *system.forces) for other in part.partners()}

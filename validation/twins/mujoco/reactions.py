@@ -140,7 +140,7 @@ class Reactions:
         return force, moment
 
     def of_closure(self, data: Any, joint: Joint) -> Wrench:
-        """Of points kept together: the site on b stands first, so that the forces act on b."""
+        """Of points kept together: the site on b comes first, so that the forces act on b."""
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)

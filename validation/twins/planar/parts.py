@@ -205,7 +205,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A joint or a load: a name of its own, and a check of its fields."""
+    """A joint or a load: a unique name, and a check of its fields."""
 
     name: str | None = field(default=None, kw_only=True)
 

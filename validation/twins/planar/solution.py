@@ -88,7 +88,7 @@ class Solution:
     def reaction(self, joint: Any) -> Reaction:
         """Force and moment of a joint on its body b, at its point (of a rolling disc: the contact).
 
-        Of a gear, b is that of its second hinge; a frame that both hinges share takes the moments of both.
+        Body b of a gear is body b of its second hinge; a frame that both hinges share takes the moments of both.
         """
         i = self.system.part(joint, "joints")
         joint = self.system.joints[i]

@@ -59,7 +59,7 @@ class System:
         names = [part.name for key, _ in KINDS for part in getattr(self, key) if part.name is not None]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
+                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
 
     def _check_members(self) -> None:
         """Joints and loads act on bodies of the system and through joints of it."""
