@@ -38,7 +38,7 @@ pytest.importorskip("exudyn", reason="the engine Exudyn is not installed")
 from exudyn_models import distances, tree  # noqa: E402
 
 from validation.twins.exudyn import EXPRESSES, EXPRESSES_FORCES, FORMULATIONS, twin  # noqa: E402
-from validation.twins.exudyn.forces import REFUSED as REFUSED_FORCES  # noqa: E402
+from validation.twins.exudyn.joints import REFUSED as REFUSED_FORCES  # noqa: E402
 from validation.twins.exudyn.solvers import check_version  # noqa: E402
 
 

@@ -74,7 +74,7 @@ def test_windows_read_amplitudes_of_records_that_are_no_whole_periods():
 def test_errors_name_sample_and_remedy():
     t = np.linspace(0, 2 * np.pi / RATE, 33)
     for arguments, options, message in (
-        ((t**2, t), {}, "stands .* off even steps .* ask the run for a number of samples"),
+        ((t**2, t), {}, "is .* off even steps .* ask the run for a number of samples"),
         ((t, np.where(t > 0.5, np.nan, t)), {}, "values is not finite at sample 19"),
         ((t, t[:-1]), {}, "n >= 3"),
         ((t, t), {"rate": 1.1 * RATE}, r"is 1.1 periods long, 1.13\d* if .* whole periods, at least one, or a window"),

@@ -29,7 +29,7 @@ from validation.suite.findings import (
     not_compared,
 )
 from validation.suite.suite import examined, lost
-from validation.suite.trials import bicycles, engines, ladders, plane, randoms, references
+from validation.suite.trials import bicycles, engines, ladders, randoms, references
 from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")
@@ -78,11 +78,11 @@ def test_wrong_equations_differ_from_file_and_theory(switch):
 
 def test_a_planar_model_a_thousandth_heavier_differs():
     made = references.moving("iftomm_A03_andrews")
-    system, flat = plane.flatten(made.system)
-    (clean,) = plane.by_ladder(made, system, flat.frame)
+    system, flat = engines.flatten(made.system)
+    (clean,) = engines.by_ladder(made, system, flat.frame)
     object.__setattr__(system.bodies[0], "mass", 1.001 * system.bodies[0].mass)
     object.__setattr__(system.bodies[0], "inertia", 1.001 * system.bodies[0].inertia)
-    (heavier,) = plane.by_ladder(made, replaced(system), flat.frame)
+    (heavier,) = engines.by_ladder(made, replaced(system), flat.frame)
     assert clean.verdict == AGREES and heavier.verdict == DIFFERS and heavier.error > 100 * clean.error
 
 

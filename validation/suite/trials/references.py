@@ -13,7 +13,7 @@ from validation.cases.comparison import compare, condition
 from validation.cases.robot import hinge_accelerations, robot_poses
 from validation.suite.findings import FREEDOMS, PLANE, REFERENCE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.closed_forms import CLOSED_FORMS, Pairs
-from validation.suite.trials.plane import in_the_plane
+from validation.suite.trials.engines import in_the_plane
 from validation.suite.trials.trial import RTOL, STANDS, Run, Trial, run
 
 SHIFT = 7

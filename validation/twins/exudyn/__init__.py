@@ -6,8 +6,7 @@ from mbsd3d import State, System
 from validation.twins.base import EngineFailed, Twin, check_met, start_of
 from validation.twins.exudyn.assembly import ROTATIONS
 from validation.twins.exudyn.bodies import BodyTwin
-from validation.twins.exudyn.forces import FORCES
-from validation.twins.exudyn.joints import JOINTS
+from validation.twins.exudyn.joints import FORCES, JOINTS
 from validation.twins.exudyn.minimal import TreeTwin
 from validation.twins.exudyn.solvers import exudyn, last_words
 
@@ -41,7 +40,7 @@ def twin(
         Of rigid bodies: "rotation vector" (Lie group) or "euler parameters".
     **scheme
         Fields of `Scheme`: solver "generalized-alpha", "index2", "rk44", "dopri5" or "rk67", spectral_radius, linear
-        "dense", "sparse" or "full-pivot", tolerance, modified_newton, adaptive. What is not given is chosen to fit:
+        "dense", "sparse" or "full-pivot", tolerance, adaptive. What is not given is chosen to fit:
         see `BodyTwin`; "rk67" for kinematic trees.
 
     Returns

@@ -8,8 +8,7 @@ from mbsd3d import GROUND, Joint, State, System
 from mbsd3d.extend import Coupling, matrix, multiply, one_thread
 from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run, spanning
 from validation.twins.exudyn.assembly import Assembly, Equations
-from validation.twins.exudyn.forces import add_force_element
-from validation.twins.exudyn.joints import add_joint
+from validation.twins.exudyn.joints import add_force_element, add_joint
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet
 
 SPARSE_FROM = 10

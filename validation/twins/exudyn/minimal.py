@@ -8,7 +8,7 @@ import numpy as np
 from mbsd3d import GROUND, State, System
 from mbsd3d.extend import Coordinate, multiply, quaternion_from_matrix
 from validation.twins.base import Array, Kinetic, Motion, NotExpressible, check_run
-from validation.twins.exudyn.forces import add_force_element
+from validation.twins.exudyn.joints import add_force_element
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
 from validation.twins.exudyn.tree import SHIFT, TURN, Frame, Link, links_of
 

@@ -90,8 +90,6 @@ class Scheme:
     tolerance : float
         Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
         relative and absolute.
-    modified_newton : bool
-        Keep the Jacobian over iterations and steps while it converges.
     adaptive : bool
         Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
     """
@@ -100,7 +98,6 @@ class Scheme:
     spectral_radius: float = 0.8
     linear: str = "dense"
     tolerance: float = 1e-8
-    modified_newton: bool = True
     adaptive: bool = False
 
     def __post_init__(self) -> None:
@@ -125,8 +122,7 @@ class Scheme:
         if not self.implicit:
             return SOLVERS[self.solver][0] + (f", its own steps to {self.tolerance:g}" if self.adaptive else "")
         radius = f", spectral radius {self.spectral_radius:g}" if self.solver == "generalized-alpha" else ""
-        newton = "modified" if self.modified_newton else "full"
-        return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
+        return f"{SOLVERS[self.solver][0]}{radius}, modified Newton to {self.tolerance:g}, {self.linear} linear solver"
 
     def records(self, steps: int, samples: int, bodies: int) -> int:
         """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
@@ -155,7 +151,7 @@ class Scheme:
         alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
         alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
         newton = integration.newton
-        newton.useModifiedNewton = self.modified_newton
+        newton.useModifiedNewton = True  # the Jacobian is kept while iterations converge
         newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
         out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
         out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"

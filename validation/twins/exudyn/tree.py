@@ -34,13 +34,6 @@ class Link(NamedTuple):
     value: float  # Of the coordinate at the start [rad or m]
 
 
-class Sides(NamedTuple):
-    """A joint seen from the side that hangs on the other: bodies, frames on both, start values."""
-
-    outer: Any
-    frames: list[tuple[str, Frame, Frame, float]]
-
-
 def axis_frames(joint: Joint, reverse: bool) -> tuple[Frame, Frame]:
     """Frames (inner, outer) along the axis, which counts from a to b whichever side is the inner one."""
     x, y = perpendiculars(joint.axis)

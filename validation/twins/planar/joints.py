@@ -155,8 +155,7 @@ class Rolling(PointJoint):
         gap = along[0] * (world - self.at)[1] - along[1] * (world - self.at)[0]
         if abs(abs(gap) - radius) > 1e-9 * radius:
             raise ValueError(
-                f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; "
-                "make them equal"
+                f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; make them equal"
             )
         self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
 
