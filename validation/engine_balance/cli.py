@@ -133,7 +133,12 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     if len(engines) > 1 and (gas is not None or shafts or sweep):
         raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
     comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-    extra = studied(engines[0], gas, shafts, sweep)
+    wanted = (
+        (gas is not None, lambda: report.gas_harmonics(engines[0], gas)),
+        (shafts, lambda: report.balance_shafts(engines[0])),
+        (sweep, lambda: report.rod_ratios(engines[0])),
+    )
+    extra = [table() for asked, table in wanted if asked]
     if ways:
         parts = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(parts[0].header, [row for part in parts for row in part.rows]))
@@ -146,18 +151,6 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     for table in extra:
         click.echo(f"\n{table}")
     return comparisons
-
-
-def studied(engine: Any, gas: float | None, shafts: bool, sweep: bool) -> list:
-    """Tables of the studies asked for."""
-    from validation.engine_balance import report
-
-    wanted = (
-        (gas is not None, lambda: report.gas_harmonics(engine, gas)),
-        (shafts, lambda: report.balance_shafts(engine)),
-        (sweep, lambda: report.rod_ratios(engine)),
-    )
-    return [table() for asked, table in wanted if asked]
 
 
 def show(comparison: Any) -> None:

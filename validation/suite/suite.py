@@ -180,7 +180,7 @@ def examined(trial: Trial, budget: float) -> Record:
     began = time.perf_counter()
     record, made = examine(trial)
     if made is None:
-        return record
+        return replace(record, seconds=time.perf_counter() - began)
     if trial.drawn:
         record = replace(record, picture=picture(made))
     try:

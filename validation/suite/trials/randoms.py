@@ -3,7 +3,7 @@
 from functools import partial
 
 from mbsd3d import IntegrationError, System
-from validation.cases.random_systems import mechanism, moving
+from validation.cases.examples import mechanism, moving
 from validation.crosscheck.ours import TIGHT
 from validation.suite.trials.trial import Run, Trial, run
 

@@ -1,6 +1,5 @@
 """A case of the suite: a mechanism, how it is run, and who judges it."""
 
-import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -82,16 +81,13 @@ def certificate(run: Run) -> list[Finding]:
 
 def examine(trial: Trial) -> tuple[Record, Run | None]:
     """Run a trial and ask its judges; whatever stops one of them is a finding that differs."""
-    began = time.perf_counter()
     try:
         made = trial.make()
     except (Mbsd3dError, ValueError) as error:
-        findings = (stopped(CERTIFICATE, "run", error),)
-        return Record(trial.name, trial.group, trial.title, findings, seconds=time.perf_counter() - began), None
+        return Record(trial.name, trial.group, trial.title, (stopped(CERTIFICATE, "run", error),)), None
     judges = {CERTIFICATE: certificate, **trial.judges}
     findings = [finding for name, judge in judges.items() for finding in asked(name, judge, made)]
-    seconds = time.perf_counter() - began
-    return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made), seconds=seconds), made
+    return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made)), made
 
 
 def asked(name: str, judge: Judge, made: Run) -> list[Finding]:

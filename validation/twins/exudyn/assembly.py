@@ -50,18 +50,15 @@ class Assembly:
         I_O = inertia + body.mass * skew(com) @ skew(com).T  # Exudyn wants it about O
         shift, e = q[:3] - body.position, self.start[k]
         if self.rotation == "rotation vector":
-            node = self.items.NodeRigidBodyRotVecLG(
-                referenceCoordinates=[*body.position, 0, 0, 0],
-                initialCoordinates=[*shift, *logarithm(e)],
-                initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
-            )
+            node, rest, turn = self.items.NodeRigidBodyRotVecLG, (0, 0, 0), logarithm(e)
         else:
-            node = self.items.NodeRigidBodyEP(
-                referenceCoordinates=[*body.position, 1, 0, 0, 0],
-                initialCoordinates=[*shift, *(e - (1, 0, 0, 0))],
+            node, rest, turn = self.items.NodeRigidBodyEP, (1, 0, 0, 0), e - (1, 0, 0, 0)
+        self.nodes[id(body)] = self.mbs.AddNode(
+            node(
+                referenceCoordinates=[*body.position, *rest], initialCoordinates=[*shift, *turn],
                 initialVelocities=[*v[:3], *(self.unspin(e) @ v[3:])],
             )
-        self.nodes[id(body)] = self.mbs.AddNode(node)
+        )  # fmt: skip
         number = self.mbs.AddObject(
             self.items.ObjectRigidBody(
                 mass=body.mass, centerOfMass=com, nodeNumber=self.nodes[id(body)],

@@ -7,7 +7,7 @@ import numpy as np
 
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, pair
+from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +104,9 @@ class Distance(Joint):
 
     def check(self, what: str) -> None:
         check_bodies(self, what)
-        at_a, at_b = pair(self.at_a, f"{what}: at_a"), pair(self.at_b, f"{what}: at_b")
-        span = np.hypot(*(at_b - at_a))
-        if span < 1e-12:
-            raise ValueError(f"{what}: the end points coincide, so the rod has no direction; use Revolute or move one")
+        span = ends(self, what, "the rod has no direction; use Revolute or move one")
         length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
-        self.set(at_a=at_a, at_b=at_b, length=float(length))
+        self.set(length=float(length))
 
     def point(self) -> np.ndarray:
         return self.at_b

@@ -230,3 +230,12 @@ def check_bodies(part: Any, what: str) -> None:
             raise ValueError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
     if part.a is part.b:
         raise ValueError(f"{what}: joins '{part.a.name}' to itself; give two different bodies")
+
+
+def ends(part: Any, what: str, remedy: str) -> float:
+    """Distance of the two end points of a part [m], which must not coincide."""
+    part.set(at_a=pair(part.at_a, f"{what}: at_a"), at_b=pair(part.at_b, f"{what}: at_b"))
+    span = float(np.hypot(*(part.at_b - part.at_a)))
+    if span < 1e-12:
+        raise ValueError(f"{what}: the end points coincide, {remedy}")
+    return span
