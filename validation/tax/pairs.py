@@ -15,22 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import (
-    GROUND,
-    RK4,
-    AngleDriver,
-    Body,
-    Joint,
-    Kinematic,
-    Prismatic,
-    Ramp,
-    Revolute,
-    Solution,
-    Spherical,
-    System,
-    Universal,
-    simulate,
-)
+import mbsd3d
 from validation.engine_balance.spectrum import spectrum
 from validation.twins import planar
 
@@ -91,19 +76,19 @@ class Mechanism:
             joints.append(planar.AngleDriver(joints[0], planar.rate(self.rate), name="motor"))
         return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
 
-    def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> System:
+    def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
         """For `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
-        bodies = {None: GROUND}
+        bodies = {None: mbsd3d.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)
             com, omega = np.array(link.centre) - origin, None if k or driven else (0.0, 0.0, self.rate)
             moments = link.inertia * np.array([0.4, 0.9, 1.0])
-            bodies[link.name] = Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
+            bodies[link.name] = mbsd3d.Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
         joints = [spatial_joint(c, bodies[c.a], bodies[c.b], redundant) for c in self.couplings]
         if driven:
-            joints.append(AngleDriver(joints[0], Ramp(self.rate), name="motor"))
+            joints.append(mbsd3d.AngleDriver(joints[0], mbsd3d.Ramp(self.rate), name="motor"))
         gravity = (*self.gravity, 0.0)
-        return System([bodies[link.name] for link in self.links], joints, gravity=gravity)
+        return mbsd3d.System([bodies[link.name] for link in self.links], joints, gravity=gravity)
 
 
 def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
@@ -113,15 +98,15 @@ def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
     return planar.Revolute(a, b, at=c.at[:2], name=c.name)
 
 
-def spatial_joint(c: Coupling, a: Body, b: Body, redundant: bool) -> Joint:
+def spatial_joint(c: Coupling, a: mbsd3d.Body, b: mbsd3d.Body, redundant: bool) -> mbsd3d.Joint:
     """The spatial joint of a coupling."""
     if c.kind == GUIDE:
-        return Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
+        return mbsd3d.Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
     if c.kind == HINGE or redundant:
-        return Revolute(a, b, at=c.at, axis=Z, name=c.name)
+        return mbsd3d.Revolute(a, b, at=c.at, axis=Z, name=c.name)
     if c.kind == BALL:
-        return Spherical(a, b, at=c.at, name=c.name)
-    return Universal(a, b, at=c.at, axis_a=Z, axis_b=c.axis, name=c.name)
+        return mbsd3d.Spherical(a, b, at=c.at, name=c.name)
+    return mbsd3d.Universal(a, b, at=c.at, axis_a=Z, axis_b=c.axis, name=c.name)
 
 
 def across(a: tuple, b: tuple) -> tuple:
@@ -208,7 +193,7 @@ def cycle(mechanism: Mechanism) -> list[Any]:
     spatial = [mechanism.space(driven=True, redundant=redundant) for redundant in (False, True)]
     return [
         planar.kinematics(mechanism.plane(driven=True), times),
-        *(simulate(system, times[-1], method=Kinematic(), output=CYCLE + 1) for system in spatial),
+        *(mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE + 1) for system in spatial),
     ]
 
 
@@ -219,12 +204,12 @@ def cubic(values: np.ndarray) -> np.ndarray:
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
-def grounded(mechanism: Mechanism, solution: Solution) -> list[np.ndarray]:
+def grounded(mechanism: Mechanism, solution: mbsd3d.Solution) -> list[np.ndarray]:
     """(n, 3) force of the ground in each of its joints [N]."""
     return [cubic(solution.reaction(c.name).force) for c in mechanism.couplings if c.a is None]
 
 
-def imbalance(mechanism: Mechanism, solution: Solution) -> float:
+def imbalance(mechanism: Mechanism, solution: mbsd3d.Solution) -> float:
     """Newton for the whole: largest |forces of the ground + m g - sum m a_G|, relative to the largest force."""
     forces, rest = grounded(mechanism, solution), 0.0
     for link in mechanism.links:
@@ -235,7 +220,7 @@ def imbalance(mechanism: Mechanism, solution: Solution) -> float:
     return float(np.abs(sum(forces) - rest).max() / np.abs(forces).max())
 
 
-def balanced(mechanism: Mechanism, solution: Solution) -> tuple[float, float]:
+def balanced(mechanism: Mechanism, solution: mbsd3d.Solution) -> tuple[float, float]:
     """(1x force along the bores, largest force across them) of the inline four on its block over F_single.
 
     F_single = w^2 (m_c r_c + (m_r + m_p) R), 10 kg m w^2: the 1x force of one cylinder.
@@ -255,7 +240,10 @@ def noise_floors() -> list[Floor]:
         lost = [float(np.abs(sum(f))[:, 2].max() / np.abs(f).max()) for f in (grounded(mechanism, r) for r in runs[1:])]
         floors.append(Floor(mechanism.name, "force out of the plane", None, *lost))
         forms = [mechanism.space(redundant=redundant) for redundant in (False, True)]
-        free = [simulate(system, mechanism.turn, method=RK4(mechanism.turn / STEPS), output=2) for system in forms]
+        free = [
+            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / STEPS), output=2)
+            for system in forms
+        ]
         size = max(np.abs(link.origin).max() for link in mechanism.links)
         drift = [max(abs(np.ptp(run.com(link.name)[:, 2])) for link in mechanism.links) / size for run in free]
         floors.append(Floor(mechanism.name, "drift out of the plane", None, *map(float, drift)))

@@ -11,23 +11,6 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
-from mbsd3d import (
-    GROUND,
-    AeroDrag,
-    Bushing,
-    Constant,
-    CustomForce,
-    Force,
-    GearMesh,
-    Joint,
-    JointFriction,
-    KnifeEdge,
-    RollingDisc,
-    SpringDamper,
-    StateFeedback,
-    Torque,
-    TorsionSpring,
-)
 from mbsd3d.extend import Coordinate, cross, exponential, matched_perpendiculars, matrix, multiply, perpendiculars
 from mbsd3d.extend import hinge_coordinate as coordinate_of
 from validation.twins.base import Array, NotExpressible, label, refused
@@ -52,7 +35,7 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
     def now(mbs: Any, t: float, vector: Any = None) -> Array:
         return axes @ [f(t) for f in functions]
 
-    steady = all(isinstance(signal, Constant) for signal in components)
+    steady = all(isinstance(signal, mbsd3d.Constant) for signal in components)
     item = getattr(model.items, element)(
         markerNumber=model.marker(load.body, point), bodyFixed=load.frame == "body",
         loadVector=now(None, model.state.t), **{} if steady else {"loadVectorUserFunction": now},
@@ -114,7 +97,7 @@ def add_drag(model: Assembly, drag: Any, what: str) -> None:
 
 def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
     """Six components in axes of the ground; the elastic moment of large rotations by a function."""
-    if bushing.a is not GROUND:
+    if bushing.a is not mbsd3d.GROUND:
         raise NotExpressible(f"{what}: hangs on '{bushing.a.name}'; the one of Exudyn pulls each side at its own point")
     axes = matrix(bushing.axes)
     markers = [model.marker(body, bushing.at, axes) for body in (bushing.a, bushing.b)]
@@ -136,19 +119,19 @@ def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
 
 
 FORCES: dict[type, Expression] = {
-    Force: Expression("LoadForceVector", add_force),
-    Torque: Expression("LoadTorqueVector", add_torque),
-    SpringDamper: Expression("SpringDamper", add_spring),
-    TorsionSpring: Expression("CoordinateSpringDamper on the angle or slide", add_torsion),
-    JointFriction: Expression("CoordinateSpringDamper with a force function", add_friction),
-    AeroDrag: Expression("LoadForceVector by a function of the velocity", add_drag),
-    Bushing: Expression("RigidBodySpringDamper with a force function, from the ground only", add_bushing),
+    mbsd3d.Force: Expression("LoadForceVector", add_force),
+    mbsd3d.Torque: Expression("LoadTorqueVector", add_torque),
+    mbsd3d.SpringDamper: Expression("SpringDamper", add_spring),
+    mbsd3d.TorsionSpring: Expression("CoordinateSpringDamper on the angle or slide", add_torsion),
+    mbsd3d.JointFriction: Expression("CoordinateSpringDamper with a force function", add_friction),
+    mbsd3d.AeroDrag: Expression("LoadForceVector by a function of the velocity", add_drag),
+    mbsd3d.Bushing: Expression("RigidBodySpringDamper with a force function, from the ground only", add_bushing),
 }
 """Force class -> how it is expressed."""
 
 REFUSED: dict[type, str] = {
-    StateFeedback: "Exudyn has no force element with internal states and measures",
-    CustomForce: "its function is compiled for mbsd3d",
+    mbsd3d.StateFeedback: "Exudyn has no force element with internal states and measures",
+    mbsd3d.CustomForce: "its function is compiled for mbsd3d",
 }
 """Force class -> why not."""
 
@@ -177,7 +160,7 @@ def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
     """A joint that locks directions of its frames."""
 
-    def add(model: Assembly, joint: Joint, what: str) -> None:
+    def add(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
         axes_a, axes_b = frames(joint)
         at, at_b = getattr(joint, "at", joint.a.position), getattr(joint, "at_b", joint.b.position)
         markers = [model.marker(joint.a, at, axes_a), model.marker(joint.b, at_b, axes_b)]
@@ -191,24 +174,24 @@ def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
     return lambda joint: frames_along(joint.axis, joint.axis_b, place)
 
 
-def one_sided(joint: Joint) -> tuple[Array, Array]:
+def one_sided(joint: mbsd3d.Joint) -> tuple[Array, Array]:
     """Frames along the axis or normal of a; only a's matters."""
     axis = joint.normal if hasattr(joint, "normal") else joint.axis
     return frames_along(axis, axis, 2)
 
 
-def crossed(joint: Joint) -> tuple[Array, Array]:
+def crossed(joint: mbsd3d.Joint) -> tuple[Array, Array]:
     """Frames of axis_a and axis_b."""
     return frames_across(joint.axis_a, joint.axis_b)
 
 
-def add_spherical(model: Assembly, joint: Joint, what: str) -> None:
+def add_spherical(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Points coincide."""
     markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
-def add_constant_velocity(model: Assembly, joint: Joint, what: str) -> None:
+def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
     add_spherical(model, joint, what)
     turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
@@ -217,13 +200,13 @@ def add_constant_velocity(model: Assembly, joint: Joint, what: str) -> None:
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
 
 
-def add_distance(model: Assembly, joint: Joint, what: str) -> None:
+def add_distance(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
-def add_screw(model: Assembly, joint: Joint, what: str) -> None:
+def add_screw(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """A cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
@@ -251,17 +234,17 @@ JOINTS: dict[type, Expression] = {
     ),
     mbsd3d.Screw: Expression("GenericJoint (cylindrical) and CoordinateConstraint of slide and angle", add_screw),
     **COUPLINGS,
-    RollingDisc: Expression(
+    mbsd3d.RollingDisc: Expression(
         "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
         add_rolling,
     ),
-    GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
-    KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
+    mbsd3d.GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
+    mbsd3d.KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
 }
 """Joint class -> how it is expressed."""
 
 
-def add_joint(model: Assembly, joint: Joint) -> None:
+def add_joint(model: Assembly, joint: mbsd3d.Joint) -> None:
     """Add a joint, or NotExpressible with its name."""
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")
