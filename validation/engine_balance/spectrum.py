@@ -14,16 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal.windows import general_cosine
+from scipy.signal import get_window
 
 from mbsd3d.extend import number
 
-WINDOWS = {
-    "none": (1.0,),
-    "hann": (0.5, 0.5),
-    "flat top": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
-}
-"""a_j of w(n) = sum_j (-1)^j a_j cos(2 pi j n / N)."""
+WINDOWS = {"none": "boxcar", "hann": "hann", "flat top": "flattop"}  # name here -> in scipy.signal
 EVEN = 1e-6  # of the step: allowed error of sample times
 WHOLE = 1e-6  # of a step: allowed error of a period
 
@@ -102,7 +97,7 @@ def spectrum(
     period = _period(period, rate)
     n, length, turn = _extent(t.size, step, values, period, turns, window)
     used = values[:n].reshape(n, -1)
-    weights = taper(window, n)
+    weights = get_window(WINDOWS[window], n)
     c = np.fft.rfft(weights[:, None] * used, axis=0) * 2 / weights.sum()
     c[0] /= 2
     if n % 2 == 0:
@@ -111,17 +106,6 @@ def spectrum(
     c *= np.exp(-1j * frequency * t[0])[:, None]
     orders = np.arange(len(c)) * (turn / length)
     return Spectrum(orders, c.reshape(len(c), *values.shape[1:]), frequency, window)
-
-
-def taper(window: str, n: int) -> np.ndarray:
-    """(n,) weights of a window with the period n."""
-    return general_cosine(n, WINDOWS[window], sym=False)
-
-
-def gain(window: str, offset: ArrayLike, n: int) -> np.ndarray:
-    """Complex W(d) / W(0): how a bin of a record of n samples sees a tone d = ``offset`` bins above it."""
-    weights = taper(window, n)
-    return np.exp(2j * np.pi * np.multiply.outer(offset, np.arange(n)) / n) @ weights / weights.sum()
 
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, float]:

@@ -69,25 +69,7 @@ def simulate(
 def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) -> Solution:
     """Motion and forces of a fully driven system, position by position from the reference pose at t = 0.
 
-    Parameters
-    ----------
-    system : System
-        With as many independent rows as coordinates.
-    times : (k,) array_like
-        [s].
-    centripetal : bool
-        False drops h: wrong, for comparison.
-
-    Returns
-    -------
-    Solution
-
-    Raises
-    ------
-    ValueError
-        If freedoms are left, and as in `simulate`.
-    IntegrationError, AssemblyError
-        As in `simulate`.
+    Arguments and errors as in `simulate`, at times (k,) [s]; ValueError if freedoms are left.
     """
     times = np.atleast_1d(np.asarray(times, dtype=float))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():
