@@ -1,6 +1,6 @@
 """The trials of the suite in the order of the report: what is run, and who judges it."""
 
-from validation.suite.trials import bicycles, demonstrations, engines, ladders, randoms, references
+from validation.suite.trials import bicycles, engines, families, references
 from validation.suite.trials.trial import Trial
 
 
@@ -9,8 +9,8 @@ def trials(quick: bool = False) -> list[Trial]:
 
     ``quick``: whether the run must be short. Names are unique.
     """
-    groups = references, bicycles, ladders, demonstrations, engines, randoms
-    return [trial for group in groups for trial in group.trials(quick)]
+    some = families.ladders, families.demonstrations, engines.trials, families.randoms
+    return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
