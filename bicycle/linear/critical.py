@@ -276,7 +276,6 @@ def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         A model, e.g. `bicycle.whipple`; None = the closed form.
     speed : float

@@ -64,7 +64,6 @@ def response(
 
     Parameters
     ----------
-    parameters : Parameters
     speeds : float or (k,) array_like
         [m/s]
     frequencies : (n,) array_like, optional

@@ -47,7 +47,6 @@ def stable_map(
 
     Parameters
     ----------
-    parameters : Parameters
     axes : mapping of str to (n,) array_like
         Two symbols with their values, SI units.
     build : callable, optional

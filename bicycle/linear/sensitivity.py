@@ -91,7 +91,6 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         None = closed form, exact, of knife-edge wheels; `bicycle.whipple` = general model by differences, with the
         crown radii of tyres that have them.

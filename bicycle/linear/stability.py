@@ -80,7 +80,6 @@ def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build 
 
     Parameters
     ----------
-    parameters : Parameters
     speeds : (n,) array_like or None
         [m/s], also negative; None = 0 ... 10 m/s.
     build : callable

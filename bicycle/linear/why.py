@@ -162,7 +162,6 @@ def ablations(parameters: Parameters, build: Build | None = whipple, *, progress
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         The general model that must confirm them; None = closed form alone.
     progress : bool, optional

@@ -38,7 +38,6 @@ def run(
 
     Parameters
     ----------
-    parameters : Parameters
     t_end : float
         End of the ride [s].
     speed, lean, steer, lean_rate, steer_rate : float

@@ -39,7 +39,6 @@ def families(
 
     Parameters
     ----------
-    parameters : Parameters
     longest : float
         Longest step in the plane of lean and steer [rad].
     progress : bool or None
@@ -102,7 +101,6 @@ def held(
 
     Parameters
     ----------
-    parameters : Parameters
     speed : float
         Of the rear contact [m/s] > 0.
     leans : sequence of float
@@ -144,7 +142,6 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
 
     Parameters
     ----------
-    parameters : Parameters
     yaw_rate : float
         > 0, to the right [rad/s]; to the left everything is mirrored.
     """

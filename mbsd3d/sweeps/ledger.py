@@ -57,21 +57,9 @@ class Store:
     Every piece is committed as it comes: what a killed process had finished is there. Values are stored as JSON, which
     reads floats back bit for bit.
 
-    Parameters
-    ----------
-    path : str or Path
-        Made if it is missing; its folder is not.
-    identity : mapping
-        What makes two runs the same, as JSON: settings, versions.
-    what : str
-        The work in messages, e.g. "sweep".
-    replace : bool
-        Begin anew if the file holds other work; else that is an error which says what differs.
-
-    Raises
-    ------
-    LedgerError
-        If the file cannot be used, or holds other work; the methods raise it too.
+    ``identity`` is what makes two runs the same, as JSON: settings, versions; ``what`` names the work in messages, e.g.
+    "sweep". If the file holds other work, ``replace`` begins anew; else that is a `LedgerError` that says what differs,
+    as is a file that cannot be used, read or written.
     """
 
     def __init__(self, path: str | Path, identity: Mapping[str, Any], what: str, *, replace: bool = False) -> None:

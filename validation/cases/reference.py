@@ -73,24 +73,10 @@ def read(name: str) -> dict[str, Any]:
 def load(name: str, shift: Shift = None) -> Case:
     """Build a case.
 
-    Parameters
-    ----------
-    name : str
-        Name of the case.
-    shift : int or mapping, optional
-        Vectors from the centre of mass of each body to its reference point O, world axes at the initial configuration
-        [m]: a mapping from body names to (3,), or a seed for general ones about half as long as the body. None puts O
-        at the centre of mass.
-
-    Returns
-    -------
-    Case
-        System and reference.
-
-    Raises
-    ------
-    ValueError
-        If there is no such case, or it holds a part that this module cannot build.
+    ``shift``: vectors from the centre of mass of each body to its reference point O, world axes at the initial
+    configuration [m]: a mapping from body names to (3,), or a seed for general ones about half as long as the body;
+    None puts O at the centre of mass. ValueError if there is no such case, or it holds a part that this module cannot
+    build.
     """
     return build(read(name), shift)
 

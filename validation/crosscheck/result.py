@@ -26,22 +26,12 @@ class Attribution(NamedTuple):
 class Finding:
     """One quantity against one engine; differences are relative to the quantity's size in the run.
 
-    Attributes
-    ----------
-    status : str
-        "agrees"; "explained" (differs, and a cause was changed to show why); "differs"; "not compared".
-    difference, uncertainty : float or None
-        Greatest distance of the limits up to ``until``, and how far that may be wrong: engine's and our own error.
-    tolerance : float
-        Relative difference that counts as agreement whatever the uncertainty.
-    order, expected : float or None
-        Observed order of the engine's error in the step, and the one it should have.
-    until : float or None
-        End of the comparison [s]; later the engine's error, grown by the motion itself, exceeds the tolerance.
-    part : str
-        Whose difference is greatest.
-    reason : str
-        Why it was not compared, or what is noteworthy.
+    ``status``: "agrees"; "explained" (differs, and a cause was changed to show why); "differs"; "not compared";
+    ``difference, uncertainty``: greatest distance of the limits up to ``until``, and how far that may be wrong:
+    engine's and our own error; ``tolerance``: relative difference that counts as agreement whatever the
+    uncertainty; ``order, expected``: observed order of the engine's error in the step, and the one it should have;
+    ``until``: end of the comparison [s]; later the engine's error, grown by the motion itself, exceeds the
+    tolerance; ``part``: whose difference is greatest; ``reason``: why it was not compared, or what is noteworthy.
     """
 
     engine: str
@@ -104,19 +94,10 @@ HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'u
 class CrossCheck:
     """Result of `cross_check`.
 
-    Attributes
-    ----------
-    t_end, tolerance : float
-        [s]; relative.
-    engines : tuple of Compared
-    growth : float
-        By how much neighbouring motions of this model part until t_end, relative to their start.
-    own_error : float
-        Estimated error of our own poses and velocities at t_end, relative.
-    interrupted : bool
-        Ctrl-C ended it; what was found until then is kept.
-    start_only : bool
-        Only mass matrix and accelerations were asked for.
+    ``t_end``: [s]; ``tolerance``: relative; ``growth``: by how much neighbouring motions of this model
+    part until t_end, relative to their start; ``own_error``: estimated error of our own poses and velocities at
+    t_end, relative; ``interrupted``: Ctrl-C ended it; what was found until then is kept; ``start_only``: only mass
+    matrix and accelerations were asked for.
     """
 
     t_end: float

@@ -58,32 +58,12 @@ def spectrum(
 ) -> Spectrum:
     """Complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Evenly spaced times [s].
-    values : (n,) or (n, k) array_like
-        Real.
-    period : float
-        Of order 1 [s]; or instead
-    rate : float
-        of the shaft whose turn is order 1 [rad/s]; of either sign, amplitudes are those of time. With neither, orders
-        are frequencies in Hz.
-    turns : int
-        Number of periods in the record; without period and rate it defines the period, and the last sample counts as a
-        repetition if it equals the first to 1e-9 of the largest value of each column.
-    window : {"none", "hann", "flat top"}
-        "none" takes whole periods only.
-
-    Returns
-    -------
-    Spectrum
-
-    Raises
-    ------
-    ValueError
-        For uneven samples, numbers that are not real or not finite, a record of a broken number of periods without
-        a window.
+    ``t`` (n,): evenly spaced times [s]; ``values`` (n,) or (n, k): real; ``period``: of order 1 [s], or ``rate``: of
+    the shaft whose turn is order 1 [rad/s], of either sign, amplitudes are those of time; with neither, orders are
+    frequencies in Hz; ``turns``: number of periods in the record; without period and rate it defines the period, and
+    the last sample counts as a repetition if it equals the first to 1e-9 of the largest value of each column;
+    ``window``: "none" (whole periods only), "hann" or "flat top". ValueError for uneven samples, numbers that are not
+    real or not finite, a record of a broken number of periods without a window.
 
     Examples
     --------

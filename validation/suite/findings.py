@@ -29,18 +29,10 @@ JUDGES = {
 class Finding:
     """One comparison of one judge.
 
-    Attributes
-    ----------
-    judge : str
-        One of `JUDGES`.
-    verdict : str
-        "agrees"; "explained": differs, and a cause changed in the same run shows why; "differs"; "not compared".
-    quantity : str
-        What was compared.
-    error, limit : float or None
-        Difference and what is allowed, relative to ``max(1, largest value)`` unless ``note`` says otherwise.
-    note : str
-        Reason why it was not compared, or how a difference is explained.
+    ``judge``: one of `JUDGES`; ``verdict``: "agrees"; "explained": differs, and a cause changed in the same run
+    shows why; "differs"; "not compared"; ``quantity``: what was compared; ``error, limit``: difference and what is
+    allowed, relative to ``max(1, largest value)`` unless ``note`` says otherwise; ``note``: reason why it was not
+    compared, or how a difference is explained.
     """
 
     judge: str

@@ -91,18 +91,9 @@ class Load(NamedTuple):
 class Motion:
     """A motion sampled at times t (n,), bodies in the order of ``system.bodies``; O and axes as `mbsd3d` has them.
 
-    Attributes
-    ----------
-    position, velocity : (n, bodies, 3) arrays
-        Of the reference point O, world [m, m/s].
-    orientation : (n, bodies, 4) array
-        Unit quaternion, scalar first, body to world; either sign.
-    omega : (n, bodies, 3) array
-        World [rad/s].
-    reactions : mapping
-        Joint name -> `Load`; only joints whose reaction the engine reports.
-    seconds : float
-        Wall time of the engine's own time loop [s].
+    ``position, velocity`` (n, bodies, 3): of the reference point O, world [m, m/s]; ``orientation`` (n, bodies, 4): unit
+    quaternion, scalar first, body to world; either sign; ``omega`` (n, bodies, 3): world [rad/s]; ``reactions``: joint
+    name -> `Load`; only joints whose reaction the engine reports; ``seconds``: wall time of the engine's time loop [s].
     """
 
     t: Array
@@ -138,12 +129,8 @@ class Kinetic(NamedTuple):
 class Twin(Protocol):
     """A `System` as another engine has it, from the same start.
 
-    Attributes
-    ----------
-    engine, settings : str
-        "MuJoCo"; formulation, integrator and what else a reader needs to repeat it.
-    order : float
-        Expected order of the error in the step.
+    ``engine, settings``: "MuJoCo"; formulation, integrator and what else a reader needs to repeat it; ``order``:
+    expected order of the error in the step.
     """
 
     engine: str

@@ -38,30 +38,11 @@ def write_pages(
 ) -> Pages:  # fmt: skip
     """Write the pages of engines, by default of all layouts of the data file with the toy engine's masses.
 
-    Parameters
-    ----------
-    folder : str or Path
-        Is made if it is missing; older pages in it are replaced.
-    engines : sequence of Engine, optional
-        Of different names, identical and centred cylinders, not standing still.
-    gravity : (2,) array_like
-        In the plane of the cylinders [m/s^2].
-    driver : str
-        Where the driving torque reacts, "block" or "dyno".
-    peak : float
-        Of the gas force on a piston, half sines over the power strokes [N].
-    progress : bool, optional
-        Show a bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    Pages
-        The index, and the comparisons shown.
-
-    Raises
-    ------
-    ValueError
-        For no engines, two of one name, an engine without the closed form, or a folder that cannot be written.
+    ``folder``: made if it is missing; older pages in it are replaced; ``engines``: of different names, identical and
+    centred cylinders, not standing still; ``gravity`` (2,): in the plane of the cylinders [m/s^2]; ``driver``: where
+    the driving torque reacts, "block" or "dyno"; ``peak``: of the gas force on a piston, half sines over the power
+    strokes [N]; ``progress``: show a bar; None = on a terminal, after two seconds. ValueError for no engines, two of
+    one name, an engine without the closed form, or a folder that cannot be written.
     """
     engines = [Engine(name) for name in names()] if engines is None else list(engines)
     if not engines:

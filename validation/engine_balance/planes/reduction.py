@@ -71,23 +71,9 @@ class Reduction:
         return "\n".join(["the reduction to planes does not hold:", *(f"  {x}" for x in self.failures), f"  {found}"])
 
     def block_load(self, times: ArrayLike, *, driver: bool = True) -> BlockLoad:
-        """Sum of the planes.
+        """Sum of the planes at the times (k,) [s]; ``driver``: whether the torque of the driver reacts on the frame.
 
-        Parameters
-        ----------
-        times : (k,) array_like
-            [s].
-        driver : bool
-            Whether the torque of the driver reacts on the frame.
-
-        Returns
-        -------
-        BlockLoad
-
-        Raises
-        ------
-        ValueError
-            If no planes could be formed; the message says why.
+        ValueError if no planes could be formed; the message says why.
         """
         if not self.planes:
             raise ValueError(f"block_load: {self}")

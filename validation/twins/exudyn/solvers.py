@@ -79,19 +79,10 @@ LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDens
 class Scheme:
     """How Exudyn integrates.
 
-    Parameters
-    ----------
-    solver : str
-        A key of `SOLVERS`.
-    spectral_radius : float
-        Of generalized-alpha, 0 to 1; 1 does not damp and can blow up.
-    linear : str
-        A key of `LINEAR`.
-    tolerance : float
-        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
-        relative and absolute.
-    adaptive : bool
-        Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
+    ``solver``: a key of `SOLVERS`; ``spectral_radius``: of generalized-alpha, 0 to 1; 1 does not damp and can blow
+    up; ``linear``: a key of `LINEAR`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
+    Exudyn has them. Of the steps that dopri5 chooses, relative and absolute; ``adaptive``: let dopri5 choose its
+    steps, none longer than the given ones; only the end is a sample then.
     """
 
     solver: str = "generalized-alpha"

@@ -123,19 +123,9 @@ class Rolling(PointJoint):
     With n the normal towards the disc and t = (n_y, -n_x): n . (C - P) = radius and t . (C - P) + radius theta is
     constant, where theta is the angle of b relative to a.
 
-    Parameters
-    ----------
-    at, along : (2,) array_like
-        A point of the line and its direction, world [m], [-].
-    radius : float
-        [m] > 0; the distance of the centre from the line at the reference pose.
-    centre : (2,) array_like or None
-        Of the disc, world [m]; None = centre of mass.
-
-    Raises
-    ------
-    ValueError
-        If the disc does not touch the line at the reference pose.
+    ``at, along`` (2,): a point of the line and its direction, world [m], [-]; ``radius``: [m] > 0, the distance of the
+    centre from the line at the reference pose; ``centre`` (2,): of the disc, world [m]; None = centre of mass.
+    ValueError if the disc does not touch the line at the reference pose.
     """
 
     along: Any = field(kw_only=True)

@@ -143,22 +143,10 @@ GROUND = Ground()
 class Body:
     """A rigid body in the plane.
 
-    Parameters
-    ----------
-    name : str
-    mass, inertia : float
-        [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its rate constant.
-    com : (2,) array_like
-        r_G, from the reference point O, body axes [m].
-    position, angle
-        O (2,) [m] and the direction of the body's x axis [rad] at the reference pose, world.
-    velocity, omega
-        Of O (2,) [m/s] and [rad/s] at t = 0; None = from the joints, with least kinetic energy.
-
-    Raises
-    ------
-    ValueError
-        Naming body, value and remedy.
+    ``mass, inertia``: [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its
+    rate constant; ``com`` (2,): r_G, from the reference point O, body axes [m]; ``position, angle``: O (2,) [m] and the
+    direction of the body's x axis [rad] at the reference pose, world; ``velocity, omega``: of O (2,) [m/s] and [rad/s]
+    at t = 0; None = from the joints, with least kinetic energy. ValueError naming body, value and remedy.
     """
 
     name: str

@@ -148,29 +148,11 @@ def simulate(
 ) -> Solution:
     """Motion by Runge-Kutta of order 4 with a fixed step, closed onto the constraints after every step.
 
-    Parameters
-    ----------
-    system : System
-    t_end, dt : float
-        [s]; the step is shortened so that it divides the time between two samples.
-    output : int or None
-        Number of samples, both ends included; None = every step.
-    centripetal : bool
-        False drops h: wrong, for comparison.
-
-    Returns
-    -------
-    Solution
-
-    Raises
-    ------
-    ValueError
-        For redundant rows, initial velocities that contradict the joints, a table that ends before the run, a point
-        mass whose rate can change.
-    IntegrationError
-        If rows become singular or numbers are not finite, naming joint or body and time.
-    AssemblyError
-        If a joint cannot close, naming it, time and gap.
+    ``t_end, dt``: [s]; the step is shortened so that it divides the time between two samples; ``output``: number of
+    samples, both ends included; None = every step; ``centripetal``: False drops h: wrong, for comparison. ValueError
+    for redundant rows, initial velocities that contradict the joints, a table that ends before the run, a point mass
+    whose rate can change; IntegrationError if rows become singular or numbers are not finite; AssemblyError if a joint
+    cannot close. They name joint or body, time and gap.
     """
     t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
     if output is not None and (output != int(output) or output < 2):

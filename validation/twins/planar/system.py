@@ -23,17 +23,8 @@ KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
 class System:
     """A planar mechanism: x and y in the plane, angles counted from x to y.
 
-    Parameters
-    ----------
-    bodies, joints, loads : sequences of parts
-    gravity : (2,) array_like
-        [m/s^2].
-
-    Raises
-    ------
-    ValueError
-        For two parts of one name, a part of a body or joint that is not in the system; at the first run for redundant
-        rows.
+    ``gravity`` (2,): [m/s^2]. ValueError for two parts of one name, a part of a body or joint that is not in the
+    system; at the first run for redundant rows.
     """
 
     bodies: Sequence[Body]
