@@ -91,9 +91,9 @@ class Load(NamedTuple):
 class Motion:
     """A motion sampled at times t (n,), bodies in the order of ``system.bodies``; O and axes as `mbsd3d` has them.
 
-    ``position, velocity`` (n, bodies, 3): of the reference point O, world [m, m/s]; ``orientation`` (n, bodies, 4): unit
-    quaternion, scalar first, body to world; either sign; ``omega`` (n, bodies, 3): world [rad/s]; ``reactions``: joint
-    name -> `Load`; only joints whose reaction the engine reports; ``seconds``: wall time of the engine's time loop [s].
+    ``position, velocity`` (n, bodies, 3): of the reference point O, world [m, m/s]; ``orientation`` (n, bodies, 4):
+    unit quaternion, scalar first, body to world; either sign; ``omega`` (n, bodies, 3): world [rad/s]; ``reactions``:
+    joint name -> `Load`; only joints whose reaction the engine reports; ``seconds``: wall time of its time loop [s].
     """
 
     t: Array

@@ -10,10 +10,7 @@ from validation.twins.exudyn.joints import FORCES, JOINTS
 from validation.twins.exudyn.minimal import TreeTwin
 from validation.twins.exudyn.solvers import exudyn, last_words
 
-EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}  # Joint class -> one line how
-
-EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}  # Force class -> one line how
-
+EXPRESSES, EXPRESSES_FORCES = tuple(JOINTS), tuple(FORCES)  # classes
 FORMULATIONS = ("rigid bodies", "kinematic tree")
 
 

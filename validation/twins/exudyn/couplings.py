@@ -9,17 +9,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Constant, Gear, Joint, PositionDriver, RackPinion, SlideDriver, SpeedDriver
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Constant,
+    Gear,
+    Joint,
+    PositionDriver,
+    RackPinion,
+    Signal,
+    SlideDriver,
+    SpeedDriver,
+)
 from mbsd3d.extend import Coordinate, cross, evaluate, exponential, matrix, skew
 from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
 
-
-class Expression(NamedTuple):
-    """One line how, and the function that adds the elements."""
-
-    how: str
-    add: Callable[[Assembly, Any, str], None]
+Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, which errors name so
 
 
 def follow(signal: Any, order: int = 0) -> Callable[[float], float]:
@@ -41,37 +47,15 @@ def couple(model: Assembly, joint: Joint, driven: Coordinate, ratio: float, by: 
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
 
 
-def add_gear(model: Assembly, joint: Joint, what: str) -> None:
-    """angle b = ratio angle a."""
-    couple(model, joint, joint.hinge_b.angle(), joint.ratio, joint.hinge_a.angle(), what)
-
-
-def add_rack(model: Assembly, joint: Joint, what: str) -> None:
-    """slide = radius angle."""
-    couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
-
-
-def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
+def prescribe(model: Assembly, joint: Joint, x: Coordinate, signal: Signal, what: str) -> None:
     """x = f(t)."""
+    given: dict[str, Any] = {"offset": signal.value} if isinstance(signal, Constant) else {}
+    if not given:
+        place, rate = follow(signal), follow(signal, 1)
+        given["offsetUserFunction"] = lambda mbs, t, item, offset: place(t)
+        given["offsetUserFunction_t"] = lambda mbs, t, item, offset: rate(t)
     markers = [model.zero, hinge_coordinate(model, x, what)]
-    if isinstance(signal, Constant):
-        return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
-    place, rate = follow(signal), follow(signal, 1)
-    return model.items.ObjectConnectorCoordinate(
-        markerNumbers=markers,
-        offsetUserFunction=lambda mbs, t, item, offset: place(t),
-        offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
-    )
-
-
-def add_angle_driver(model: Assembly, joint: Joint, what: str) -> None:
-    """theta = f(t)."""
-    model.connect(joint, prescribe(model, joint.hinge.angle(), joint.signal, what))
-
-
-def add_slide_driver(model: Assembly, joint: Joint, what: str) -> None:
-    """s = f(t)."""
-    model.connect(joint, prescribe(model, joint.slider.slide(), joint.signal, what))
+    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, **given))
 
 
 def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
@@ -79,7 +63,7 @@ def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
     for axis, signal in zip(np.eye(3), joint.signal, strict=True):
         if signal is not None:
             x = Coordinate("slide", joint.a, joint.b, axis, axis, joint.at, joint.at)
-            model.connect(joint, prescribe(model, x, signal, what))
+            prescribe(model, joint, x, signal, what)
 
 
 def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
@@ -93,15 +77,15 @@ def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
     model.connect(joint, item)
 
 
-COUPLINGS: dict[type, Expression] = {
-    Gear: Expression("CoordinateConstraint of two angles", add_gear),
-    RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
-    AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
-    SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
-    PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),
-    SpeedDriver: Expression("CoordinateConstraint on velocities", add_speed_driver),
+COUPLINGS: dict[type, Add] = {
+    Gear: lambda model, j, what: couple(model, j, j.hinge_b.angle(), j.ratio, j.hinge_a.angle(), what),
+    RackPinion: lambda model, j, what: couple(model, j, j.rack.slide(), j.radius, j.pinion.angle(), what),
+    AngleDriver: lambda model, j, what: prescribe(model, j, j.hinge.angle(), j.signal, what),
+    SlideDriver: lambda model, j, what: prescribe(model, j, j.slider.slide(), j.signal, what),
+    PositionDriver: add_position_driver,
+    SpeedDriver: add_speed_driver,
 }
-"""Class -> how it is expressed."""
+"""Class -> what adds its elements."""
 
 
 class Pose(NamedTuple):

@@ -17,7 +17,7 @@ from validation.twins.base import Array, NotExpressible, label, refused
 from validation.twins.exudyn.assembly import Assembly
 from validation.twins.exudyn.couplings import (
     COUPLINGS,
-    Expression,
+    Add,
     add_knife_edge,
     add_mesh,
     add_rolling,
@@ -41,16 +41,6 @@ def add_load(model: Assembly, load: Any, point: Any, components: tuple, element:
         loadVector=now(None, model.state.t), **{} if steady else {"loadVectorUserFunction": now},
     )  # fmt: skip
     model.mbs.AddLoad(item)
-
-
-def add_force(model: Assembly, force: Any, what: str) -> None:
-    """A force at a point."""
-    add_load(model, force, force.at, force.force, "LoadForceVector")
-
-
-def add_torque(model: Assembly, torque: Any, what: str) -> None:
-    """A torque."""
-    add_load(model, torque, torque.body.position, torque.torque, "LoadTorqueVector")
 
 
 def add_spring(model: Assembly, spring: Any, what: str) -> None:
@@ -118,16 +108,16 @@ def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
     model.connect(bushing, item)
 
 
-FORCES: dict[type, Expression] = {
-    mbsd3d.Force: Expression("LoadForceVector", add_force),
-    mbsd3d.Torque: Expression("LoadTorqueVector", add_torque),
-    mbsd3d.SpringDamper: Expression("SpringDamper", add_spring),
-    mbsd3d.TorsionSpring: Expression("CoordinateSpringDamper on the angle or slide", add_torsion),
-    mbsd3d.JointFriction: Expression("CoordinateSpringDamper with a force function", add_friction),
-    mbsd3d.AeroDrag: Expression("LoadForceVector by a function of the velocity", add_drag),
-    mbsd3d.Bushing: Expression("RigidBodySpringDamper with a force function, from the ground only", add_bushing),
+FORCES: dict[type, Add] = {
+    mbsd3d.Force: lambda model, x, what: add_load(model, x, x.at, x.force, "LoadForceVector"),
+    mbsd3d.Torque: lambda model, x, what: add_load(model, x, x.body.position, x.torque, "LoadTorqueVector"),
+    mbsd3d.SpringDamper: add_spring,
+    mbsd3d.TorsionSpring: add_torsion,
+    mbsd3d.JointFriction: add_friction,
+    mbsd3d.AeroDrag: add_drag,
+    mbsd3d.Bushing: add_bushing,  # from the ground only
 }
-"""Force class -> how it is expressed."""
+"""Force class -> what adds its elements."""
 
 REFUSED: dict[type, str] = {
     mbsd3d.StateFeedback: "Exudyn has no force element with internal states and measures",
@@ -140,7 +130,7 @@ def add_force_element(model: Assembly, force: Any) -> None:
     """Add a force element, or NotExpressible with its name."""
     if type(force) not in FORCES:
         raise refused(model.system, force, REFUSED, "Exudyn has no element for it")
-    FORCES[type(force)].add(model, force, label(model.system, force))
+    FORCES[type(force)](model, force, label(model.system, force))
 
 
 def frames_along(axis: Array, axis_b: Array, place: int) -> tuple[Array, Array]:
@@ -212,40 +202,31 @@ def add_screw(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
 
 
-JOINTS: dict[type, Expression] = {
-    mbsd3d.Spherical: Expression("SphericalJoint", add_spherical),
-    mbsd3d.Revolute: Expression("GenericJoint, turn about z free", generic((1, 1, 1, 1, 1, 0), along(2))),
-    mbsd3d.Universal: Expression("GenericJoint, x of a across y of b", generic((1, 1, 1, 0, 0, 1), crossed)),
-    mbsd3d.Prismatic: Expression("GenericJoint, shift along x free", generic((0, 1, 1, 1, 1, 1), along(0))),
-    mbsd3d.Cylindrical: Expression("GenericJoint, shift and turn along z free", generic((1, 1, 0, 1, 1, 0), along(2))),
-    mbsd3d.Planar: Expression(
-        "GenericJoint, shifts in xy and turn about z free", generic((0, 0, 1, 1, 1, 0), one_sided)
-    ),
-    mbsd3d.Fixed: Expression(
-        "GenericJoint, all locked", generic((1, 1, 1, 1, 1, 1), lambda joint: (np.eye(3), np.eye(3)))
-    ),
-    mbsd3d.PointOnLine: Expression("GenericJoint, shifts across z locked", generic((1, 1, 0, 0, 0, 0), one_sided)),
-    mbsd3d.PointOnPlane: Expression("GenericJoint, shift along z locked", generic((0, 0, 1, 0, 0, 0), one_sided)),
-    mbsd3d.Distance: Expression("DistanceConstraint", add_distance),
-    mbsd3d.Parallel: Expression("GenericJoint, turns about x and y locked", generic((0, 0, 0, 1, 1, 0), along(2))),
-    mbsd3d.Perpendicular: Expression("GenericJoint, x of a across y of b", generic((0, 0, 0, 0, 0, 1), crossed)),
-    mbsd3d.ConstantVelocity: Expression(
-        "SphericalJoint and CoordinateConstraint of two rates about the shafts, on velocities", add_constant_velocity
-    ),
-    mbsd3d.Screw: Expression("GenericJoint (cylindrical) and CoordinateConstraint of slide and angle", add_screw),
+JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and three turns are locked
+    mbsd3d.Spherical: add_spherical,
+    mbsd3d.Revolute: generic((1, 1, 1, 1, 1, 0), along(2)),
+    mbsd3d.Universal: generic((1, 1, 1, 0, 0, 1), crossed),  # x of a across y of b
+    mbsd3d.Prismatic: generic((0, 1, 1, 1, 1, 1), along(0)),
+    mbsd3d.Cylindrical: generic((1, 1, 0, 1, 1, 0), along(2)),
+    mbsd3d.Planar: generic((0, 0, 1, 1, 1, 0), one_sided),
+    mbsd3d.Fixed: generic((1, 1, 1, 1, 1, 1), lambda joint: (np.eye(3), np.eye(3))),
+    mbsd3d.PointOnLine: generic((1, 1, 0, 0, 0, 0), one_sided),
+    mbsd3d.PointOnPlane: generic((0, 0, 1, 0, 0, 0), one_sided),
+    mbsd3d.Distance: add_distance,
+    mbsd3d.Parallel: generic((0, 0, 0, 1, 1, 0), along(2)),
+    mbsd3d.Perpendicular: generic((0, 0, 0, 0, 0, 1), crossed),
+    mbsd3d.ConstantVelocity: add_constant_velocity,
+    mbsd3d.Screw: add_screw,
     **COUPLINGS,
-    mbsd3d.RollingDisc: Expression(
-        "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
-        add_rolling,
-    ),
-    mbsd3d.GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
-    mbsd3d.KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
+    mbsd3d.RollingDisc: add_rolling,  # a rounded rim with its rows in Python
+    mbsd3d.GearMesh: add_mesh,
+    mbsd3d.KnifeEdge: add_knife_edge,
 }
-"""Joint class -> how it is expressed."""
+"""Joint class -> what adds its elements."""
 
 
 def add_joint(model: Assembly, joint: mbsd3d.Joint) -> None:
     """Add a joint, or NotExpressible with its name."""
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")
-    JOINTS[type(joint)].add(model, joint, label(model.system, joint))
+    JOINTS[type(joint)](model, joint, label(model.system, joint))
