@@ -43,7 +43,7 @@ def stable_map(
     parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None = None, *,
     progress: bool | None = None,
 ) -> StableMap:  # fmt: skip
-    """Solve for the self-stable range of every combination of two parameters.
+    """Solve for the self-stable range of every combination of two parameters; Ctrl-C keeps finished cells.
 
     Parameters
     ----------
@@ -53,11 +53,6 @@ def stable_map(
         None = closed form; `bicycle.whipple` or another ``build(parameters, speed=v)`` = general model.
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    StableMap
-        After Ctrl-C with the cells that were finished.
 
     Raises
     ------

@@ -167,11 +167,6 @@ def ablations(parameters: Parameters, build: Build | None = whipple, *, progress
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
 
-    Returns
-    -------
-    Ablations
-        After Ctrl-C with the rows that were finished.
-
     Examples
     --------
     >>> from bicycle import Meijaard2007

@@ -59,11 +59,6 @@ def whipple(
     lean_rate, steer_rate : float
         [rad/s]
 
-    Returns
-    -------
-    Bicycle
-        A `System`; its ``state()`` is the start.
-
     Raises
     ------
     ValueError

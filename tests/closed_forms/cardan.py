@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.theory import cardan_rate
-from validation.theory.cardan import _check_bend
 from validation.theory.common import Array
+from validation.theory.one_freedom import _check_bend
 
 
 def cardan_angle(angle: ArrayLike, bend: float) -> Array:

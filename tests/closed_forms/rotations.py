@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from validation.theory import elliptic_phase, jacobi, polhode, quarter_period, rotation_matrix
 from validation.theory.common import EXTENDED, Array, Attitude, product, turn
-from validation.theory.pendulum import _pendulum_modulus
+from validation.theory.one_freedom import _pendulum_modulus
 
 
 def pendulum_period(frequency: float, angle: float, rate: float = 0.0) -> float:

@@ -15,7 +15,7 @@ import mbsd3d
 from mbsd3d.extend import matrix
 from validation import cases
 from validation.cases import mechanisms
-from validation.theory.pendulum import pendulum_motion
+from validation.theory.one_freedom import pendulum_motion
 from validation.theory.torque_free import free_body
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
@@ -201,11 +201,6 @@ def chain(n: int) -> Problem:
     return tree(f"chain {n}", "chain", mechanisms.chain(n), 0.5)
 
 
-def stewart() -> Problem:
-    """The platform on its sprung legs."""
-    return Problem("Stewart platform", "loop", mechanisms.stewart(), 2.0)
-
-
 CHAINS = (10, 30, 100, 150, 300, 1000)
 PROBLEMS: dict[str, Callable[[], Problem]] = {
     "top fast": lambda: top("top fast", cases.load("heavy_top_fast").system, 2.0),
@@ -221,7 +216,7 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
         forms=lambda system: planar_forms(system, ("E1", "A1", "A2")),
     ),
     "RSSR": lambda: coasting("RSSR", "rssr_driven", ()),
-    "Stewart platform": stewart,
+    "Stewart platform": lambda: Problem("Stewart platform", "loop", mechanisms.stewart(), 2.0),
     "four-bar 2": partial(four_bar, 2),
     "four-bar 40": partial(four_bar, 40),
     "ladder 10": partial(ladder, 10),

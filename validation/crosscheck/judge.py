@@ -160,12 +160,6 @@ def beginning(name: str) -> int:
     return 1 if name.startswith("reaction") else 0
 
 
-def first_sample(runs: Runs, name: str, limit: Limit) -> float:
-    """Greatest relative difference at the start."""
-    own = runs.own[name]
-    return float(np.abs(limit.values[0] - own.values[0] / own.scale).max())
-
-
 def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
     """One quantity over the first ``span`` samples."""
     difference, part, limit = limit_difference(runs, name, span)
@@ -179,7 +173,8 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         return Finding(engine, name, DIFFERS, **found)
     if unsure > min(BLUR * tolerance, LOOSEST):
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
-    gaps, first = differences(runs, name, span), first_sample(runs, name, limit)
+    gaps, own = differences(runs, name, span), runs.own[name]
+    first = float(np.abs(limit.values[0] - own.values[0] / own.scale).max())  # at the start
     if first > max(SURE * unsure, tolerance):
         found["attributions"] = (Attribution("first sample", "leaving the start out", first, difference),)
     converging = gaps[-1] <= HALVED * gaps[-2]

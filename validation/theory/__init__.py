@@ -9,14 +9,25 @@ body axes, ``L`` angular momentum, ``T`` kinetic energy, ``m`` the parameter of 
 digits of the period with it.
 """
 
-from validation.theory.cardan import (
+from validation.theory.common import (
+    EXTENDED,
+    GRAVITY,
+    Attitude,
+    Jacobi,
+    elliptic_phase,
+    jacobi,
+    quarter_period,
+    rotation_matrix,
+)
+from validation.theory.one_freedom import (
+    arm_slider,
+    arm_slider_torque,
     cardan_acceleration,
     cardan_motor_torque,
     cardan_rate,
+    pendulum_frequency,
+    pendulum_motion,
 )
-from validation.theory.common import EXTENDED, GRAVITY, Attitude, rotation_matrix
-from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.pendulum import arm_slider, arm_slider_torque, pendulum_frequency, pendulum_motion
 from validation.theory.top import (
     TAYLOR_ORDER,
     TAYLOR_TOLERANCE,

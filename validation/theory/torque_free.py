@@ -6,8 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import elliprj
 
-from validation.theory.common import EXTENDED, Array, Attitude, product, rotation_matrix, turn
-from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
+from validation.theory.common import (
+    EXTENDED,
+    Array,
+    Attitude,
+    Jacobi,
+    elliptic_phase,
+    jacobi,
+    product,
+    quarter_period,
+    rotation_matrix,
+    turn,
+)
 
 
 class Polhode(NamedTuple):

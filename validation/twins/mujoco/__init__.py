@@ -14,36 +14,17 @@ from mbsd3d.extend import number
 from validation.twins.base import NotExpressible, refused, release, start_of
 from validation.twins.mujoco.build import sketch
 from validation.twins.mujoco.couplings import Motors, couple
-from validation.twins.mujoco.layout import lay_out
+from validation.twins.mujoco.layout import TABLE, lay_out
 from validation.twins.mujoco.loads import load_all
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths
 from validation.twins.mujoco.simulator import SPARSE_BUG, MujocoTwin, require
 
-EXPRESSES: dict[type, str] = {
-    mbsd3d.Revolute: "hinge; closes a loop by two connects on its axis",
-    mbsd3d.Spherical: "ball; closes a loop by a connect",
-    mbsd3d.Fixed: "body without joint",
-    mbsd3d.Universal: "two hinges",
-    mbsd3d.Prismatic: "slide",
-    mbsd3d.Cylindrical: "slide and hinge on one axis",
-    mbsd3d.Planar: "two slides and a hinge",
-    mbsd3d.PointOnLine: "slide and ball",
-    mbsd3d.PointOnPlane: "two slides and ball",
-    mbsd3d.Parallel: "three slides and a hinge",
-    mbsd3d.Perpendicular: "three slides and two hinges",
-    mbsd3d.ConstantVelocity: "hinges about shaft, common normal, shaft; the outer ones coupled; not for aligned shafts",
-    mbsd3d.Screw: "slide and hinge, coupled",
-    mbsd3d.Distance: "two hinges at one end and a ball at the other, or a spatial tendon held at its length",
-    mbsd3d.Gear: "sum of joint coordinates held at zero",
-    mbsd3d.RackPinion: "sum of joint coordinates held at zero",
-    mbsd3d.GearMesh: "sum of joint coordinates held at zero, its force acts at the teeth",
-    mbsd3d.AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
-    mbsd3d.SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
-    mbsd3d.PositionDriver: "three slides and a ball, the slides tied to a clock and oscillators; no Table",
-    mbsd3d.SpeedDriver: "joint coordinate tied to a clock and oscillators, if a joint turns about its axis; no Table",
-}
-"""Joint class -> how; where MuJoCo cannot close a loop with a joint, a piece of its body is welded to it."""
+EXPRESSES = (
+    *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
+    mbsd3d.AngleDriver, mbsd3d.SlideDriver, mbsd3d.SpeedDriver,
+)  # fmt: skip
+"""Joint classes: of `TABLE` by joints of MuJoCo, couplings and drivers by sums of their coordinates (no Table)."""
 
 REFUSED: dict[type, str] = {
     mbsd3d.RollingDisc: "MuJoCo rolls by contact with friction only, which slips",

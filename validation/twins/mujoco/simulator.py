@@ -213,14 +213,11 @@ class MujocoTwin:
             mujoco.mj_step(m, d, min(steps, CHUNK))
             steps -= CHUNK
             for warning in WARNINGS:
-                found = d.warning[getattr(mujoco.mjtWarning, f"mjWARN_{warning}")]
+                kind = getattr(mujoco.mjtWarning, f"mjWARN_{warning}")
+                found = d.warning[kind]
                 if found.number:
-                    raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {self.said(warning, found.lastinfo)}")
-
-    def said(self, warning: str, info: int) -> str:
-        """MuJoCo's own words."""
-        kind = int(getattr(self.made.mujoco.mjtWarning, f"mjWARN_{warning}"))
-        return self.made.mujoco.mju_warningText(kind, info)
+                    said = mujoco.mju_warningText(int(kind), found.lastinfo)
+                    raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {said}")
 
     def rods(self) -> list[tuple[str, Piece]]:
         """Names of the Distance joints and the pieces that hang on them."""

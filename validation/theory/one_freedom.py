@@ -1,10 +1,13 @@
-"""A physical pendulum of any amplitude, and a slider on an arm that turns at a constant rate."""
+"""Mechanisms of one freedom: a physical pendulum, a slider on an arm that turns at a constant rate, a universal joint.
+
+Angles of the universal joint count from the pose where the arm of the cross carried by the **input** yoke is normal to
+the plane of the shafts; with that arm in the plane, add pi/2.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.theory.common import EXTENDED, GRAVITY, Array
-from validation.theory.elliptic import elliptic_phase, jacobi
+from validation.theory.common import EXTENDED, GRAVITY, Array, elliptic_phase, jacobi
 
 
 def pendulum_frequency(inertia: float, mass: float, distance: float, gravity: float = GRAVITY) -> float:
@@ -69,3 +72,40 @@ def arm_slider_torque(mass: float, rate: float, radius: ArrayLike, speed: ArrayL
     radial speed [m/s]. Returns motor torque on the arm [N m].
     """
     return 2 * mass * rate * np.asarray(radius) * np.asarray(speed)
+
+
+def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
+    """Output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
+
+    ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    rate; 1 gives the transmission ratio [rad/s]. Returns output rate [rad/s].
+    """
+    _check_bend(bend)
+    return rate * np.cos(bend) / (1 - (np.sin(bend) * np.sin(angle)) ** 2)
+
+
+def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration: float = 0.0) -> Array:
+    """Output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
+
+    ``angle``: input angle [rad]; ``bend``: angle b between the shafts [rad];
+    ``rate, acceleration``: input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of
+    :func:`cardan_rate`. Returns output acceleration [rad/s^2].
+    """
+    ratio = cardan_rate(angle, bend)
+    return ratio * acceleration + rate**2 * ratio**2 * np.sin(bend) ** 2 * np.sin(2 * np.asarray(angle)) / np.cos(bend)
+
+
+def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: float) -> Array:
+    """Torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
+
+    ``angle``: input angle [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
+    rate w [rad/s]; ``inertia``: axial moment of inertia I of the output shaft [kg m^2]. Returns torque on the input
+    shaft [N m].
+    """
+    return inertia * cardan_acceleration(angle, bend, rate) * cardan_rate(angle, bend)
+
+
+def _check_bend(bend: float) -> None:
+    """Refuse a universal joint that cannot turn."""
+    if not abs(bend) < np.pi / 2:
+        raise ValueError(f"bend {bend} rad of the universal joint: must stay below a right angle")
