@@ -16,8 +16,9 @@ import scipy
 
 from mbsd3d.extend import LINE, dress
 
+from .. import parameters as published
 from ..output import new_figure, write_table
-from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, published
+from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters
 from . import critical
 
 if TYPE_CHECKING:

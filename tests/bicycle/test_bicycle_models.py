@@ -25,7 +25,7 @@ ROUND = replace(
 """Wheels of unequal size and crown, nothing zero or equal."""
 
 
-MODULES = ("parameters.definition", "parameters.published", "model.mechanism", "linear.equations", "linear.general")
+MODULES = ("parameters.definition", "parameters", "model.mechanism", "linear.equations", "linear.general")
 
 
 @pytest.mark.parametrize("module", [*MODULES, "linear.stability", "linear.critical"])

@@ -129,7 +129,11 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
         yield adaptive(problem, problem.system, {})
         return
     if problem.tree is not None and len(problem.tree.bodies) > LARGEST_TREE:
-        yield untried("Exudyn", "kinematic tree", f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+
+        def refuse() -> Callable[[float], Run]:
+            raise NotComparable(f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+
+        yield Candidate("Exudyn", "kinematic tree", (), refuse)
         return
     if problem.tree is not None:
         tree = {"formulation": "kinematic tree"}
@@ -153,15 +157,6 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
         yield stepped(
             "Exudyn", f"as built, {CONSTRAINTS}, full pivoting, generalized-alpha", problem, problem.system, settings
         )
-
-
-def untried(engine: str, label: str, why: str) -> Candidate:
-    """A candidate that is not run, and says why."""
-
-    def start() -> Callable[[float], Run]:
-        raise NotComparable(why)
-
-    return Candidate(engine, label, (), start)
 
 
 def twin(engine: str, system: System, settings: dict[str, Any]) -> Any:

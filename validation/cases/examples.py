@@ -76,20 +76,15 @@ def _rolling(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=plane)]
 
 
-def _shafts(rng: Generator, bend: float) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit vectors that enclose ``bend``."""
-    first = direction(rng)
-    return first, np.cos(bend) * first + np.sin(bend) * across(rng, first)
-
-
 def _universal(rng: Generator, cls: type, a: Any, b: Any, **at: Any) -> list[mbsd3d.Joint]:
     axis = direction(rng)
     return [cls(a, b, axis_a=axis, axis_b=across(rng, axis), **at)]
 
 
 def _constant_velocity(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
-    axis_a, axis_b = _shafts(rng, 0.6)
-    return [mbsd3d.ConstantVelocity(a, b, at=middle(rng, a, b), axis_a=axis_a, axis_b=axis_b)]
+    first = direction(rng)  # the shafts enclose 0.6 rad
+    axis_b = np.cos(0.6) * first + np.sin(0.6) * across(rng, first)
+    return [mbsd3d.ConstantVelocity(a, b, at=middle(rng, a, b), axis_a=first, axis_b=axis_b)]
 
 
 def _gear(rng: Generator, a: Any, b: Any, c: Any, d: Any) -> list[mbsd3d.Joint]:

@@ -59,9 +59,9 @@ def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
     return dict(force=turned[0], couple=turned[1], reaction=np.abs(h.moment[:, 2]), torque=np.abs(h.torque))
 
 
-def value(x: float, noise: float) -> str:
-    """Six digits; 0 for rounding."""
-    return "0" if abs(x) < noise else f"{x:.6g}"
+def value(x: float | None, noise: float = NOISE) -> str:
+    """Six digits, nothing for None, 0 for rounding."""
+    return "" if x is None else "0" if abs(x) < noise else f"{x:.6g}"
 
 
 def ways(comparison: Comparison) -> Table:
@@ -132,14 +132,9 @@ def truth(rows: Sequence[Row]) -> Table:
             source = row.source
             found.append([source, *5 * [""]])
         pair = row.actual if isinstance(row.actual, tuple) else (row.actual,)
-        actual = " ... ".join(number(x) for x in pair)
-        found.append([f"  {row.what}", row.unit, number(row.published), number(row.assumed), actual, row.verdict])
+        actual = " ... ".join(map(value, pair))
+        found.append([f"  {row.what}", row.unit, value(row.published), value(row.assumed), actual, row.verdict])
     return Table(["figure", "unit", "published", "assumed", "actual", "verdict"], found)
-
-
-def number(x: float | None) -> str:
-    """Six digits, nothing for None, 0 for rounding."""
-    return "" if x is None else "0" if abs(x) < NOISE else f"{x:.6g}"
 
 
 def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:

@@ -136,7 +136,7 @@ def figure(x: Any) -> str:
     """A figure of the truth table: six digits, 0 for rounding, an en dash between two, nothing for None."""
     if isinstance(x, tuple):
         return " \u2026 ".join(figure(part) for part in x)
-    return report.number(x).replace("-", "\u2212")
+    return report.value(x).replace("-", "\u2212")
 
 
 def mark(row: Row) -> str:
