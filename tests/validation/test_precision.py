@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import asdict
 from functools import partial
 
 import numpy as np
@@ -142,7 +143,7 @@ def test_rows_survive_the_disk_and_an_interrupted_run_goes_on(row, tmp_path):
     precision.save(path, [row], "here", complete=False)
     assert precision.load(path) == [row]
     store = partial(Store, tmp_path / "precision.db", precision.identity(), "benchmark")
-    store().put(row.name, row.to_dict())
+    store().put(row.name, asdict(row))
     done = CliRunner().invoke(main, ["--mechanism", "free body", "--out", str(tmp_path)])
     assert done.exit_code == 0 and "going on" in done.stderr and "1/1" not in done.stderr
     assert store().all() == {} and precision.load(path) == [row]  # complete: the next run begins anew

@@ -23,6 +23,7 @@ from validation.twins.base import NotComparable
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))
 PEERS = ("MuJoCo", "Exudyn")
+ENGINES = ("mbsd3d", *PEERS)
 CONSTRAINTS = "constraints"  # in the label of what has joints as we have them
 SOFTNESS = ((2.0, 1.0), (1.0, 1.0), (16.0, 0.5))  # solref of MuJoCo's loops: (softness h, dampratio)
 TREES = ("rk44", "dopri5", "rk67")

@@ -1,6 +1,7 @@
 """``python -m validation.benchmark``: work against precision, redundancy against peers, and our own speed."""
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +91,7 @@ def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> No
                 continue
             click.echo(f"{k + 1}/{len(names)} {name} ...", err=True)
             rows.append(measure(PROBLEMS[name](), note))
-            store.put(name, rows[-1].to_dict())
+            store.put(name, asdict(rows[-1]))
     except KeyboardInterrupt:
         save(out / DATA, rows, where, complete=False)
         click.echo(f"\ninterrupted; {len(rows)} problems are in {store.path}, the same command goes on", err=True)

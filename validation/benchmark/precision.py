@@ -6,7 +6,7 @@ The time to an error is read between two runs; nothing is extrapolated.
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from mbsd3d import IntegrationError
 from mbsd3d.extend import one_thread, write_atomically
-from validation.benchmark.candidates import CONSTRAINTS, PEERS, Candidate, Run, of_peer, ours
+from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS, Candidate, Run, of_peer, ours
 from validation.benchmark.problems import Poses, Problem
 from validation.machine import installed
 from validation.twins.base import NotComparable
@@ -37,18 +37,13 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Climb:
-    """What was measured of a candidate.
-
-    ``engine, label``: as of `Candidate`; ``points``: from coarse to fine; settings that failed are left out;
-    ``failed``: how many settings ended in an error or in numbers that are not finite; ``note``: why there are no
-    points, or what the last failure said.
-    """
+    """What was measured of a candidate."""
 
     engine: str
     label: str
-    points: tuple[Point, ...] = ()
-    failed: int = 0
-    note: str = field(default="")
+    points: tuple[Point, ...] = ()  # from coarse to fine, without settings that failed
+    failed: int = 0  # settings that ended in an error or in numbers that are not finite
+    note: str = ""  # why there are no points, or what the last failure said
 
 
 class Reached(NamedTuple):
@@ -139,12 +134,6 @@ def best(climbs: Sequence[Climb], target: float) -> Reached | None:
     return max(found, key=lambda reached: reached.seconds, default=None)
 
 
-def around(climbed: Climb, target: float) -> list[int]:
-    """Places of the points that decide the time to an error."""
-    inside = in_bounds(climbed, target)
-    return [k for k in (inside - 1, inside) if 0 <= k < len(climbed.points)]
-
-
 def retimed(climbed: Climb, seconds: dict[int, float]) -> Climb:
     """With the least time of some points."""
     points = [
@@ -161,17 +150,13 @@ TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what
 
 @dataclass(frozen=True)
 class Row:
-    """One problem, measured.
-
-    ``name, family``: of the problem; ``bodies, rows``: size of the system as built; ``climbs``: everything that was
-    tried.
-    """
+    """One problem, measured."""
 
     name: str
     family: str
-    bodies: int
+    bodies: int  # of the system as built
     rows: int
-    climbs: tuple[Climb, ...]
+    climbs: tuple[Climb, ...]  # everything that was tried
 
     def of(self, engine: str) -> list[Climb]:
         """The candidates of an engine."""
@@ -193,10 +178,6 @@ class Row:
         """Least error of a peer: how far its limit is from the truth; None where it was not compared."""
         return min((point.error for climbed in self.of(peer) for point in climbed.points), default=None)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
-
 
 def from_dict(data: dict[str, Any]) -> Row:
     """Back from JSON."""
@@ -211,7 +192,7 @@ def identity() -> dict[str, Any]:
 
 def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
     """Write all rows as JSON; ValueError if the folder cannot be written."""
-    data = {"machine": machine, **identity(), "complete": complete, "rows": [row.to_dict() for row in rows]}
+    data = {"machine": machine, **identity(), "complete": complete, "rows": [asdict(row) for row in rows]}
     write_atomically(path, json.dumps(data, indent=1).encode())
 
 
@@ -253,13 +234,14 @@ def in_turns(found: list[tuple[Climb, Callable[[float], Run] | None]]) -> tuple[
     """Time the points that decide once more, engine after engine, round by round, and keep the least times."""
     climbs = [climbed for climbed, _ in found]
     wanted: dict[tuple[int, int], float] = {}
-    for engine in ("mbsd3d", *PEERS):
+    for engine in ENGINES:
         mine = [climbed for climbed in climbs if climbed.engine == engine]
         for target in TARGETS:
             reached = best(mine, target)
             for i, climbed in enumerate(climbs):
                 if reached is not None and climbed.engine == engine and climbed.label == reached.label:
-                    wanted |= {(i, k): climbed.points[k].seconds for k in around(climbed, target)}
+                    inside, points = in_bounds(climbed, target), climbed.points
+                    wanted |= {(i, k): points[k].seconds for k in (inside - 1, inside) if 0 <= k < len(points)}
     began = time.perf_counter()
     for _ in range(TURNS):
         for i, k in wanted:

@@ -7,11 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mbsd3d.extend import LINE, THIN, dress, house, theme
-from validation.benchmark.candidates import CONSTRAINTS, PEERS
+from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS
 from validation.benchmark.precision import TARGETS, Point, Reached, Row, time_to
 
 MIDDLE = 1e-6  # the error the goals speak of
-ENGINES = ("mbsd3d", *PEERS)
 GROWING = ("chain", "ladder")
 NOTES = (
     "ms of the time loop until the end pose is right to the error (distance over the model's length, angle in rad);",
@@ -192,24 +191,21 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
     columns = min(COLUMNS, len(shown))
     with house(look):
         figure = Figure(figsize=(2.9 * columns + 0.4, 2.6 * count + 0.5), layout="constrained", facecolor=look.paper)
-        grid = np.atleast_1d(figure.subplots(count, columns, sharey=True, squeeze=False)).ravel()
-        for axes, row in zip(grid, shown, strict=False):
+        grid, lines = figure.subplots(count, columns, sharey=True, squeeze=False).ravel(), {}
+        for k, (axes, row) in enumerate(zip(grid, shown, strict=False)):
             panel(axes, row, look)
-        for axes in grid[len(shown) :]:
-            axes.set_visible(False)
-        for k, axes in enumerate(grid[: len(shown)]):
+            lines = {line.get_label(): line for line in axes.get_legend_handles_labels()[0]} | lines
             if k % columns == 0:
                 axes.set_ylabel("error at the end [-]")
             if k + columns >= len(shown):
                 axes.set_xlabel("wall time")
-        handles, names = grid[0].get_legend_handles_labels()
-        for axes in grid[1 : len(shown)]:
-            more = zip(*axes.get_legend_handles_labels(), strict=True)
-            new = [(handle, name) for handle, name in more if name not in names]
-            handles, names = handles + [h for h, _ in new], names + [n for _, n in new]
-        legend = figure.legend(handles, names, loc="outside upper center", ncols=len(names), frameon=False)
-        for text in legend.get_texts():
-            text.set_color(look.ink)
+        for axes in grid[len(shown) :]:
+            axes.set_visible(False)
+        names = [engine for engine in ENGINES if engine in lines]
+        figure.legend(
+            [lines[name] for name in names], names, loc="outside upper center", ncols=len(names), frameon=False,
+            labelcolor=look.ink,
+        )  # fmt: skip
     return figure
 
 
@@ -220,7 +216,7 @@ def seconds_text(x: float, place: Any = None) -> str:
 
 def panel(axes: Any, row: Row, look: Any) -> None:
     """One problem."""
-    for k, engine in enumerate(("mbsd3d", *PEERS)):
+    for k, engine in enumerate(ENGINES):
         points = [point for point in front(row, engine) if point.error <= ERRORS[1]]
         if points:
             seconds, errors = [p.seconds for p in points], [max(p.error, ERRORS[0]) for p in points]

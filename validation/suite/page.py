@@ -81,7 +81,7 @@ PART = "◐ "  # some quantities were not compared
 def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     """The whole page.
 
-    ``records``: in the order of the report; ``content``: of `document.content_of`: machine, versions, verdict. Returns
+    ``records``: in the order of the report; ``content``: of `content_of`: machine, versions, verdict. Returns
     HTML; every text of a case is escaped.
     """
     return page_template("validation.html", TEMPLATES).render(
@@ -171,22 +171,14 @@ MOST = 40  # Bodies that can be told apart at this size
 
 
 def picture(made: Run) -> str:
-    """The mechanism at the end of its run as a data address; "" for more bodies than one can tell apart."""
+    """The mechanism at the end of its run, else as built, as data address; "" for more bodies than one tells apart."""
     if len(made.system.bodies) > MOST:
         return ""
-    figure = drawn(made)
-    buffer = io.BytesIO()
+    pose = None if made.solution is None else made.solution.state(made.solution.t.size - 1)
+    figure, buffer = made.system.picture(pose, size=SIZE), io.BytesIO()
     with house():
         figure.savefig(buffer, format="webp", dpi=DOTS, pil_kwargs={"quality": 70})
     return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
-
-
-def drawn(made: Run) -> Any:
-    """A figure of the last sample, of the reference pose without one."""
-    if made.solution is None:
-        return made.system.picture(size=SIZE)
-    last = made.solution.state(made.solution.t.size - 1)
-    return made.system.picture(last, size=SIZE)
 
 
 def chart(check: CrossCheck) -> str:
