@@ -71,7 +71,7 @@ class Commands(click.Group):
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:
     """The command of an entry point, or one that stands for it and says why it cannot be loaded."""
-    from ..demos.base import load_entry
+    from ..demos.discovery import load_entry
 
     try:
         return load_entry(entry, click.Command)

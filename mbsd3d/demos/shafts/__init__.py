@@ -1,0 +1,1 @@
+"""Shafts out of line."""

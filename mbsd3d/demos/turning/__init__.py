@@ -1,0 +1,1 @@
+"""Turning does not add up."""
