@@ -50,10 +50,5 @@ def draw(axes: Axes, panel: Panel) -> None:
             x, y = (np.atleast_1d(np.asarray(values, float)) for values in curve.theory)
             dots = every(x.size, 25)
             theory_dots(axes, x[dots], y[dots])
-    axes.set(xlabel=curve.along if "[" in curve.along else named(curve.along), ylabel=curve.label)
+    axes.set(xlabel=curve.along, ylabel=curve.label)
     legend_below(axes, 3)
-
-
-def named(parameter: str) -> str:
-    """A parameter's name as it is written on an axis, its unit as far as the name tells it."""
-    return f"{parameter.removesuffix('_deg')} [deg]" if parameter.endswith("_deg") else f"parameter {parameter} [SI]"

@@ -52,6 +52,7 @@ class Against(NamedTuple):
     parameter: str
     low: float
     high: float
+    label: str  # with its unit in brackets
     computed: int = 5
 
 
@@ -83,8 +84,8 @@ class Demo:
     """One effect. ``mechanism``, ``measure`` and ``theory`` are called with the parameters they name.
 
     The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
-    ``measure(build, terms, **parameters) -> Measured``, where ``build(**changes)`` makes the mechanism and ``terms``
-    are the switches of an ablation for `simulate`, `accelerations` and `linearize`. ``theory(**parameters)`` gives the
+    ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches of
+    an ablation for `simulate`, `accelerations` and `linearize`. ``theory(**parameters)`` gives the
     same quantities by formulas; it raises a ValueError where they do not hold.
     """
 
@@ -101,6 +102,7 @@ class Demo:
     ablation: Ablation
     against: Against | None = None
     show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
+    ranges: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)  # see `varied`
 
     @property
     def name(self) -> str:
@@ -117,7 +119,21 @@ class Demo:
     def parameters(self) -> dict[str, object]:
         """Names and defaults."""
         named = [inspect.signature(function).parameters.values() for function in (self.mechanism, self.measure)]
-        return {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
+        found = {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
+        return {name: plain(value) for name, value in found.items()}
+
+    def varied(self, rng: np.random.Generator) -> dict[str, object]:
+        """Other parameters at random: numbers within their range, by default 15 % about theirs; None leaves one."""
+
+        def other(value: object) -> object:
+            if isinstance(value, Mapping):
+                return {key: other(item) for key, item in value.items()}
+            if isinstance(value, list):
+                return [other(item) for item in value]
+            return value * float(rng.uniform(0.85, 1.15)) if isinstance(value, float) else value
+
+        found = {name: other(value) for name, value in self.parameters.items() if name not in self.ranges}
+        return found | {name: float(rng.uniform(*ends)) for name, ends in self.ranges.items() if ends}
 
     def call(self, function: Callable, values: Mapping[str, object], *arguments: object) -> object:
         """A function of this demo with the parameters it names."""
@@ -126,11 +142,7 @@ class Demo:
 
     def computed(self, values: Mapping[str, object], terms: Mapping[str, bool]) -> Measured:
         """What is found with these parameters."""
-
-        def build(**changes: object) -> System:
-            return self.call(self.mechanism, {**values, **changes})
-
-        return self.call(self.measure, values, build, terms)
+        return self.call(self.measure, values, Builder(self, values), terms)
 
     def expected(self, values: Mapping[str, object]) -> Numbers:
         """What theory says."""
@@ -186,7 +198,7 @@ class Demo:
 
     def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
         """The first quantity over a parameter."""
-        name, low, high, count = self.against
+        name, low, high, along, count = self.against
         key, quantity = next(iter(self.quantities.items()))
         few, fine = np.linspace(low, high, count), np.linspace(low, high, 121)
 
@@ -196,8 +208,30 @@ class Demo:
         label = f"{quantity.label} [{quantity.unit or '-'}]"
         here = values[name]
         few_values = sampled(lambda changed: self.computed(changed, {}).values, few)
-        line = Curve(label, fine, sampled(self.expected, fine), None, name, f"against {name}")
+        line = Curve(label, fine, sampled(self.expected, fine), None, along)
         return Panel(line, None, "", [(few, few_values), ([here], [found.values[key]])])
+
+
+class Builder(NamedTuple):
+    """Makes the mechanism of a demo, ``build(**changes)``; ``theory`` is for curves, not for what is computed."""
+
+    demo: Demo
+    values: Mapping[str, object]
+
+    def __call__(self, **changes: object) -> System:
+        return self.demo.call(self.demo.mechanism, {**self.values, **changes})
+
+    @property
+    def theory(self) -> Numbers:
+        """What theory says of the parameters."""
+        return self.demo.expected(self.values)
+
+
+def plain(value: object) -> object:
+    """A default as JSON would give it: lists for tuples."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def same(one: Curve, other: Curve) -> bool:

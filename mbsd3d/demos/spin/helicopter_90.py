@@ -67,7 +67,7 @@ def measure(build, terms, *, Omega, M0, c) -> Measured:
     flap = run.angle("flap")
     first = 2 * np.mean(flap[:-1] * np.exp(1j * Omega * run.t[:-1]))  # conjugate of the coefficient of exp(i W t)
     azimuth = np.degrees(Omega * run.t)
-    wanted = abs(first) * np.cos(Omega * run.t - np.angle(first))
+    wanted = build.theory["flap_rad"] * np.cos(Omega * run.t - np.radians(build.theory["lag_deg"]))
     push = Curve("flap [rad]", azimuth, flap, (azimuth, wanted), "place of the push [deg]", "the push is highest at 0")
     return Measured({"lag_deg": np.degrees(np.angle(first)) % 360, "flap_rad": abs(first)}, [run], [push])
 
@@ -93,6 +93,6 @@ demo = Demo(
         "gyroscopic", "the spring is that of a point mass, too weak by a quarter, and the lag above 90 degrees",
         values=without_gyroscopic,
     ),
-    against=Against("e", 0.0, 1.0),
+    against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),
     show={"curves": [("angle", "flap")]},
 )
