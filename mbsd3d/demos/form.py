@@ -102,7 +102,7 @@ class Demo:
     ablation: Ablation
     against: Against | None = None
     show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
-    ranges: Mapping[str, tuple[float, float] | None] = field(default_factory=dict)  # see `varied`
+    ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
 
     @property
     def name(self) -> str:
@@ -133,7 +133,10 @@ class Demo:
             return value * float(rng.uniform(0.85, 1.15)) if isinstance(value, float) else value
 
         found = {name: other(value) for name, value in self.parameters.items() if name not in self.ranges}
-        return found | {name: float(rng.uniform(*ends)) for name, ends in self.ranges.items() if ends}
+        for name, ends in self.ranges.items():
+            if ends is not None:
+                found[name] = np.asarray(rng.uniform(*np.transpose(ends))).tolist()
+        return found
 
     def call(self, function: Callable, values: Mapping[str, object], *arguments: object) -> object:
         """A function of this demo with the parameters it names."""

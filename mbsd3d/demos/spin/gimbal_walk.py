@@ -6,6 +6,7 @@ from mbsd3d import GROUND, Body, Revolute, System, measures, rotation, shapes, s
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity
 from ..quadrature import swing, turning_point
+from ..runs import half_swing
 
 
 def mechanism(*, Co=0.02, Ai=0.004, Bi=0.006, Ci=0.005, A=0.01, C=0.018, spin=100.0, beta_deg=30.0, kick=10.0):
@@ -40,14 +41,10 @@ def theory(*, Co, Ai, Bi, Ci, A, C, spin, beta_deg, kick):
     return {"nutation_period_s": 2 * time, "walk_per_nutation_rad": 2 * walk}
 
 
-def measure(build, terms, *, C, spin) -> Measured:
+def measure(build, terms, *, A, C, spin) -> Measured:
     """Half a nutation from its upper to its lower end; the other half is its mirror image in time."""
-    system, limit = build(), 100 / abs(C * spin)
-    inner = system.part("inner", "joints")
-    first, last = (measures.rate(inner) < 0, measures.rate(inner) > 0)
-    settings = {"rtol": 1e-13, **terms}
-    up = simulate(system, limit, stop_when=first, **settings)
-    down = simulate(system, up.final.t + limit, state=up.final, stop_when=last, **settings)
+    system = build()
+    down = half_swing(system, measures.rate(system.part("inner", "joints")), 4 * A / abs(C * spin), **terms)
     walk = down.angle("outer")[-1] - down.angle("outer")[0]
     period = 2 * (down.t[-1] - down.t[0])
     values = {"nutation_period_s": period, "walk_per_nutation_rad": 2 * walk}
@@ -79,4 +76,5 @@ demo = Demo(
     measure=measure,
     ablation=Ablation("tilt", "with the spin axis horizontal the walk vanishes", {"beta_deg": 0.0}),
     show={"curves": [("angle", "outer"), ("angle", "inner")], "traces": [("rotor", (0.0, 0.24, 0.14))], "speed": 0.1},
+    ranges={"A": (0.01, 0.012), "C": (0.01, 0.019)},
 )

@@ -84,4 +84,5 @@ demo = Demo(
     ablation=Ablation("gyroscopic", "half the moment is lost, and it takes longer by sqrt(C/A)",
                       values=without_gyroscopic),  # fmt: skip
     show={"curves": [("angle", "vertical")], "shown": ["angular momentum"], "traces": []},
+    ranges={"A": (0.01, 0.012), "C": (0.01, 0.019)},
 )

@@ -75,4 +75,5 @@ demo = Demo(
     ablation=Ablation("engine", "the engine stands still and the nose goes straight up", {"Omega": 0.0}),
     against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]"),
     show={"curves": [("omega_body", "jet")], "shown": ["angular momentum"]},
+    ranges={"I": [(12e3, 16e3), (70e3, 80e3), (75e3, 81e3)]},
 )
