@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from ..api.solution import Solution
 
+
 @dataclass(frozen=True)
 class Row:
     """One line of a demo's table: a computed number beside its theory.

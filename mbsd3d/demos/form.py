@@ -84,8 +84,8 @@ class Demo:
     """One effect. ``mechanism``, ``measure`` and ``theory`` are called with the parameters they name.
 
     The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
-    ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches of
-    an ablation for `simulate`, `accelerations` and `linearize`. ``theory(**parameters)`` gives the
+    ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches
+    of an ablation for `simulate`, `accelerations` and `linearize`. ``theory(**parameters)`` gives the
     same quantities by formulas; it raises a ValueError where they do not hold.
     """
 

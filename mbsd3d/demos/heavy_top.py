@@ -95,7 +95,9 @@ def run(*, gyroscopic: bool = True) -> Outcome:
         mean = np.ptp(azimuth(solution)) / solution.t[-1]
         rows.append(Row(f"{name} steady precession at 75 degrees", mean, theory, 1e-9, "rad/s"))
     solutions = {"heavy_top": falling, "heavy_top_slow": steady[0], "heavy_top_fast": steady[1]}
-    return Outcome(tuple(rows), partial(draw, falling, steady, rates), solutions, views={"heavy_top": in_space(falling)})
+    return Outcome(
+        tuple(rows), partial(draw, falling, steady, rates), solutions, views={"heavy_top": in_space(falling)}
+    )
 
 
 def in_space(falling: Solution) -> Show:

@@ -32,7 +32,9 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
             found[name] = json.loads(value)
         except ValueError:
             if not value.isidentifier():
-                raise ValueError(f"--set {name}: {value!r} is not JSON; write e.g. {name}=1.5 or {name}=[1,2]") from None
+                raise ValueError(
+                    f"--set {name}: {value!r} is not JSON; write e.g. {name}=1.5 or {name}=[1,2]"
+                ) from None
             found[name] = value
     return found
 

@@ -76,9 +76,7 @@ def finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def write(
-    demo: Known, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None
-) -> list[Path]:
+def write(demo: Known, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None) -> list[Path]:
     """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
 
     The views, written if ``pages``, need the package viser.

@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, linearize, 
 from ..form import Ablation, Curve, Demo, Measured, Quantity
 
 
-def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:  # noqa: E741
+def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
     """Body I [kg m^2] turning at w about its middle axis z, wheel (J/2, J/2, J) in it at Omega more; centre held."""
     body = Body("satellite", 20.0, I, omega=(0, 0, w), shape=shapes.Box((1.2, 0.4, 0.9)))
     form = shapes.Disc(0.35, 0.1, "z", at=(0, 0, 0.55))
@@ -19,14 +19,14 @@ def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:  # n
     return System([body, wheel], joints, gravity=(0, 0, 0))
 
 
-def square(I, w, J, Omega):  # noqa: E741
+def square(I, w, J, Omega):
     """lambda^2 of the small motions of a gyrostat: -(h + (C - A) w)(h + (C - B) w) / (A B), h = J Omega."""
     a, b, c = I[0] + J / 2, I[1] + J / 2, I[2] + J
     h = J * Omega
     return -(h + (c - a) * w) * (h + (c - b) * w) / (a * b)
 
 
-def theory(*, I, w, J, Omega):  # noqa: E741
+def theory(*, I, w, J, Omega):
     """Growth with the wheel at rest in the body, nutation with the wheel on; zero where there is none."""
     off, on = square(I, w, J, 0.0), square(I, w, J, Omega)
     return {"growth_wheel_off_1_s": np.sqrt(max(off, 0.0)), "nutation_wheel_on_rad_s": np.sqrt(max(-on, 0.0))}
@@ -39,7 +39,9 @@ def measure(build, terms, *, w, Omega) -> Measured:
     growth = [small(build(Omega=rate), w, terms)[0] for rate in rates]
     fine = np.linspace(rates[0], rates[-1], 101)
     known = [np.sqrt(max(square(build.values["I"], w, build.values["J"], rate), 0.0)) for rate in fine]
-    map_of = Curve("growth [1/s]", rates, growth, (fine, known), "speed of the wheel [rad/s]", "calm from some speed on")
+    map_of = Curve(
+        "growth [1/s]", rates, growth, (fine, known), "speed of the wheel [rad/s]", "calm from some speed on"
+    )
     on = values[Omega][1]
     system = build()
     kicked = system.state()
@@ -62,8 +64,9 @@ demo = Demo(
     title="A wheel calms the forbidden axis",
     question="Can a wheel inside make the forbidden axis stable?",
     why="A free body cannot spin about its middle axis: the smallest error grows until it turns over. A wheel that "
-    "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its moment were "
-    "the greatest. Television satellites are kept in place so while their aerial, turning once a day, points down.",
+    "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its "
+    "moment were the greatest. Television satellites are kept in place so while their aerial, turning once a "
+    "day, points down.",
     equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B), h = J W",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 6 (gyrostats)",
     quantities={

@@ -12,8 +12,9 @@ SPANS = 60  # times t, after which the satellite is given up
 ROCKET = (shapes.Cylinder(0.25, 3.0, "x"), shapes.Cylinder(0.015, 2.2, "y", at=(0.6, 0, 0)))
 
 
-def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:  # noqa: E741
-    """Satellite I [kg m^2] spun at w [rad/s] about its least axis, tilt off; slug j [kg m^2] turning in c [N m s/rad]."""
+def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
+    """Satellite I [kg m^2] spun at w [rad/s] about its least axis, tilt off; slug j [kg m^2] turning in c [N m
+    s/rad]."""
     omega = np.array([w, w * tilt, 0.0])
     body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET)
     slug = Body("fuel", 1.0, (j, j, j), omega=omega, shape=shapes.Sphere(0.2, colour="#d55e00"))
@@ -22,7 +23,7 @@ def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System: 
     return System([body, slug], [tank], [viscous], gravity=(0, 0, 0))
 
 
-def own(times, I, j, c, w, tilt):  # noqa: E741
+def own(times, I, j, c, w, tilt):
     """(times, 6) w of the satellite, b of the fuel: I w' + w x I w = c (b - w), j (b' + w x b) = -c (b - w)."""
 
     def rate(_, y):
@@ -30,11 +31,11 @@ def own(times, I, j, c, w, tilt):  # noqa: E741
         slip = c * (b - w)
         return np.concatenate([(slip - np.cross(w, I * w)) / I, -slip / j - np.cross(w, b)])
 
-    I, omega = np.asarray(I), np.array([w, w * tilt, 0.0])  # noqa: E741
+    I, omega = np.asarray(I), np.array([w, w * tilt, 0.0])
     return motion(rate, np.concatenate([omega, omega]), times)
 
 
-def theory(*, I, j, c, w, tilt, t):  # noqa: E741
+def theory(*, I, j, c, w, tilt, t):
     """Euler's equations with the fuel; in the end all turns about the greatest axis with the same |H|."""
     require(I[2] >= max(I), f"demo 'explorer_flat_spin': I = {I}: the third moment must be the greatest; sort them")
     H = np.hypot((I[0] + j) * w, (I[1] + j) * w * tilt)
@@ -42,7 +43,7 @@ def theory(*, I, j, c, w, tilt, t):  # noqa: E741
     return {"long_axis_rate_at_t_rad_s": abs(rate), "final_flat_rate_rad_s": H / (I[2] + j)}
 
 
-def measure(build, terms, *, I, j, c, w, tilt, t=40.0) -> Measured:  # noqa: E741
+def measure(build, terms, *, I, j, c, w, tilt, t=40.0) -> Measured:
     """Rate about the long axis at t, and of the whole when nothing moves inside any more."""
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     later = run
@@ -63,10 +64,10 @@ demo = Demo(
     __name__,
     title="Explorer 1 and its flat spin",
     question="Why did Explorer 1, spun about its long axis, end up tumbling end over end?",
-    why="Nothing outside can change the angular momentum, but fuel that sloshes and aerials that bend turn energy into "
-    "heat. For a given angular momentum the energy H^2/2I is greatest about the long axis, where I is least, and least "
-    "about the short one. So the satellite tips, slowly at first, until it turns flat. A body without losses would "
-    "have kept its spin.",
+    why="Nothing outside can change the angular momentum, but fuel that sloshes and aerials that bend turn energy "
+    "into heat. For a given angular momentum the energy H^2/2I is greatest about the long axis, where I is "
+    "least, and least about the short one. So the satellite tips, slowly at first, until it turns flat. A body "
+    "without losses would have kept its spin.",
     equation="I w' + w x I w = c (b - w), j (b' + w x b) = -c (b - w); in the end w = H / (I_3 + j)",
     source="Hughes, Spacecraft Attitude Dynamics (energy sink, Explorer 1); Bracewell, Garriott, Nature 182 (1958)",
     quantities={
@@ -76,8 +77,9 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("losses", "without friction inside it keeps spinning about its long axis", {"c": 0.0},
-                      values=lambda: {}),  # fmt: skip
+    ablation=Ablation(
+        "losses", "without friction inside it keeps spinning about its long axis", {"c": 0.0}, values=lambda: {}
+    ),  # fmt: skip
     show={"curves": [("omega_body", "satellite"), "energy"], "shown": ["angular momentum"], "speed": 4.0, "traces": []},
     ranges={"I": [(0.9, 1.1), (8.5, 9.2), (9.25, 9.35)], "t": (30.0, 45.0)},
 )

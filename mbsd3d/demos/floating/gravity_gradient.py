@@ -19,11 +19,15 @@ def gradient(t, bodies, z, parameters, loads, z_dot):
     loads[1, 5] = 3.0 * n * n * (u[0] * pulled[1] - u[1] * pulled[0])
 
 
-def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:  # noqa: E741
+def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
     """Frame of the orbit at n [rad/s] about y, x of it up; satellite I [kg m^2], its long axis z pitched from x."""
     rate, turned = np.array([0, n, 0]), rotation("y", 90.0 + pitch_deg, degrees=True)
     orbit = Body("orbit", 1.0, (1, 1, 1), omega=rate, shape=shapes.Torus(1.5, 0.01, "y"))
-    form = (shapes.Cylinder(0.05, 2.4), shapes.Box((0.5, 0.5, 0.4), at=(0, 0, -1.2)), shapes.Sphere(0.2, at=(0, 0, 1.2)))
+    form = (
+        shapes.Cylinder(0.05, 2.4),
+        shapes.Box((0.5, 0.5, 0.4), at=(0, 0, -1.2)),
+        shapes.Sphere(0.2, at=(0, 0, 1.2)),
+    )
     satellite = Body("satellite", 1.0, I, orientation=turned, omega=rate, shape=form)
     joints = [
         Revolute(GROUND, orbit, at=(0, 0, 0), axis=(0, 1, 0), name="way"),
@@ -34,13 +38,13 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:  # noqa
     return System([orbit, satellite], joints, [pull], gravity=(0, 0, 0))
 
 
-def theory(*, I, n, pitch_deg):  # noqa: E741
+def theory(*, I, n, pitch_deg):
     """I2 a'' = -3 n^2 (I1 - I3) sin a cos a from rest at the pitch: a pendulum of the angle 2 a."""
     require(I[0] > I[2], f"demo 'gravity_gradient': I = {I}: no swing unless I[0] > I[2]; make the satellite longer")
     return {"quarter_period_s": ellipk(np.sin(np.radians(pitch_deg)) ** 2) / (n * np.sqrt(3 * (I[0] - I[2]) / I[1]))}
 
 
-def measure(build, terms, *, I, n, pitch_deg) -> Measured:  # noqa: E741
+def measure(build, terms, *, I, n, pitch_deg) -> Measured:
     """Time from the release at rest to the vertical."""
     system, about = build(), 1 / n * np.sqrt(I[1] / abs(I[0] - I[2] or I[1]))
     upright = measures.angle(system.part("pitch", "joints")) < -np.radians(pitch_deg)
@@ -52,7 +56,9 @@ def measure(build, terms, *, I, n, pitch_deg) -> Measured:  # noqa: E741
     passes = ellipk(np.sin(np.radians(pitch_deg)) ** 2) * about / np.sqrt(3) * np.arange(1, 20, 2)
     passes = passes[passes < seen.t[-1]]
     angle = pitch_deg + np.degrees(seen.angle("pitch"))
-    curve = Curve("pitch from the vertical [deg]", seen.t, angle, (passes, 0 * passes), title="theory: when it is upright")
+    curve = Curve(
+        "pitch from the vertical [deg]", seen.t, angle, (passes, 0 * passes), title="theory: when it is upright"
+    )
     return Measured({"quarter_period_s": run.final.t if reached else np.inf}, [seen], [curve])
 
 
@@ -61,16 +67,21 @@ demo = Demo(
     title="The same face for ever",
     question="Why does the Moon (and a long satellite) always show the same face?",
     why="Gravity falls off with the distance, so the near end of a long body is pulled more than the far end, and on "
-    "its orbit the centrifugal force does the same. Both together turn its long axis towards the Earth like a pendulum "
-    "that has two lowest points. A body turned out of the vertical swings about it; a sphere feels nothing.",
+    "its orbit the centrifugal force does the same. Both together turn its long axis towards the Earth like a "
+    "pendulum that has two lowest points. A body turned out of the vertical swings about it; a sphere feels "
+    "nothing.",
     equation="I_2 a'' = -3 n^2 (I_1 - I_3) sin a cos a",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 9; Goldstein, Classical Mechanics, 5.8",
     quantities={"quarter_period_s": Quantity("time from the release to the vertical", "s")},
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("length", "three equal moments: no pull, and it never comes upright", {"I": [10.0, 10.0, 10.0]},
-                      values=lambda: {"quarter_period_s": np.inf}),  # fmt: skip
+    ablation=Ablation(
+        "length",
+        "three equal moments: no pull, and it never comes upright",
+        {"I": [10.0, 10.0, 10.0]},
+        values=lambda: {"quarter_period_s": np.inf},
+    ),  # fmt: skip
     against=Against("pitch_deg", 5.0, 85.0, "pitch at the release [deg]"),
     show={"curves": [("angle", "pitch")], "traces": []},
     ranges={"I": [(9.0, 10.0), (9.5, 11.0), (2.5, 3.5)]},

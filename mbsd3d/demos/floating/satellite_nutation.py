@@ -47,9 +47,10 @@ demo = Demo(
     __name__,
     title="Two cones that roll on each other",
     question="Does a flat (frisbee) or a long (football) spinning body wobble faster than it spins?",
-    why="Angular momentum stays where it is, angular velocity need not: the body's axis, its angular velocity and its "
-    "angular momentum lie in one plane, and that plane turns. The axis runs around the angular momentum at H/A. A flat "
-    "body, C = 2 A, wobbles twice as fast as it spins (Feynman's plate); a long one, C < A, more slowly.",
+    why="Angular momentum stays where it is, angular velocity need not: the body's axis, its angular velocity and "
+    "its angular momentum lie in one plane, and that plane turns. The axis runs around the angular momentum at "
+    "H/A. A flat body, C = 2 A, wobbles twice as fast as it spins (Feynman's plate); a long one, C < A, more "
+    "slowly.",
     equation="body cone (C - A) w3 / A; space cone H / A; tan(half angle) = A wt / (C w3)",
     source="Goldstein, Classical Mechanics, 5.6; Landau, Lifshitz, Mechanics, par. 33",
     quantities={
@@ -60,9 +61,15 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("gyroscopic", "the angular velocity stays fixed in the body, and there is no body cone",
-                      values=lambda: {"body_cone_rate_rad_s": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "gyroscopic",
+        "the angular velocity stays fixed in the body, and there is no body cone",
+        values=lambda: {"body_cone_rate_rad_s": 0.0},
+    ),  # fmt: skip
     against=Against("C", 1.0, 15.9, "moment about the axis [kg m^2]"),
-    show={"curves": [("omega_body", "body")], "shown": ["angular momentum", "angular velocity"],
-          "traces": [("body", (0, 0, 1.2))]},  # fmt: skip
+    show={
+        "curves": [("omega_body", "body")],
+        "shown": ["angular momentum", "angular velocity"],
+        "traces": [("body", (0, 0, 1.2))],
+    },  # fmt: skip
 )

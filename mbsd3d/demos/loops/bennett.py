@@ -9,7 +9,8 @@ from .closed_loop import Loop, run_loop
 
 
 def mechanism(*, a=0.2, alpha_deg=30.0, beta_deg=70.0, theta0_deg=60.0, turn_deg=100.0, misfit=0.0) -> System:
-    """Sides a, b, a, b with twists alpha, beta and a/sin(alpha) = b/sin(beta); misfit: one side longer by this share."""
+    """Sides a, b, a, b with twists alpha, beta and a/sin(alpha) = b/sin(beta); misfit: one side longer by this
+    share."""
     al, be = np.radians([alpha_deg, beta_deg])
     b, t1 = long_side(a, al, be), np.radians(theta0_deg)
     t2 = follower(t1, al, be)
@@ -30,7 +31,8 @@ def follower(t1, al, be):
 
 def theory(*, a, alpha_deg, beta_deg, theta0_deg, turn_deg):
     """The next hinge by the equation of Bennett, the other side by his condition."""
-    require(0 < alpha_deg < 180 and 0 < beta_deg < 180 and alpha_deg != beta_deg, f"demo 'bennett': twists {alpha_deg:g} "
+    require(0 < alpha_deg < 180 and 0 < beta_deg < 180 and alpha_deg != beta_deg, f"demo 'bennett': twists "
+            f"{alpha_deg:g} "
             f"and {beta_deg:g} degrees; give two different ones between 0 and 180")  # fmt: skip
     al, be, t0, turn = np.radians([alpha_deg, beta_deg, theta0_deg, turn_deg])
     path = np.unwrap(follower(t0 + turn * np.linspace(0, 1, 201), al, be))
@@ -52,10 +54,10 @@ demo = Demo(
     __name__,
     title="Bennett's linkage",
     question="How can four hinges that are neither parallel nor meet move at all?",
-    why="A loop of hinges needs seven to move in space; four should be locked, twice over. Hinges that are all parallel "
-    "(a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's conditions. "
-    "Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of their twists. One "
-    "side a hair longer, and it is a rigid frame.",
+    why="A loop of hinges needs seven to move in space; four should be locked, twice over. Hinges that are all "
+    "parallel (a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's "
+    "conditions. Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of "
+    "their twists. One side a hair longer, and it is a rigid frame.",
     equation="a / sin(alpha) = b / sin(beta); tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2)",
     source="Bennett, Engineering 76 (1903) 777; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
@@ -65,8 +67,9 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("proportion", "one side 1 % longer: locked", {"misfit": 0.01},
-                      values=lambda: {"follower_turn_deg": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "proportion", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"follower_turn_deg": 0.0}
+    ),  # fmt: skip
     show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
     ranges={"alpha_deg": (20.0, 40.0), "misfit": None},
 )

@@ -14,7 +14,8 @@ CLOSED = 1e-9  # share of the length, and rad
 
 
 class Loop(NamedTuple):
-    """Link i leads from hinge i to hinge i + 1 by Rz(theta_i) Tz(d_i) Tx(a_i) Rx(alpha_i); the last one is the ground."""
+    """Link i leads from hinge i to hinge i + 1 by Rz(theta_i) Tz(d_i) Tx(a_i) Rx(alpha_i); the last one is the
+    ground."""
 
     a: Sequence[float]  # m
     alpha: Sequence[float]  # rad

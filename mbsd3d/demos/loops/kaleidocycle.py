@@ -57,16 +57,17 @@ demo = Demo(
     title="The kaleidocycle",
     question="Why can a ring of six tetrahedra be turned inside out for ever?",
     why="Six hinges in a ring just fail to give a freedom: counting says none. But if each side is turned by a right "
-    "angle against the next, three planes of symmetry make some of the conditions repeat others, and one freedom is "
-    "left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their own centre.",
+    "angle against the next, three planes of symmetry make some of the conditions repeat others, and one freedom "
+    "is left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their own centre.",
     equation="right angles: cos t + cos f + cos t cos f = 0",
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("symmetry", "one side 1 % longer: locked", {"misfit": 0.01},
-                      values=lambda: {"other_hinge_turn_deg": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "symmetry", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"other_hinge_turn_deg": 0.0}
+    ),  # fmt: skip
     show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
     ranges={"alpha_deg": (85.0, 95.0), "theta0_deg": (98.0, 101.0), "phi_guess_deg": None, "misfit": None},
 )

@@ -20,10 +20,11 @@ def mechanism(
     qdd=(2.0, 1.0, -3.0, 4.0, 5.0, -6.0),
     mass=(10.0, 8.0, 6.0, 3.0, 2.0, 1.0),
     com=((0, -0.2, 0.05), (-0.2, 0, 0.03), (0.01, 0.02, 0.05), (0, -0.1, 0.01), (0.005, 0, 0.03), (0, 0, -0.04)),
-    I=((0.2, 0.1, 0.2), (0.05, 0.3, 0.3), (0.04, 0.05, 0.03),  # noqa: E741
+    I=((0.2, 0.1, 0.2), (0.05, 0.3, 0.3), (0.04, 0.05, 0.03),
        (0.02, 0.01, 0.02), (0.004, 0.004, 0.003), (0.001, 0.001, 0.0008)),
 ) -> System:  # fmt: skip
-    """Links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of the joints."""
+    """Links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of the
+    joints."""
     frame, before, bodies, joints = np.eye(4), GROUND, [], []
     for k in range(6):
         end = frame @ step(a[k], d[k], alpha[k], q[k])
@@ -50,7 +51,7 @@ def bar(start, axis):
     return [motor, shapes.Capsule(0.04, long, tuple(start), at=0.5 * start)] if long > 0.02 else [motor]
 
 
-def torques(a, d, alpha, q, qd, qdd, mass, com, I):  # noqa: E741
+def torques(a, d, alpha, q, qd, qdd, mass, com, I):
     """(6,) recursive Newton-Euler in the frames of the links: motion outwards, forces and moments inwards [N m]."""
     z, w, dw, accel = np.array([0, 0, 1.0]), np.zeros(3), np.zeros(3), np.array([0, 0, G])
     links = []
@@ -74,21 +75,24 @@ def torques(a, d, alpha, q, qd, qdd, mass, com, I):  # noqa: E741
     return np.array(found[::-1])
 
 
-def theory(*, a, d, alpha, q, qd, qdd, mass, com, I):  # noqa: E741
+def theory(*, a, d, alpha, q, qd, qdd, mass, com, I):
     """Torques of all motors."""
     found = torques(a, d, alpha, q, qd, qdd, mass, com, I)
     return {f"torque{k + 1}_Nm": found[k] for k in range(6)}
 
 
-def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:  # noqa: E741
+def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:
     """Efforts of the drivers at the given state, and on the way of half a second."""
     system = build()
     now = accelerations(system, **terms)
     run = simulate(system, 0.5, method=Kinematic(), output=101, **terms)
     q, qd, qdd = np.array([q, qd, qdd])
     known = [torques(a, d, alpha, q + qd * t + qdd * t**2 / 2, qd + qdd * t, qdd, mass, com, I) for t in run.t]
-    curves = [Curve(f"torque of motor {k + 1} [N m]", run.t, run.effort(f"motor {k + 1}"), (run.t, np.array(known)[:, k]))
-              for k in (0, 1, 2)]  # fmt: skip
+    known = np.array(known).T
+    curves = [
+        Curve(f"torque of motor {k + 1} [N m]", run.t, run.effort(f"motor {k + 1}"), (run.t, known[k]))
+        for k in range(3)
+    ]
     return Measured({f"torque{k + 1}_Nm": now.effort(f"motor {k + 1}")[0] for k in range(6)}, [run], curves)
 
 
@@ -97,9 +101,9 @@ demo = Demo(
     title="The torques of a robot arm",
     question="What torque does every motor of a six-axis arm need?",
     why="Every motor carries all links beyond it: their weights, their accelerations, and the gyroscopic moments of "
-    "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion and "
-    "back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with seven "
-    "coordinates each; both know nothing of each other.",
+    "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion "
+    "and back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with "
+    "seven coordinates each; both know nothing of each other.",
     equation="outwards w, w', a; inwards f = m a, n = I w' + w x I w, torque = n . z",
     source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},

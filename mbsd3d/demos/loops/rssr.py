@@ -11,7 +11,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 SAMPLES = 1441  # of one turn: cubics between them err by less than 1e-12
 
 
-def mechanism(*, a=0.1, b=0.3, l=0.5, Q=(0.4, 0.1, 0.2), u=(1.0, 0.3, -0.2), branch=1) -> System:  # noqa: E741
+def mechanism(*, a=0.1, b=0.3, l=0.5, Q=(0.4, 0.1, 0.2), u=(1.0, 0.3, -0.2), branch=1) -> System:
     """Crank a [m] about z, rod l [m], rocker b [m] about an axis u through Q; branch 1 or -1: how it is assembled."""
     require(branch in (1, -1), f"demo 'rssr': branch = {branch}; give 1 or -1")
     axis = np.asarray(u) / np.linalg.norm(u)
@@ -50,7 +50,7 @@ def rocker_ball(f, b, Q, u):
     return np.asarray(Q) + b * (np.cos(f) * one + np.sin(f) * two)
 
 
-def rocker(angle, a, b, l, Q, u, branch):  # noqa: E741
+def rocker(angle, a, b, l, Q, u, branch):
     """A cos f + B sin f = C: f = atan2(B, A) +- acos(C/|A, B|) for |pin - ball| = l."""
     one, two = cross_axes(u)
     out = a * np.stack([np.cos(angle), np.sin(angle), 0 * np.asarray(angle)], axis=-1) - Q
@@ -61,7 +61,7 @@ def rocker(angle, a, b, l, Q, u, branch):  # noqa: E741
     return np.arctan2(B, A) + branch * np.arccos(share)
 
 
-def theory(*, a, b, l, Q, u, branch):  # noqa: E741
+def theory(*, a, b, l, Q, u, branch):
     """Closed form of the rocker, its extremes over a turn."""
     turn = np.linspace(0, 2 * np.pi, 721)
     f = np.unwrap(rocker(turn, a, b, l, Q, u, branch))
@@ -78,7 +78,7 @@ def theory(*, a, b, l, Q, u, branch):  # noqa: E741
     return {"turn_at_1rad_deg": np.degrees(at_1), "swing_deg": np.degrees(extreme(1) - extreme(-1))}
 
 
-def measure(build, terms, *, a, b, l, Q, u, branch) -> Measured:  # noqa: E741
+def measure(build, terms, *, a, b, l, Q, u, branch) -> Measured:
     """Rocker angle after a crank angle of 1 rad, and its swing over a turn."""
     system = build()
     at_1 = simulate(system, 1.0, method=Kinematic(), output=61, **terms)
@@ -97,8 +97,8 @@ demo = Demo(
     title="A windscreen wiper between skew axes",
     question="How does a windscreen wiper hand a turn from one axis to a skew one?",
     why="A rod with a ball at each end asks for one thing only: that its length stays. So crank and rocker may turn "
-    "about axes that are neither parallel nor meet, and still hand on one motion. Written down for the rocker's angle, "
-    "the condition has two solutions: the two ways of putting it together.",
+    "about axes that are neither parallel nor meet, and still hand on one motion. Written down for the rocker's "
+    "angle, the condition has two solutions: the two ways of putting it together.",
     equation="A cos f + B sin f = C: f = atan2(B, A) +- acos(C / |A, B|)",
     source="Hartenberg, Denavit, Kinematic Synthesis of Linkages, ch. 12; Hunt, Kinematic Geometry of Mechanisms",
     quantities={

@@ -9,8 +9,9 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 T = 1.0  # s, from half the angle to the angle
 
 
-def mechanism(*, l=0.5, x=0.4, q_deg=50.0, rate=0.6, legs=2, plane_deg=90.0) -> System:  # noqa: E741
-    """Legs of two links l [m] at x [m] from the middle, each plane turned from the last; driven to q at a rate [rad/s]."""
+def mechanism(*, l=0.5, x=0.4, q_deg=50.0, rate=0.6, legs=2, plane_deg=90.0) -> System:
+    """Legs of two links l [m] at x [m] from the middle, each plane turned from the last; driven to q at a rate
+    [rad/s]."""
     require(2 <= legs <= 4, f"demo 'sarrus': legs = {legs}; give 2, 3 or 4")
     end, start = np.radians(q_deg), np.radians(q_deg) / 2
     up = np.array([0, 0, 1.0])
@@ -23,7 +24,11 @@ def mechanism(*, l=0.5, x=0.4, q_deg=50.0, rate=0.6, legs=2, plane_deg=90.0) -> 
         head = x * out + 2 * l * np.sin(start) * up
         links = [bar(f"{name} {k + 1}", *ends) for name, ends in (("shin", (foot, knee)), ("thigh", (knee, head)))]
         bodies += links
-        for name, place, pair in (("foot", foot, (GROUND, links[0])), ("knee", knee, links), ("hip", head, (links[1], top))):
+        for name, place, pair in (
+            ("foot", foot, (GROUND, links[0])),
+            ("knee", knee, links),
+            ("hip", head, (links[1], top)),
+        ):
             joints.append(Revolute(*pair, at=place, axis=across, name=f"{name} {k + 1}"))
     # from rest to the angle in T, with the wanted rate at its end
     turn = Polynomial((0, 0, (3 * (end - start) - rate * T) / T**2, (rate * T - 2 * (end - start)) / T**3))
@@ -37,13 +42,13 @@ def bar(name, start, end):
     return Body(name, 1.0, (0.01, 0.01, 0.01), position=0.5 * (start + end), shape=form)
 
 
-def theory(*, l, q_deg, rate):  # noqa: E741
+def theory(*, l, q_deg, rate):
     """Height 2 l sin q, rate 2 l cos q q'; one freedom, although counting the hinges of two legs gives none."""
     q = np.radians(q_deg)
     return {"height_m": 2 * l * np.sin(q), "mobility": 1.0, "rise_rate_m_s": 2 * l * np.cos(q) * rate}
 
 
-def measure(build, terms, *, l, q_deg) -> Measured:  # noqa: E741
+def measure(build, terms, *, l, q_deg) -> Measured:
     """Height and rate of the platform at the end, mobility without the motor."""
     system = build()
     mobility = System(system.bodies, system.joints[:-1]).check().mobility
@@ -64,10 +69,10 @@ demo = Demo(
     __name__,
     title="Sarrus' straight line",
     question="How do hinges alone make an exact straight line, which no plane linkage does with so few?",
-    why="A knee lets a platform move in the plane of the leg and tilt about its hinges. A second knee in another plane "
-    "allows other motions; all that both allow is going straight up and down, without tilting. Sarrus found this in "
-    "1853, eleven years before Peaucellier's famous plane linkage. Counting hinges gives no freedom: two of the "
-    "conditions say the same.",
+    why="A knee lets a platform move in the plane of the leg and tilt about its hinges. A second knee in another "
+    "plane allows other motions; all that both allow is going straight up and down, without tilting. Sarrus "
+    "found this in 1853, eleven years before Peaucellier's famous plane linkage. Counting hinges gives no "
+    "freedom: two of the conditions say the same.",
     equation="height 2 l sin q, rate 2 l cos q q'; mobility 1 where counting says 0 (two legs)",
     source="Sarrus, C. R. Acad. Sci. 36 (1853) 1036; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
@@ -78,8 +83,9 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("planes", "legs in parallel planes leave three freedoms", {"plane_deg": 180.0},
-                      values=lambda: {"mobility": 3.0}),  # fmt: skip
+    ablation=Ablation(
+        "planes", "legs in parallel planes leave three freedoms", {"plane_deg": 180.0}, values=lambda: {"mobility": 3.0}
+    ),  # fmt: skip
     show={"curves": [("position", "platform"), ("angle", "foot 1")], "traces": []},
     ranges={"plane_deg": None, "x": (0.35, 0.5)},
 )

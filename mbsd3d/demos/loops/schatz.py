@@ -46,10 +46,10 @@ demo = Demo(
     __name__,
     title="The Turbula",
     question="How does a Turbula shake a bottle with one motor and no gear?",
-    why="Schatz turned a cube inside out and kept six of its hinges: a ring that should be rigid and moves, because its "
-    "sides are those of the cube. Two of the hinges are parallel shafts in the frame; the bottle sits in the middle and "
-    "is carried round, tipped and turned. The shafts turn against each other and unevenly, so that a real machine "
-    "drives one of them only.",
+    why="Schatz turned a cube inside out and kept six of its hinges: a ring that should be rigid and moves, because "
+    "its sides are those of the cube. Two of the hinges are parallel shafts in the frame; the bottle sits in the "
+    "middle and is carried round, tipped and turned. The shafts turn against each other and unevenly, so that a "
+    "real machine drives one of them only.",
     equation="closure of six Denavit-Hartenberg matrices: a (0, 1, 1, 1, 0, sqrt 3), twists 90, 90, 90, 90, 90, 0",
     source="Schatz, Rhythmusforschung und Technik (1975); Phillips, Freedom in Machinery II",
     quantities={
@@ -59,9 +59,12 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("proportion", "one side 1 % longer: locked", {"misfit": 0.01},
-                      values=lambda: {"output_turn_deg": 0.0, "middle_turn_deg": 0.0}),  # fmt: skip
-    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 6")], "traces": [],
-          "hidden": ["ground grid"]},  # fmt: skip
+    ablation=Ablation(
+        "proportion",
+        "one side 1 % longer: locked",
+        {"misfit": 0.01},
+        values=lambda: {"output_turn_deg": 0.0, "middle_turn_deg": 0.0},
+    ),  # fmt: skip
+    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 6")], "traces": [], "hidden": ["ground grid"]},  # fmt: skip
     ranges={"theta": None, "misfit": None},
 )

@@ -21,7 +21,8 @@ def corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg):
 def mechanism(*, Rb=1.0, Rp=0.6, half_base_deg=10.0, half_top_deg=15.0, h=0.9, yaw_deg=80.0, m=100.0, torque=50.0):
     """Feet on a circle Rb [m], platform m [kg] of radius Rp at h [m], turned by a yaw; a torque [N m] about z on it."""
     feet, heads = corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg)
-    plate = Body("platform", m, (0.1 * m * Rp**2,) * 3, position=(0, 0, h), orientation=rotation("z", yaw_deg, degrees=True),
+    turned = rotation("z", yaw_deg, degrees=True)
+    plate = Body("platform", m, (0.1 * m * Rp**2,) * 3, position=(0, 0, h), orientation=turned,
                  shape=shapes.Cylinder(1.1 * Rp, 0.04))  # fmt: skip
     legs = [Distance(GROUND, plate, at_a=foot, at_b=head, name=f"leg {k + 1}")
             for k, (foot, head) in enumerate(zip(feet, heads, strict=True))]  # fmt: skip
@@ -29,10 +30,12 @@ def mechanism(*, Rb=1.0, Rp=0.6, half_base_deg=10.0, half_top_deg=15.0, h=0.9, y
 
 
 def thrusts(feet, heads, h, m, torque):
-    """(6,) pushes of the legs [N] that hold weight and torque: one 6x6 system of forces and moments about the middle."""
+    """(6,) pushes of the legs [N] that hold weight and torque: one 6x6 system of forces and moments about the
+    middle."""
     along = (heads - feet) / np.linalg.norm(heads - feet, axis=1)[:, None]
     wrenches = np.vstack([along.T, np.cross(heads - [0, 0, h], along).T])
-    require(np.linalg.cond(wrenches) < 1e9, "demo 'stewart': here the six legs leave the platform loose (det J = 0, as at "
+    require(np.linalg.cond(wrenches) < 1e9, "demo 'stewart': here the six legs leave the platform loose (det J "
+            "= 0, as at "
             "a yaw of 90 degrees); give another yaw_deg")  # fmt: skip
     return np.linalg.solve(wrenches, [0, 0, m * G, 0, 0, -torque])
 
@@ -61,7 +64,9 @@ def measure(build, terms) -> Measured:
     over = [pushes(accelerations(build(yaw_deg=yaw), **terms))[0] for yaw in yaws]
     known = [theory(**{**build.values, "yaw_deg": yaw})["leg1_thrust_N"] for yaw in yaws]
     run = simulate(system, 1.0, output=41, **terms)
-    curve = Curve("push of leg 1 [N]", yaws, over, (yaws, known), "yaw [deg]", "no limit as the yaw comes to 90 degrees")
+    curve = Curve(
+        "push of leg 1 [N]", yaws, over, (yaws, known), "yaw [deg]", "no limit as the yaw comes to 90 degrees"
+    )
     return Measured({"leg1_thrust_N": here[0], "leg2_thrust_N": here[1]}, [run], [curve])
 
 
@@ -69,10 +74,10 @@ demo = Demo(
     __name__,
     title="The limit of a flight simulator",
     question="Why may a flight simulator never yaw by 90 degrees?",
-    why="Six legs with ball ends hold six freedoms, if their lines are independent. As the platform yaws, the legs lean "
-    "more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a small twist "
-    "changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 degrees the platform "
-    "is loose.",
+    why="Six legs with ball ends hold six freedoms, if their lines are independent. As the platform yaws, the legs "
+    "lean more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a "
+    "small twist changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 "
+    "degrees the platform is loose.",
     equation="J' f = load; f without limit where det J = 0, at a yaw of 90 degrees",
     source="Fichter, Int. J. Robotics Res. 5 (1986) 157; Ma, Angeles, Architecture singularities (1991)",
     quantities={

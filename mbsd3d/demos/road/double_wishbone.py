@@ -3,7 +3,19 @@
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Polynomial, Revolute, Spherical, System, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Distance,
+    Kinematic,
+    Polynomial,
+    Revolute,
+    Spherical,
+    System,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
@@ -16,7 +28,8 @@ POINTS = {
 
 
 def mechanism(*, points=POINTS, arm_deg=8.0) -> System:
-    """Ball joints L, U, T of the upright, inner axes L1-L2 and U1-U2, rack end K [m]; the lower arm turned by an angle."""
+    """Ball joints L, U, T of the upright, inner axes L1-L2 and U1-U2, rack end K [m]; the lower arm turned by an
+    angle."""
     p = {name: np.array(at) for name, at in points.items()}
     lower, upper = (arm(name, p[f"{k}1"], p[f"{k}2"], p[k]) for name, k in (("lower arm", "L"), ("upper arm", "U")))
     middle = 0.5 * (p["L"] + p["U"])
@@ -24,7 +37,9 @@ def mechanism(*, points=POINTS, arm_deg=8.0) -> System:
     wheel = [rod(p["L"] - middle, p["U"] - middle), rod(np.zeros(3), steer),
              shapes.Torus(0.26, 0.07, "y", at=(0, 0.08, 0)), shapes.Disc(0.2, 0.06, "y", at=(0, 0.08, 0))]  # fmt: skip
     upright = Body("wheel", 20.0, (1, 1, 1), position=middle, shape=wheel)
-    require(np.linalg.norm(np.cross(stem, p["T"] - p["L"])) > 1e-6, "demo 'double_wishbone': L, U and T lie on one line")
+    require(
+        np.linalg.norm(np.cross(stem, p["T"] - p["L"])) > 1e-6, "demo 'double_wishbone': L, U and T lie on one line"
+    )
     hinge = Revolute(GROUND, lower, at=p["L1"], axis=p["L2"] - p["L1"], name="lower axis")
     travel = np.radians(arm_deg)
     joints = [
@@ -41,7 +56,9 @@ def mechanism(*, points=POINTS, arm_deg=8.0) -> System:
 def arm(name, one, two, ball):
     """A wishbone."""
     middle = (one + two + ball) / 3
-    return Body(name, 3.0, (0.1, 0.1, 0.1), position=middle, shape=[rod(end - middle, ball - middle) for end in (one, two)])
+    return Body(
+        name, 3.0, (0.1, 0.1, 0.1), position=middle, shape=[rod(end - middle, ball - middle) for end in (one, two)]
+    )
 
 
 def rod(start, end):
@@ -127,10 +144,10 @@ demo = Demo(
     __name__,
     title="The wheel that steers on a bump",
     question="Why does a wheel steer by itself on a bump?",
-    why="Three links guide the wheel, and each end of them moves on an arc of its own, in planes that are not parallel. "
-    "As the wheel goes up and down, the tie rod's arc differs from those of the arms: it pushes the wheel's rear "
-    "edge out or in, and the wheel steers. The arms' different lengths tip it as well. Designers place the rack's ends "
-    "so that this bump steer vanishes, or helps.",
+    why="Three links guide the wheel, and each end of them moves on an arc of its own, in planes that are not "
+    "parallel. As the wheel goes up and down, the tie rod's arc differs from those of the arms: it pushes the "
+    "wheel's rear edge out or in, and the wheel steers. The arms' different lengths tip it as well. Designers "
+    "place the rack's ends so that this bump steer vanishes, or helps.",
     equation="|U - L|, |T - L|, |T - U|, |T - K| stay; toe and camber from the axle",
     source="Dixon, Suspension Geometry and Computation; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 17",
     quantities={"toe_deg": Quantity("toe", "deg"), "camber_deg": Quantity("camber", "deg")},

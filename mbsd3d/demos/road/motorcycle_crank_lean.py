@@ -3,7 +3,19 @@
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import GROUND, AngleDriver, Body, Revolute, SpeedDriver, System, accelerations, rotation, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Kinematic,
+    Ramp,
+    Revolute,
+    System,
+    accelerations,
+    rotation,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
@@ -20,12 +32,12 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
     tilt, up = rotation("x", -lean), np.array([0, 0, 1.0])
     axle, along = np.array([0, np.cos(lean), -np.sin(lean)]), np.array([0, np.sin(lean), np.cos(lean)])
     middle = np.array([0, R, 0])
-    base = Body("base", 0.0, (0, 0, 0), omega=turn * up, shape=shapes.Box((1.4, 0.05, 0.01), at=(0, 0, 0)))
+    base = Body("base", 0.0, (0, 0, 0), shape=shapes.Box((1.4, 0.05, 0.01), at=(0, 0, 0)))
     form = [shapes.Box((1.0, 0.25, 0.5 * h), at=(0, 0, 0.1)), shapes.Capsule(0.18, 0.6, at=(-0.15, 0, 0.4))]
     frame = Body("motorcycle", m, (Iyy, Iyy, Izz), position=h * along, orientation=tilt, shape=form)
     joints = [
-        Revolute(GROUND, base, at=middle, axis=up, name="circle"),
-        SpeedDriver(GROUND, base, axis=up, speed=turn, name="speed"),
+        circle := Revolute(GROUND, base, at=middle, axis=up, name="circle"),
+        AngleDriver(circle, Ramp(turn), name="speed"),
         hinge := Revolute(base, frame, at=(0, 0, 0), axis=(-1, 0, 0), name="lean"),
         AngleDriver(hinge, 0.0, name="balance"),
     ]
@@ -36,8 +48,8 @@ def mechanism(*, m=250.0, h=0.6, Iyy=30.0, Izz=25.0, Jw=1.2, r=0.3, Jc=0.03, N=5
         at = x * np.eye(3)[0] + height * along
         look = shapes.Torus(r - 0.05, 0.05, "y") if x else shapes.Cylinder(0.06, 0.4, "y")
         bodies.append(Body(name, DUST, (J, J, J), position=at, orientation=tilt, shape=look))
-        joints += [Revolute(frame, bodies[-1], at=at, axis=axle, name=f"{name} axle"),
-                   SpeedDriver(frame, bodies[-1], axis=axle, speed=rate, name=f"{name} speed")]  # fmt: skip
+        axis = Revolute(frame, bodies[-1], at=at, axis=axle, name=f"{name} axle")
+        joints += [axis, AngleDriver(axis, Ramp(rate), name=f"{name} speed")]
     return System(bodies, joints, gravity=(0, 0, -G))
 
 
@@ -68,7 +80,7 @@ def measure(build, terms, *, Jw, Jc, N, r, m, h, Iyy, Izz, v, R) -> Measured:
     leans = np.linspace(backward - 1, forward + 1, 9)
     efforts = [held(lean, 1) for lean in leans]
     known = [-moment(np.radians(lean), (Jw + Jc * N) * v / r, m, h, Iyy, Izz, v, R) for lean in leans]
-    run = simulate(build(lean_deg=forward), 2 * np.pi * R / v / 8, rtol=1e-10, output=121, **terms)
+    run = simulate(build(lean_deg=forward), 2 * np.pi * R / v / 8, method=Kinematic(), output=121, **terms)
     curve = Curve("moment that would hold it, crank forwards [N m]", leans, efforts, (leans, known), "lean [deg]")
     return Measured({"lean_forward_crank_deg": forward, "lean_backward_crank_deg": backward}, [run], [curve])
 
@@ -79,8 +91,8 @@ demo = Demo(
     question="Why do racing motorcycles turn their crankshaft backwards?",
     why="Wheels and crankshaft are gyroscopes that the curve carries round. Turning forwards they try to lift the "
     "motorcycle out of its lean, so that it must lean farther to balance the same curve. A crankshaft that turns "
-    "backwards takes part of that away: two tenths of a degree here, and less resistance to being thrown from one side "
-    "to the other.",
+    "backwards takes part of that away: two tenths of a degree here, and less resistance to being thrown from "
+    "one side to the other.",
     equation="m g h sin a = m W^2 (R - h sin a) h cos a + S W cos a + W^2 (I_z - I_y) sin a cos a, S = sum J w",
     source="Cossalter, Motorcycle Dynamics, ch. 4; Foale, Motorcycle Handling and Chassis Design",
     quantities={

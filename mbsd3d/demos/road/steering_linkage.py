@@ -69,7 +69,9 @@ def right_angle(left, track, kingpin_deg, caster_deg, arm, arm_in_deg):
 
 def theory(*, track, wheelbase, kingpin_deg, caster_deg, arm, arm_in_deg, left_deg):
     """Closure of the tie rod; headings of both wheels on the ground."""
-    require(left_deg != 0, "demo 'steering_linkage': left_deg = 0: straight on there is no turning centre; give an angle")
+    require(
+        left_deg != 0, "demo 'steering_linkage': left_deg = 0: straight on there is no turning centre; give an angle"
+    )
     left = np.radians(left_deg)
     right = right_angle(left, track, kingpin_deg, caster_deg, arm, arm_in_deg)
     axles = [rotated(np.array([0, 1.0, 0]), geometry(side, track, kingpin_deg, caster_deg, arm, arm_in_deg)[1], angle)
@@ -95,10 +97,10 @@ demo = Demo(
     __name__,
     title="Steering with leaning kingpins",
     question="Do both front wheels point at the same turning centre when the kingpins lean?",
-    why="To roll without scrubbing both front axles must meet on the line of the rear axle: the inner wheel has to turn "
-    "more. Arms that point inwards to the rear do this roughly. But kingpins lean, inwards so that the steering comes "
-    "back, and backwards so that the car runs straight; then the wheel's angle on the ground is not that of the "
-    "kingpin, and a plane drawing of the linkage is wrong.",
+    why="To roll without scrubbing both front axles must meet on the line of the rear axle: the inner wheel has to "
+    "turn more. Arms that point inwards to the rear do this roughly. But kingpins lean, inwards so that the "
+    "steering comes back, and backwards so that the car runs straight; then the wheel's angle on the ground is "
+    "not that of the kingpin, and a plane drawing of the linkage is wrong.",
     equation="cot(outer) - cot(inner) - track / wheelbase = 0 for a common centre",
     source="Dixon, Suspension Geometry and Computation; Genta, Morello, The Automotive Chassis; Ackermann (1818)",
     quantities={
@@ -108,6 +110,8 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("lean", "with upright kingpins it is the plane trapezoid", {"kingpin_deg": 0.0, "caster_deg": 0.0}),
+    ablation=Ablation(
+        "lean", "with upright kingpins it is the plane trapezoid", {"kingpin_deg": 0.0, "caster_deg": 0.0}
+    ),
     show={"curves": [("angle", "left kingpin"), ("angle", "right kingpin")], "traces": []},
 )

@@ -51,8 +51,8 @@ demo = Demo(
     title="The couple of a Cardan joint",
     question="Why does a Cardan shaft shake its bearings twice a turn although nothing is out of balance?",
     why="A cross passes on a moment only at right angles to its two pins. As it turns, this direction swings between "
-    "the two shafts, and whatever is not along a shaft bends it. So a loaded Cardan joint bends each shaft twice a turn "
-    "between nothing and T sin b or T tan b. The bearings feel it, however well the shafts are balanced.",
+    "the two shafts, and whatever is not along a shaft bends it. So a loaded Cardan joint bends each shaft twice "
+    "a turn between nothing and T sin b or T tan b. The bearings feel it, however well the shafts are balanced.",
     equation="couple on the driving shaft up to T sin b, on the driven shaft up to T tan b",
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts (secondary couples); SAE AE-7",
     quantities={

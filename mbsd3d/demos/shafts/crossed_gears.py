@@ -24,7 +24,8 @@ def mechanism(*, r1=0.03, r2=0.05, helix_deg=50.0, shaft_angle_deg=90.0, torque=
 
 
 def theory(*, r1, r2, helix_deg, shaft_angle_deg, torque):
-    """Ratio r1 cos b1/(r2 cos b2) with b1 + b2 the angle of the shafts; thrust T tan(b1)/r1; both from the tooth force."""
+    """Ratio r1 cos b1/(r2 cos b2) with b1 + b2 the angle of the shafts; thrust T tan(b1)/r1; both from the tooth
+    force."""
     b1, b2 = np.radians(helix_deg), np.radians(shaft_angle_deg - helix_deg)
     require(abs(helix_deg) < 90 and abs(shaft_angle_deg - helix_deg) < 90, f"demo 'crossed_gears': helix_deg = "
             f"{helix_deg:g}: both helix angles must be less than 90 degrees")  # fmt: skip
@@ -49,9 +50,10 @@ demo = Demo(
     __name__,
     title="Crossed screws as gears",
     question="How do two screws on crossed shafts make a gear whose ratio is not that of the radii?",
-    why="On crossed shafts the teeth slide along each other like screws. Only the motion at right angles to the teeth "
-    "is handed on; it sees each radius shortened by the cosine of its helix angle. So two wheels of the same size can "
-    "gear down, and the ratio is set by the helix. The price is sliding and a large push along the shafts.",
+    why="On crossed shafts the teeth slide along each other like screws. Only the motion at right angles to the "
+    "teeth is handed on; it sees each radius shortened by the cosine of its helix angle. So two wheels of the "
+    "same size can gear down, and the ratio is set by the helix. The price is sliding and a large push along the "
+    "shafts.",
     equation="ratio = r1 cos b1 / (r2 cos b2), b1 + b2 = angle of the shafts; thrust T tan(b1) / r1",
     source="Shigley, Mechanical Engineering Design, ch. 13; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={

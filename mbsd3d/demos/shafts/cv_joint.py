@@ -51,9 +51,10 @@ demo = Demo(
     __name__,
     title="The constant-velocity joint",
     question="What does a constant-velocity joint do better than a cross, and what can it not avoid?",
-    why="Balls in the plane that bisects the angle pass the turn on evenly, which no cross does. But the moment along "
-    "one shaft is not the moment along the other: their difference points across, and some bearing must supply it. No "
-    "joint can avoid that; here it stands still, T tan(b/2) on each shaft, instead of beating twice a turn.",
+    why="Balls in the plane that bisects the angle pass the turn on evenly, which no cross does. But the moment "
+    "along one shaft is not the moment along the other: their difference points across, and some bearing must "
+    "supply it. No joint can avoid that; here it stands still, T tan(b/2) on each shaft, instead of beating "
+    "twice a turn.",
     equation="ratio 1; couple T tan(b/2) on both shafts, constant",
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; Hunt, J. Appl. Mech. 40 (1973)",
     quantities={

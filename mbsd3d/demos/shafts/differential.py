@@ -12,7 +12,8 @@ LOAD = 100.0  # N m, the road's resistance at the right wheel
 
 
 def mechanism(*, R=0.05, r=0.03, carrier=40.0, left=10.0) -> System:
-    """Side gears R [m] about x, a pin gear r [m] about y in a carrier; rates [rad/s] of carrier and left wheel given."""
+    """Side gears R [m] about x, a pin gear r [m] about y in a carrier; rates [rad/s] of carrier and left wheel
+    given."""
     side = np.column_stack([(0, 0, 1), (0, 1, 0), (-1, 0, 0)])
     pin_frame = np.column_stack([(1, 0, 0), (0, 0, -1), (0, 1, 0)])
     cage = Body("carrier", 2.0, (0.02, 0.02, 0.02), shape=(Box((0.06 * r, 2.9 * R, 0.3 * R), at=(-1.3 * r, 0, 0)),
@@ -53,9 +54,10 @@ demo = Demo(
     __name__,
     title="The differential",
     question="How can one shaft drive two wheels that turn at different rates with the same torque?",
-    why="In a curve the outer wheel has the longer way. The engine turns only the carrier of a pin gear that meshes with "
-    "both side gears. The pin pushes both with the same force, like a balance, and by turning on its own axle it lets "
-    "one wheel gain what the other loses. That is also why a car stands still if one wheel is on ice.",
+    why="In a curve the outer wheel has the longer way. The engine turns only the carrier of a pin gear that meshes "
+    "with both side gears. The pin pushes both with the same force, like a balance, and by turning on its own "
+    "axle it lets one wheel gain what the other loses. That is also why a car stands still if one wheel is on "
+    "ice.",
     equation="w_L + w_R = 2 w_C, T_L = T_R",
     source="Willis, Principles of Mechanism (1841); Shigley, Mechanical Engineering Design, ch. 13",
     quantities={

@@ -44,18 +44,25 @@ demo = Demo(
     title="Balanced, and still shaking",
     question="Why does a statically balanced wheel still shake its bearings?",
     why="A disc mounted aslant has its centre of mass on the axis: at rest it lies in any position. But its angular "
-    "momentum does not lie along the shaft. As the wheel turns, this arrow is carried round a cone, and carrying it "
-    "round takes a moment, which the two bearings supply by forces that turn with the wheel. That is why a tyre "
-    "is balanced on both sides of the rim.",
+    "momentum does not lie along the shaft. As the wheel turns, this arrow is carried round a cone, and carrying "
+    "it round takes a moment, which the two bearings supply by forces that turn with the wheel. That is why a "
+    "tyre is balanced on both sides of the rim.",
     equation="F = |C - A| w^2 sin a cos a / span",
     source="Den Hartog, Mechanical Vibrations, ch. 6; ISO 21940",
     quantities={"bearing_force_N": Quantity("force of a bearing", "N")},
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("gyroscopic", "nothing shakes, as nothing shakes for A = C or without the tilt",
-                      values=lambda: {"bearing_force_N": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "gyroscopic",
+        "nothing shakes, as nothing shakes for A = C or without the tilt",
+        values=lambda: {"bearing_force_N": 0.0},
+    ),  # fmt: skip
     against=Against("tilt_deg", 0.0, 5.0, "tilt [deg]"),
-    show={"curves": [("reaction", "upper bearing")], "shown": ["reaction force", "angular momentum"], "traces": [],
-          "speed": 0.01},  # fmt: skip
+    show={
+        "curves": [("reaction", "upper bearing")],
+        "shown": ["reaction force", "angular momentum"],
+        "traces": [],
+        "speed": 0.01,
+    },  # fmt: skip
 )

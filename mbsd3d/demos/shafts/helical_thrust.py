@@ -12,15 +12,15 @@ RATE = 3.0  # rad/s of the pinion; nothing depends on it
 def mechanism(*, torque=50.0, radius=0.05, helix_deg=25.0, pressure_deg=20.0) -> System:
     """Pinion of a pitch radius [m] driven by a torque [N m], a wheel twice as large turning at constant speed."""
     place = np.array([3 * radius, 0, 0])
-    bodies = [Body(name, 2.0, (0.01, 0.01, 0.02), position=where, shape=teeth(size, count, helix_deg))
-              for name, where, size, count in (("pinion", 0 * place, radius, 16), ("wheel", place, 2 * radius, 32))]  # fmt: skip
-    pinion, wheel = bodies
+    moments = (0.01, 0.01, 0.02)
+    pinion = Body("pinion", 2.0, moments, shape=teeth(radius, 16, helix_deg))
+    wheel = Body("wheel", 2.0, moments, position=place, shape=teeth(2 * radius, 32, -helix_deg))
     one = Revolute(GROUND, pinion, at=(0, 0, 0), axis=(0, 0, 1), name="pinion shaft")
     two = Revolute(GROUND, wheel, at=place, axis=(0, 0, 1), name="wheel shaft")
     angles = {"pressure_angle": np.radians(pressure_deg), "helix_angle": np.radians(helix_deg)}
     mesh = GearMesh(one, two, at=(radius, 0, 0), name="mesh", **angles)
     brake = SpeedDriver(GROUND, wheel, axis=(0, 0, 1), speed=-RATE / 2, name="brake")
-    return System(bodies, [one, two, mesh, brake], [Torque(pinion, (0, 0, torque))], gravity=(0, 0, 0))
+    return System([pinion, wheel], [one, two, mesh, brake], [Torque(pinion, (0, 0, torque))], gravity=(0, 0, 0))
 
 
 def teeth(radius, count, helix_deg, width=0.6):
@@ -55,8 +55,8 @@ demo = Demo(
     title="The thrust of helical gears",
     question="Why do helical gears push their shafts lengthwise?",
     why="Teeth push at right angles to their flanks. Oblique teeth run more quietly, because they come into contact "
-    "little by little, but their flanks face partly along the shaft, and so does their force. Bearings must hold it; "
-    "teeth in the shape of a V cancel it.",
+    "little by little, but their flanks face partly along the shaft, and so does their force. Bearings must hold "
+    "it; teeth in the shape of a V cancel it.",
     equation="F_t = T / r, F_a = F_t tan(helix), F_r = F_t tan(pressure) / cos(helix)",
     source="Shigley, Mechanical Engineering Design, ch. 13; ISO 21771",
     quantities={"axial_N": Quantity("force along the shafts", "N"), "radial_N": Quantity("force between them", "N")},

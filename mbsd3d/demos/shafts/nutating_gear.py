@@ -2,8 +2,20 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Body, ConstantVelocity, GearMesh, Kinematic, Parallel, Ramp, Revolute, System
-from mbsd3d import shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    ConstantVelocity,
+    GearMesh,
+    Kinematic,
+    Parallel,
+    Ramp,
+    Revolute,
+    System,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Against, Demo, Measured, Quantity, require
 
@@ -53,8 +65,8 @@ demo = Demo(
     title="The nutating gear",
     question="How can two nearly equal wheels, one of them only wobbling, gear down a hundred to one?",
     why="A tilted plate does not spin, it wobbles: its lowest point runs round and rolls on a fixed wheel. After one "
-    "round it has turned only by the difference of the two rims, which are nearly of the same length, and a joint hands "
-    "on this small turn. The smaller the tilt, the slower the output: a large ratio from two wheels.",
+    "round it has turned only by the difference of the two rims, which are nearly of the same length, and a "
+    "joint hands on this small turn. The smaller the tilt, the slower the output: a large ratio from two wheels.",
     equation="output = w (1 - sin d / sin(d + tilt)), d the half angle of the fixed cone",
     source="rolling cones: Goldstein, Classical Mechanics, 5.6; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={"output_rate_rad_s": Quantity("rate of the output", "rad/s")},

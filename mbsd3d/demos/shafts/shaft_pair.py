@@ -2,8 +2,22 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Body, Joint, Kinematic, PointOnLine, Ramp, Revolute, Solution, System
-from mbsd3d import Torque, rotation, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Joint,
+    Kinematic,
+    PointOnLine,
+    Ramp,
+    Revolute,
+    Solution,
+    System,
+    Torque,
+    rotation,
+    shapes,
+    simulate,
+)
 
 SAMPLES = 361  # of one turn, the quarters among them: there couples and rates have their extremes
 SPAN = 1.0  # m, from the joint to the support of the driven shaft
@@ -12,7 +26,11 @@ SPAN = 1.0  # m, from the joint to the support of the driven shaft
 def shaft(sign: float) -> tuple[shapes.Shape, ...]:
     """A shaft along x that ends at the joint, with a disc at its other end."""
     bar = shapes.Cylinder(0.04, 0.9, "x", at=(sign * 0.5, 0, 0))
-    return bar, shapes.Disc(0.15, 0.05, "x", at=(sign * 0.95, 0, 0)), shapes.Box((0.1, 0.2, 0.06), at=(sign * 0.05, 0, 0))
+    return (
+        bar,
+        shapes.Disc(0.15, 0.05, "x", at=(sign * 0.95, 0, 0)),
+        shapes.Box((0.1, 0.2, 0.06), at=(sign * 0.05, 0, 0)),
+    )
 
 
 def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: object) -> System:

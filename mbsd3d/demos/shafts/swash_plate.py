@@ -2,8 +2,19 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Body, Kinematic, PointOnPlane, Prismatic, Ramp, Revolute, System, shapes
-from mbsd3d import simulate
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Kinematic,
+    PointOnPlane,
+    Prismatic,
+    Ramp,
+    Revolute,
+    System,
+    shapes,
+    simulate,
+)
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
@@ -55,9 +66,10 @@ demo = Demo(
     __name__,
     title="The swash plate",
     question="How does a slanted disc turn a shaft into the stroke of a pump?",
-    why="Pistons go round with a drum, and their shoes follow a plane that stands slanted: once a turn each of them is "
-    "pushed in and out by a pure sine. Changing the slant changes the stroke while the pump runs. One piston alone "
-    "needs a torque that swings twice a turn to be hurried to and fro; three or more in a ring cancel it exactly.",
+    why="Pistons go round with a drum, and their shoes follow a plane that stands slanted: once a turn each of them "
+    "is pushed in and out by a pure sine. Changing the slant changes the stroke while the pump runs. One piston "
+    "alone needs a torque that swings twice a turn to be hurried to and fro; three or more in a ring cancel it "
+    "exactly.",
     equation="stroke 2 R tan a; torque of one piston m (R tan a)^2 w^2 sin(2wt) / 2",
     source="Ivantysyn, Ivantysynova, Hydrostatic Pumps and Motors",
     quantities={

@@ -14,7 +14,8 @@ def mechanism(*, m=0.5, r=0.045, rod=0.15, spacing=0.11, omega=600.0, plane="cro
     """Eight pistons m [kg] in two banks at 90 degrees, massless rods, four throws r [m] at a spacing along x."""
     require(plane in THROWS, f"demo 'v8_wobble': plane = {plane!r}; give one of {', '.join(THROWS)}")
     places = spacing * (1.5 - np.arange(4))
-    throws = [(x, r * np.array([0, -np.sin(a), np.cos(a)])) for x, a in zip(places, np.radians(THROWS[plane]), strict=True)]  # fmt: skip
+    angles = np.radians(THROWS[plane])
+    throws = list(zip(places, r * np.stack([0 * angles, -np.sin(angles), np.cos(angles)], axis=1), strict=True))
     form = [shapes.Cylinder(0.4 * r, 4 * spacing, "x")]
     form += [shapes.Cylinder(0.35 * r, 0.5 * spacing, "x", at=(x, *at[1:])) for x, at in throws]
     crank = Body("crank", 10.0, (0.05, 0.1, 0.1), shape=form)
@@ -73,9 +74,10 @@ demo = Demo(
     title="The wobble of a V8",
     question="Why do cross-plane V8s wobble without shaking, and flat-plane ones do not wobble?",
     why="Two pistons in a right-angled V push like a single mass that goes round with their throw. Four throws in a "
-    "cross have their resultant in the middle, so nothing shakes; but they stand at different places along the shaft, "
-    "and their moments leave a couple that turns with the crank at constant size. Weights on the crank can cancel it. "
-    "The flat crank is its own mirror image and has none; it shakes sideways twice a turn instead.",
+    "cross have their resultant in the middle, so nothing shakes; but they stand at different places along the "
+    "shaft, and their moments leave a couple that turns with the crank at constant size. Weights on the crank "
+    "can cancel it. The flat crank is its own mirror image and has none; it shakes sideways twice a turn "
+    "instead.",
     equation="cross plane: sqrt(10) m r s w^2; flat plane: 0",
     source="Taylor, The Internal Combustion Engine II, ch. 8; Den Hartog, Mechanical Vibrations, ch. 5",
     quantities={
@@ -85,8 +87,12 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("cross", "a flat crank has no couple", {"plane": "flat"},
-                      values=lambda: {"couple_cross_plane_Nm": 0.0, "couple_flat_plane_Nm": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "cross",
+        "a flat crank has no couple",
+        {"plane": "flat"},
+        values=lambda: {"couple_cross_plane_Nm": 0.0, "couple_flat_plane_Nm": 0.0},
+    ),  # fmt: skip
     against=Against("omega", 100.0, 900.0, "speed of the crank [rad/s]"),
     show={"curves": [("reaction", "main bearings")], "traces": [], "speed": 0.005},
 )

@@ -11,7 +11,7 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) -> System:
     """Satellite Is [kg m^2], wheels (C, A, A) at +-Omega [rad/s] along x, gimbals about y driven by delta in T [s]."""
     d, bodies, joints = np.radians(delta_deg), [], []
-    satellite = Body("satellite", 500.0, (Is, Is, Is), omega=(0, 0, 0), 
+    satellite = Body("satellite", 500.0, (Is, Is, Is), omega=(0, 0, 0),
                      shape=shapes.Box((1.2, 2.4, 0.8), colour="#cccccc"))  # fmt: skip
     for side, name in ((1, "upper"), (-1, "lower")):
         place = (0, 0, 1.1 * side)
@@ -65,8 +65,8 @@ demo = Demo(
     question="How does a space station turn with nothing to push against?",
     why="Two wheels spin against each other, so that their angular momenta cancel. Tilted in opposite directions by "
     "small motors, both point up a little, and their sum no longer vanishes; as nothing outside can take angular "
-    "momentum, the station turns the other way. Tilting back stops it exactly. The motors only turn the axes and need "
-    "little torque; the gyroscopic moments do the work.",
+    "momentum, the station turns the other way. Tilting back stops it exactly. The motors only turn the axes and "
+    "need little torque; the gyroscopic moments do the work.",
     equation="theta' = -2 C W sin d / (I_s + 2 A cos^2 d + 2 C sin^2 d)",
     source="Hughes, Spacecraft Attitude Dynamics; Wie, Space Vehicle Dynamics and Control (control moment gyros)",
     quantities={

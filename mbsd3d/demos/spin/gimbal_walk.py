@@ -62,9 +62,9 @@ demo = Demo(
     title="The walk of a gyroscope in gimbals",
     question="Why does a nodding gyroscope in gimbals creep around although nothing pushes it?",
     why="A kick makes the spin axis nod, and with every nod the outer ring swings to and fro. Its moment of inertia "
-    "depends on how the inner ring stands: it is smaller while the rotor leans away from the horizon. So the ring "
-    "swings farther one way than back, and creeps. With the axis horizontal both halves of the nod are alike, and "
-    "the creep vanishes.",
+    "depends on how the inner ring stands: it is smaller while the rotor leans away from the horizon. So the "
+    "ring swings farther one way than back, and creeps. With the axis horizontal both halves of the nod are "
+    "alike, and the creep vanishes.",
     equation="phi' = h (sin b0 - sin b) / (Co + (Ci + A) cos^2 b + Bi sin^2 b)",
     source="Plymale, Goodstein, J. Appl. Mech. 22 (1955); Arnold, Maunder, Gyrodynamics (gimbal walk)",
     quantities={

@@ -8,7 +8,6 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity
 from ..quadrature import swing
 
 
-
 def mechanism(*, Omega_e=0.05, lat_deg=40.0, psi0_deg=60.0, A=0.01, C=0.02, G=0.005, spin=200.0) -> System:
     """Earth turning at Omega_e [rad/s] about z, a card (G, G, G) [kg m^2] on the vertical, a wheel (C, A, A) in it."""
     lat, psi = np.radians(lat_deg), np.radians(psi0_deg)
@@ -72,17 +71,19 @@ demo = Demo(
     title="The gyrocompass",
     question="How does a wheel find true north without a magnet?",
     why="The Earth carries the wheel's axis along, unless the axis points to the pole. The wheel resists such a turn "
-    "with a moment at right angles to it; kept level, it can only follow this moment about the vertical, and that "
-    "takes its axis towards the meridian. It swings about north like a pendulum, slowly where the Earth turns slowly, "
-    "and not at all at the pole. (The Earth turns 700 times too fast here, so that one can watch it.)",
+    "with a moment at right angles to it; kept level, it can only follow this moment about the vertical, and "
+    "that takes its axis towards the meridian. It swings about north like a pendulum, slowly where the Earth "
+    "turns slowly, and not at all at the pole. (The Earth turns 700 times too fast here, so that one can watch "
+    "it.)",
     equation="A_u s'' = -C w W cos(lat) sin s; small swings: T = 2 pi sqrt(A_u / (C w W cos lat))",
     source="Goldstein, Classical Mechanics (gyrocompass); Arnold, Maunder, Gyrodynamics",
     quantities={"time_to_north_s": Quantity("time from the release to north", "s")},
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("gyroscopic", "half the moment is lost, and it takes longer by sqrt(C/A)",
-                      values=without_gyroscopic),  # fmt: skip
+    ablation=Ablation(
+        "gyroscopic", "half the moment is lost, and it takes longer by sqrt(C/A)", values=without_gyroscopic
+    ),  # fmt: skip
     show={"curves": [("angle", "vertical")], "shown": ["angular momentum"], "traces": []},
     ranges={"A": (0.01, 0.012), "C": (0.01, 0.019)},
 )

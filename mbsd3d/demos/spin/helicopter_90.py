@@ -76,10 +76,10 @@ demo = Demo(
     __name__,
     title="The rotor's quarter turn",
     question="Why must a helicopter's swashplate push a quarter turn before the place where the rotor shall tilt?",
-    why="The centrifugal force pulls a blade back into the plane of the rotor like a spring, and this spring makes it "
-    "swing exactly once a turn. A push that comes once a turn is therefore in resonance, and at resonance any swing "
-    "follows its push by a quarter of a period. A hinge away from the shaft makes the spring stiffer, and the lag "
-    "smaller.",
+    why="The centrifugal force pulls a blade back into the plane of the rotor like a spring, and this spring makes "
+    "it swing exactly once a turn. A push that comes once a turn is therefore in resonance, and at resonance any "
+    "swing follows its push by a quarter of a period. A hinge away from the shaft makes the spring stiffer, and "
+    "the lag smaller.",
     equation="I b'' + c b' + (I W^2 (1 + 3e/2L) + k) b = M0 cos W t; tan(lag) = c W / (I W^2 3e/2L + k)",
     source="Johnson, Helicopter Theory (flapping); Leishman, Principles of Helicopter Aerodynamics (flapping blade)",
     quantities={
@@ -90,7 +90,8 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation(
-        "gyroscopic", "the spring is that of a point mass, too weak by a quarter, and the lag above 90 degrees",
+        "gyroscopic",
+        "the spring is that of a point mass, too weak by a quarter, and the lag above 90 degrees",
         values=without_gyroscopic,
     ),
     against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),

@@ -14,8 +14,9 @@ JET = (
 )
 
 
-def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:  # noqa: E741
-    """Airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m] about y."""
+def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:
+    """Airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m] about
+    y."""
     jet = Body("jet", 15000.0, I, shape=JET)
     engine = Body("engine", 500.0, (J, J / 2, J / 2), omega=(Omega, 0, 0), shape=shapes.Cylinder(0.5, 3.0, "x"))
     shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
@@ -23,7 +24,7 @@ def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) 
     return System([jet, engine], [shaft, speed], [Torque(jet, (0, M, 0), frame="body")], gravity=(0, 0, 0))
 
 
-def euler(t, *, I, J, Omega, M):  # noqa: E741
+def euler(t, *, I, J, Omega, M):
     """(times, 7) of orientation and angular velocity: I w' + w x (I w + h) = M in body axes."""
     moments, h, torque = np.add(I, (J, J / 2, J / 2)), np.array([J * Omega, 0, 0]), np.array([0, M, 0])
 
@@ -40,14 +41,14 @@ def sideways(e):
     return np.degrees(np.unwrap(np.arctan2(2 * (e1 * e2 + e0 * e3), 1 - 2 * (e2**2 + e3**2))))
 
 
-def theory(*, I, J, Omega, M, t):  # noqa: E741
+def theory(*, I, J, Omega, M, t):
     """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
     times = np.linspace(0, t, 41)
     y = euler(times, I=I, J=J, Omega=Omega, M=M)
     return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": sideways(y[:, :4])[-1]}
 
 
-def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:  # noqa: E741
+def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
     """Yaw rate and heading after t."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
     heading, y = sideways(run.orientation("jet")), euler(run.t, I=I, J=J, Omega=Omega, M=M)
@@ -61,8 +62,9 @@ demo = Demo(
     title="A jet that raises its nose swings it sideways",
     question="Why does a jet that raises its nose also swing it sideways?",
     why="The engine's rotor carries angular momentum along the nose. Raising the nose turns this arrow, and an arrow "
-    "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by yawing. "
-    "With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other side.",
+    "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by "
+    "yawing. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other "
+    "side.",
     equation="I w' + w x (I w + h) = M with h = J W along the nose; small angles: r = J W theta / I_z",
     source="Hughes, Spacecraft Attitude Dynamics (gyrostats); Stevens, Lewis, Aircraft Control and Simulation",
     quantities={

@@ -60,10 +60,10 @@ demo = Demo(
     __name__,
     title="Two blades shake, three do not",
     question="Why do two-bladed propellers shake an airplane that yaws and three-bladed ones do not?",
-    why="A propeller on a turning airplane needs a gyroscopic moment about the pitch axis. Two blades have this inertia "
-    "only while they stand across the axis of the turn: the moment beats between zero and twice its mean, twice a turn, "
-    "and a yawing moment of the same size beats with it. Three or more blades are as good as a disc, whose inertia is "
-    "the same in all directions of its plane.",
+    why="A propeller on a turning airplane needs a gyroscopic moment about the pitch axis. Two blades have this "
+    "inertia only while they stand across the axis of the turn: the moment beats between zero and twice its "
+    "mean, twice a turn, and a yawing moment of the same size beats with it. Three or more blades are as good as "
+    "a disc, whose inertia is the same in all directions of its plane.",
     equation="two blades: M_pitch = J W r (1 - cos 2 psi), M_yaw = -J W r sin 2 psi; three: M_pitch = J W r",
     source="d(I w)/dt of a body of two and of three equal moments; Den Hartog, Mechanics (gyroscopes)",
     quantities={

@@ -23,7 +23,8 @@ def mechanism(*, r=0.1, rho=0.25) -> System:
 
 
 def theory(*, r, rho):
-    """A turn by 2 pi sqrt(1 + (rho/r)^2), less whole turns, about (rho/r, 0, -1) in axes that go round with the hand."""
+    """A turn by 2 pi sqrt(1 + (rho/r)^2), less whole turns, about (rho/r, 0, -1) in axes that go round with the
+    hand."""
     slope = np.hypot(1, rho / r)
     return {"net_turn_cos": np.cos(2 * np.pi * slope), "axis_height": 1 / slope}
 
@@ -48,10 +49,10 @@ demo = Demo(
     __name__,
     title="Once around, and turned",
     question="Roll a ball once around a circle without twisting it: why does it come back turned?",
-    why="Rolling turns a ball about horizontal axes only; it never twists about the vertical. But turns about different "
-    "axes do not add up: one after the other they make a turn about a third axis, and around a closed path something is "
-    "left over. It depends only on the path. So one can bring a ball into any position by rolling alone: two freedoms "
-    "of velocity reach five of place and turn.",
+    why="Rolling turns a ball about horizontal axes only; it never twists about the vertical. But turns about "
+    "different axes do not add up: one after the other they make a turn about a third axis, and around a closed "
+    "path something is left over. It depends only on the path. So one can bring a ball into any position by "
+    "rolling alone: two freedoms of velocity reach five of place and turn.",
     equation="net turn 2 pi sqrt(1 + (rho/r)^2) mod 2 pi about (rho/r, 0, -1)",
     source="Montgomery, A Tour of Subriemannian Geometries; Jurdjevic (1993), The geometry of the plate-ball problem",
     quantities={
@@ -61,8 +62,9 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("circle", "on a circle of no size it comes back as it was", {"rho": 1e-6},
-                      values=lambda: {"net_turn_cos": 1.0}),  # fmt: skip
+    ablation=Ablation(
+        "circle", "on a circle of no size it comes back as it was", {"rho": 1e-6}, values=lambda: {"net_turn_cos": 1.0}
+    ),  # fmt: skip
     against=Against("rho", 0.01, 0.4, "radius of the circle [m]"),
     show={"curves": [("omega", "ball")], "traces": [("ball", (0.25, 0, 0.1))]},
 )

@@ -48,9 +48,9 @@ demo = Demo(
     title="The ball on the turntable",
     question="Why does a ball on a turntable run in circles of its own, at 2/7 of the table's rate?",
     why="The table drags the ball's lowest point sideways, the faster the farther out it is; the ball spins up and "
-    "at the same time is pushed at right angles to its own velocity. A force that is always at right angles to the "
-    "velocity and proportional to it makes circles, as a magnet does with electrons. Their rate does not depend on "
-    "place, speed, size or mass: only on how the mass is spread, k = I/m r^2.",
+    "at the same time is pushed at right angles to its own velocity. A force that is always at right angles to "
+    "the velocity and proportional to it makes circles, as a magnet does with electrons. Their rate does not "
+    "depend on place, speed, size or mass: only on how the mass is spread, k = I/m r^2.",
     equation="v' = W k/(1 + k) z x v; solid ball k = 2/5: 2/7 of the table's rate",
     source="Weltner, Am. J. Phys. 47 (1979) 984; Burns, Am. J. Phys. 49 (1981) 56",
     quantities={

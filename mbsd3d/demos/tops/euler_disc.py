@@ -56,10 +56,10 @@ demo = Demo(
     __name__,
     title="Euler's disc",
     question="Why does a spun coin hum faster and faster while it seems to stop?",
-    why="The point of contact races around the edge, and that is what one hears. The flatter the coin lies, the smaller "
-    "the angular momentum that its weight has to turn, so it must turn it faster: without limit as the tilt goes to "
-    "zero. But the edge and its track on the table are then nearly of the same length, and the face turns only by the "
-    "difference.",
+    why="The point of contact races around the edge, and that is what one hears. The flatter the coin lies, the "
+    "smaller the angular momentum that its weight has to turn, so it must turn it faster: without limit as the "
+    "tilt goes to zero. But the edge and its track on the table are then nearly of the same length, and the face "
+    "turns only by the difference.",
     equation="W^2 = g / (a (I_1 / m a^2) sin tilt) (= 4 g / (a sin tilt)); the face turns at W (1 - cos tilt)",
     source="Moffatt, Nature 404 (2000) 833; O'Reilly, Nonlinear Dynamics 10 (1996) 287",
     quantities={
@@ -69,8 +69,12 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("face", "a ring instead of a disc is slower by sqrt 2 (w lies along a principal axis, so that "
-                      "w x I w vanishes and leaving it out would change nothing)", {"I1_over_ma2": 0.5}),  # fmt: skip
+    ablation=Ablation(
+        "face",
+        "a ring instead of a disc is slower by sqrt 2 (w lies along a principal axis, so that "
+        "w x I w vanishes and leaving it out would change nothing)",
+        {"I1_over_ma2": 0.5},
+    ),  # fmt: skip
     against=Against("tilt_deg", 2.0, 60.0, "tilt [deg]"),
     show={"curves": [("omega", "disc")], "shown": ["angular velocity"], "traces": [], "speed": 0.02},
 )

@@ -58,9 +58,9 @@ demo = Demo(
     __name__,
     title="The coin that does not fall",
     question="From which speed does a coin roll on its edge without falling?",
-    why="A leaning coin is pulled down by its weight. As it starts to fall, its spin turns it into the fall, and on the "
-    "curve that it then rolls the centrifugal force sets it up again. Both parts grow with the square of the speed, the "
-    "weight does not: above a certain speed the coin rights itself.",
+    why="A leaning coin is pulled down by its weight. As it starts to fall, its spin turns it into the fall, and on "
+    "the curve that it then rolls the centrifugal force sets it up again. Both parts grow with the square of the "
+    "speed, the weight does not: above a certain speed the coin rights itself.",
     equation="v_c^2 = m g a^3 I_1 / (I_3 (I_3 + m a^2)); a thin disc: v_c^2 = g a / 3",
     source="Neimark, Fufaev, Dynamics of Nonholonomic Systems, ch. VI; Routh, Advanced Rigid Dynamics",
     quantities={

@@ -14,8 +14,9 @@ def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
     require(blade in (0, 1), f"demo 'skate_on_slope': blade = {blade}; give 1 (with its edge) or 0 (without)")
     turned = rotation("y", slope_deg, degrees=True)
     normal = axes(slope_deg)[2]
+    form = (shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07)))
     skate = Body("skate", 2.0, (0.01, 0.02, 0.02), orientation=turned, velocity=(0, 0, 0), omega=w * normal,
-                 shape=(shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07))))  # fmt: skip
+                 shape=form)  # fmt: skip
     joints = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
     joints += [KnifeEdge(GROUND, skate, at=(0, 0, 0), lateral=(0, 1, 0), name="blade")] * blade
     return System([skate], joints, gravity=(0, 0, -G))
@@ -59,9 +60,9 @@ demo = Demo(
     __name__,
     title="The skate that walks sideways",
     question="Why does a spinning skate on an icy slope walk sideways and never slide down?",
-    why="The blade lets the skate move along itself only. As it turns, gravity speeds it up while it points downhill and "
-    "slows it down by the same amount while it points uphill; what is left is a drift across the slope. The energy "
-    "never allows it to go lower than one arc: a condition on velocities alone does what no rail could.",
+    why="The blade lets the skate move along itself only. As it turns, gravity speeds it up while it points downhill "
+    "and slows it down by the same amount while it points uphill; what is left is a drift across the slope. The "
+    "energy never allows it to go lower than one arc: a condition on velocities alone does what no rail could.",
     equation="down = g' (1 - cos 2wt) / (4 w^2), sideways = g' t / (2w) - g' sin 2wt / (4 w^2), g' = g sin(slope)",
     source="Neimark, Fufaev, Dynamics of Nonholonomic Systems; Bloch, Nonholonomic Mechanics and Control, 1.6",
     quantities={

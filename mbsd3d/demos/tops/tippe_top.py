@@ -90,9 +90,10 @@ demo = Demo(
     title="The tippe top",
     question="Why does a tippe top turn upside down and raise its own weight?",
     why="The top's centre of mass lies below the centre of its sphere, so that it touches the table a little off its "
-    "axis and slides there. Friction acts at right angles to the spin and, as with any top, moves the axis sideways: "
-    "here upwards, until it stands on its stem. The lift takes energy from the spin. One combination of the angular "
-    "momenta cannot change: that along the line from the centre of mass to the contact, whatever the friction.",
+    "axis and slides there. Friction acts at right angles to the spin and, as with any top, moves the axis "
+    "sideways: here upwards, until it stands on its stem. The lift takes energy from the spin. One combination "
+    "of the angular momenta cannot change: that along the line from the centre of mass to the contact, whatever "
+    "the friction.",
     equation="Jellett: L . (r e_z - a e) = const",
     source="Cohen, Am. J. Phys. 45 (1977) 12; Bou-Rabee, Marsden, Romero, SIAM Review 50 (2008) 325; Jellett (1872)",
     quantities={
@@ -103,7 +104,11 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
-    ablation=Ablation("friction", "without friction it precesses for ever (without w x I w it would still turn over: "
-                      "its moments are nearly equal)", {"c": 0.0}),  # fmt: skip
+    ablation=Ablation(
+        "friction",
+        "without friction it precesses for ever (without w x I w it would still turn over: "
+        "its moments are nearly equal)",
+        {"c": 0.0},
+    ),  # fmt: skip
     show={"curves": [("omega_body", "top"), ("com", "top")], "traces": [], "follow": "top", "speed": 0.25},
 )

@@ -17,8 +17,9 @@ def plumb(t, bodies, z, parameters, loads, z_dot):
     loads[1, 2] = -parameters[0] * bodies[0].R[2, 2]
 
 
-def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:  # noqa: E741
-    """Laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the north."""
+def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
+    """Laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
+    north."""
     place, mass = np.array([amp, 0, -np.sqrt(l**2 - amp**2)]), 28.0
     rate = earth(lat_deg, Omega_e)
     floor = shapes.Cylinder(1.5 * amp, 0.01 * l, at=(0, 0, -1.02 * l))
@@ -40,9 +41,9 @@ def earth(lat_deg, Omega_e):
     return Omega_e * np.array([np.cos(lat), 0, np.sin(lat)])
 
 
-def own(times, *, l, lat_deg, Omega_e, amp):  # noqa: E741
+def own(times, *, l, lat_deg, Omega_e, amp):
     """(times, 3) in the laboratory: r'' = g - 2 O x v - O x (O x r) - k r, k so that |r| stays l."""
-    O = tuple(earth(lat_deg, Omega_e).tolist())  # noqa: E741
+    O = tuple(earth(lat_deg, Omega_e).tolist())
 
     def rate(_, y):
         r, v = y[:3].tolist(), y[3:].tolist()
@@ -54,14 +55,14 @@ def own(times, *, l, lat_deg, Omega_e, amp):  # noqa: E741
     return motion(rate, np.array([amp, 0, -np.sqrt(l**2 - amp**2), 0, 0, 0]), times)[:, :3]
 
 
-def theory(*, l, lat_deg, Omega_e, amp, t):  # noqa: E741
+def theory(*, l, lat_deg, Omega_e, amp, t):
     """Own equations in the turning laboratory; for small swings the plane turns at -O sin(lat)."""
     require(abs(amp) < l, f"demo 'foucault': amp = {amp:g} m is not less than the rod, {l:g} m; give less")
     north, west, _ = own(np.array([0.0, t]), l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)[-1]
     return {"north_m": north, "west_m": west}
 
 
-def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:  # noqa: E741
+def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:
     """Place of the bob in the laboratory after t, and its trail in the sand."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 601), **terms)
     north, west, _ = np.einsum("tji,tj->it", run.rotation("laboratory"), run.position("bob"))
@@ -74,10 +75,10 @@ demo = Demo(
     __name__,
     title="Foucault's pendulum",
     question="How does a pendulum show that the Earth turns?",
-    why="The pendulum keeps its plane as well as it can, and the floor turns under it. Only the part of the Earth's turn "
-    "about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. Released at "
-    "rest from the floor it does not pass through the middle, because it starts with the floor's own sideways motion. "
-    "(The Earth turns 270 times too fast here, so that half a minute is enough.)",
+    why="The pendulum keeps its plane as well as it can, and the floor turns under it. Only the part of the Earth's "
+    "turn about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. "
+    "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
+    "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
     equation="r'' = g - 2 O x r' - O x (O x r) - k r; small swings turn at -O sin(lat)",
     source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
     quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},

@@ -55,9 +55,9 @@ demo = Demo(
     title="Gimbal lock",
     question="Why may a camera or a telescope not look at the zenith?",
     why="Two axes are enough to look anywhere, but at the zenith the line of sight lies along the outer axis, and a "
-    "turn about it moves nothing. A target that passes close by must be followed by swinging round half a revolution "
-    "while it crosses the gap: the closer, the faster, without limit. No third coordinate helps; every pair of angles "
-    "has such poles.",
+    "turn about it moves nothing. A target that passes close by must be followed by swinging round half a "
+    "revolution while it crosses the gap: the closer, the faster, without limit. No third coordinate helps; "
+    "every pair of angles has such poles.",
     equation="rate of the outer axis = w sin(miss) / (1 - cos^2(miss) sin^2(wt)), at most w / sin(miss)",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 2; Wie, Space Vehicle Dynamics and Control, 5.2",
     quantities={"outer_rate_peak_rad_s": Quantity("greatest rate of the outer axis", "rad/s")},

@@ -49,9 +49,10 @@ demo = Demo(
     __name__,
     title="Turning does not commute",
     question="Does the order of two quarter turns matter?",
-    why="Steps along x and y can be taken in any order, turns about x and y cannot: the first turn carries the book's "
-    "own axes away before the second one comes. Two quarter turns in the two orders end a third of a revolution apart. "
-    "That is why an orientation has no three coordinates that simply add up, and why this program uses quaternions.",
+    why="Steps along x and y can be taken in any order, turns about x and y cannot: the first turn carries the "
+    "book's own axes away before the second one comes. Two quarter turns in the two orders end a third of a "
+    "revolution apart. That is why an orientation has no three coordinates that simply add up, and why this "
+    "program uses quaternions.",
     equation="cos(angle/2) = 1 - 2 sin^2(a/2) sin^2(b/2); 90 and 90 degrees: 120 degrees",
     source="Altmann, Rotations, Quaternions and Double Groups; Goldstein, Classical Mechanics, 4.8",
     quantities={"angle_between_deg": Quantity("angle between the two books", "deg", relative=1e-8, absolute=1e-9)},
