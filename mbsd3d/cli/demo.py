@@ -76,7 +76,8 @@ def run_one(
     """Run a demo, print its table (or object), and write its files if there is a folder for them."""
     from ..demos.report import listing, report, to_json, write
 
-    folder, pages = (None, False) if out is None else (ready_folder(out), can_view(needed=watched))
+    pages = out is not None and can_view(needed=watched)
+    folder = None if out is None else ready_folder(out)
     outcome = shown.run(without, **values)
     click.echo(to_json(shown, outcome, without) if as_json else report(shown, outcome, without))
     if folder is not None:

@@ -91,7 +91,7 @@ class Exhibit:
     source: str  # of the theory
     make: Callable[..., Outcome]
     ablation: Mapping[str, object] = field(default_factory=dict)  # changes that put a row off by 100 tolerances
-    family: str = "What every model must get right"
+    family: str = "Of other packages"
     parameters: Mapping[str, object] = field(default_factory=dict)
 
     @property

@@ -4,14 +4,13 @@ import pkgutil
 from collections.abc import Iterator, Mapping
 from importlib import import_module, metadata
 from types import ModuleType
-from typing import TypeVar
 
+from ..base.version import load_entry
 from .base import Exhibit, Outcome
 from .form import Demo
 from .parameters import listed
 
 GROUP = "mbsd3d.demos"
-T = TypeVar("T")
 Known = Demo | Exhibit
 
 
@@ -35,22 +34,6 @@ class Demos(dict[str, Known]):
         for demo in self.values():
             found.setdefault(demo.family, []).append(demo)
         return found
-
-
-def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
-    """The object of an entry point, an instance of one of ``kinds``.
-
-    A ValueError of one line names the package, and the error of its import (SystemExit included) or the type found.
-    """
-    package = f"package '{entry.dist.name}'" if entry.dist else f"'{entry.value}'"
-    try:
-        found = entry.load()
-    except (Exception, SystemExit) as error:
-        text = " ".join(str(error).split())
-        raise ValueError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
-    if not isinstance(found, kinds):
-        raise ValueError(f"{package} gives a {type(found).__name__}, not a {kinds[0].__name__}; repair or remove it")
-    return found
 
 
 def discover() -> Demos:

@@ -15,8 +15,8 @@ from mbsd3d.base.style import COLOURS
 from mbsd3d.mechanism.shapes import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
 
-from .cardan import one_turn, shaft_pair
-from .heavy_top import falling_top
+from .shafts.cardan import one_turn, shaft_pair
+from .tops.heavy_top import falling_top
 
 BARE = (*NAMES, "ground grid")
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d.demos.base import discover
+from mbsd3d.demos.discovery import discover
 from validation import cases
 from validation.engine_balance.layouts import names
 from validation.suite import table

@@ -17,7 +17,7 @@ def mechanism(*, I=(1.0, 9.0, 10.0), j=1.0, c=0.5, w=5.0, tilt=0.02) -> System:
     s/rad]."""
     omega = np.array([w, w * tilt, 0.0])
     body = Body("satellite", 10.0, I, omega=omega, shape=ROCKET)
-    slug = Body("fuel", 1.0, (j, j, j), omega=omega, shape=shapes.Sphere(0.2, colour="#d55e00"))
+    slug = Body("fuel", 1.0, (j, j, j), omega=omega, shape=shapes.Sphere(0.2, colour="orangered"))
     tank = Spherical(body, slug, at=(0, 0, 0), name="tank")
     viscous = Bushing(body, slug, at=(0, 0, 0), stiffness=0.0, turning_damping=c, name="viscous")
     return System([body, slug], [tank], [viscous], gravity=(0, 0, 0))

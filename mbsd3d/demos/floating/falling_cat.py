@@ -7,7 +7,7 @@ from mbsd3d import AngleDriver, Body, Polynomial, Revolute, System, rotation, sh
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
 T = 1.0  # s: a roll by 360 degrees; the turn does not depend on it
-FUR = "#c9803a"
+FUR = "peru"
 
 
 def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:

@@ -85,7 +85,7 @@ class Loop(NamedTuple):
 def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray, size: float) -> list[shapes.Shape]:
     """A rod between two hinges, with a pin along each axis."""
     middle, along = 0.5 * (start + end), end - start
-    pins = [shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="#888888")
+    pins = [shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="gray")
             for place, way in ((start, axis), (end, other))]  # fmt: skip
     long = np.linalg.norm(along)
     return pins + ([shapes.Cylinder(0.5 * size, long, tuple(along), at=(0, 0, 0))] if long > size else [])

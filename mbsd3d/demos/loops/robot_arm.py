@@ -46,7 +46,7 @@ def step(a, d, alpha, theta):
 
 def bar(start, axis):
     """A link from a point to its origin, with a motor at the point."""
-    motor = shapes.Cylinder(0.06, 0.14, tuple(axis), at=start, colour="#666666")
+    motor = shapes.Cylinder(0.06, 0.14, tuple(axis), at=start, colour="dimgray")
     long = np.linalg.norm(start)
     return [motor, shapes.Capsule(0.04, long, tuple(start), at=0.5 * start)] if long > 0.02 else [motor]
 

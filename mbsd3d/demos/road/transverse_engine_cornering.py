@@ -41,9 +41,9 @@ def mechanism(*, m=1500.0, h=0.5, track=1.5, wheelbase=2.5, J=0.25, Omega=700.0,
 
 def body_of(wheelbase, track, h):
     """A car about its centre of mass."""
-    form = [shapes.Box((1.6 * wheelbase, 1.1 * track, 0.9 * h), at=(0, 0, 0.1 * h), colour="#88a8c8"),
+    form = [shapes.Box((1.6 * wheelbase, 1.1 * track, 0.9 * h), at=(0, 0, 0.1 * h), colour="lightsteelblue"),
             shapes.Box((0.8 * wheelbase, track, 0.8 * h), at=(-0.1 * wheelbase, 0, 0.9 * h))]  # fmt: skip
-    return form + [shapes.Cylinder(0.6 * h, 0.2, "y", at=(x * wheelbase / 2, y * track / 2, -0.4 * h), colour="#333333")
+    return form + [shapes.Cylinder(0.6 * h, 0.2, "y", at=(x * wheelbase / 2, y * track / 2, -0.4 * h), colour="dimgray")
                    for x in (-1, 1) for y in (-1, 1)]  # fmt: skip
 
 

@@ -12,7 +12,7 @@ def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) ->
     """Satellite Is [kg m^2], wheels (C, A, A) at +-Omega [rad/s] along x, gimbals about y driven by delta in T [s]."""
     d, bodies, joints = np.radians(delta_deg), [], []
     satellite = Body("satellite", 500.0, (Is, Is, Is), omega=(0, 0, 0),
-                     shape=shapes.Box((1.2, 2.4, 0.8), colour="#cccccc"))  # fmt: skip
+                     shape=shapes.Box((1.2, 2.4, 0.8), colour="silver"))  # fmt: skip
     for side, name in ((1, "upper"), (-1, "lower")):
         place = (0, 0, 1.1 * side)
         gimbal = Body(f"{name} gimbal", 0.0, (0, 0, 0), position=place, shape=shapes.Torus(0.55, 0.03, "z"))

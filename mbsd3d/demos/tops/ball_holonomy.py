@@ -11,7 +11,7 @@ T = 2.0  # s: one round; the turn does not depend on it
 
 def mechanism(*, r=0.1, rho=0.25) -> System:
     """Ball of radius r [m] whose centre is led around a circle of radius rho [m], without spin about the vertical."""
-    dots = [shapes.Sphere(0.12 * r, at=0.92 * r * np.array(d), colour="#d55e00") for d in ((1, 0, 0), (0, 0, 1))]
+    dots = [shapes.Sphere(0.12 * r, at=0.92 * r * np.array(d), colour="orangered") for d in ((1, 0, 0), (0, 0, 1))]
     ball = Body("ball", 1.0, (0.4 * r**2,) * 3, position=(rho, 0, r), shape=[shapes.Sphere(r), *dots])
     round_x, round_y = Sine(rho, 1 / T, np.pi / 2, -rho), Sine(rho, 1 / T)
     joints = [

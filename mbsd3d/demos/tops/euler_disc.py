@@ -15,7 +15,7 @@ def mechanism(*, a=0.04, I1_over_ma2=0.25, tilt_deg=10.0) -> System:
     rate = precession(a, I1_over_ma2, tilt)
     omega = rate * np.sin(tilt) * np.array([-np.cos(tilt), 0, np.sin(tilt)])  # along the radius to the table
     moments = I1_over_ma2 * mass * a**2 * np.array([1, 1, 2])
-    form = [shapes.Disc(a, 0.06 * a), shapes.Box((1.2 * a, 0.12 * a, 0.08 * a), colour="#d55e00")]
+    form = [shapes.Disc(a, 0.06 * a), shapes.Box((1.2 * a, 0.12 * a, 0.08 * a), colour="orangered")]
     disc = Body("disc", mass, moments, position=(0, 0, a * np.sin(tilt)), velocity=(0, 0, 0), omega=omega,
                 orientation=rotation("y", tilt), shape=form)  # fmt: skip
     axis = (np.sin(tilt), 0, np.cos(tilt))

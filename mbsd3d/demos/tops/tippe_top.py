@@ -25,7 +25,7 @@ def mechanism(*, m=0.01, r=0.02, a=0.003, A=1.6e-6, C=1.5e-6, c=0.2, theta_deg=1
     tilt = np.radians(theta_deg)
     axis = np.array([np.sin(tilt), 0, np.cos(tilt)])
     centre = np.array([0, 0, r])
-    form = [shapes.Sphere(r, at=(0, 0, 0)), shapes.Cylinder(0.2 * r, r, at=(0, 0, 1.3 * r), colour="#d55e00")]
+    form = [shapes.Sphere(r, at=(0, 0, 0)), shapes.Cylinder(0.2 * r, r, at=(0, 0, 1.3 * r), colour="orangered")]
     top = Body("top", m, (A, A, C), com=(0, 0, -a), position=centre, orientation=rotation("y", tilt),
                velocity=(0, 0, 0), omega=spin * axis, shape=form)  # fmt: skip
     table = PointOnPlane(GROUND, top, at=centre, normal=(0, 0, 1), name="table")

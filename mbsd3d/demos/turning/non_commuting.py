@@ -7,7 +7,7 @@ from mbsd3d import GROUND, Body, Pulse, SpeedDriver, Spherical, System, shapes, 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
 
 EDGE, LENGTH = 0.2, 1.0  # s, of the rise and of each turn
-BOOK = (shapes.Box((0.5, 0.08, 0.7)), shapes.Box((0.04, 0.085, 0.705), at=(-0.23, 0, 0), colour="#d55e00"))
+BOOK = (shapes.Box((0.5, 0.08, 0.7)), shapes.Box((0.04, 0.085, 0.705), at=(-0.23, 0, 0), colour="orangered"))
 
 
 def mechanism(*, a_deg=90.0, b_deg=90.0) -> System:

@@ -12,9 +12,9 @@ from mbsd3d.base.quaternions import H
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import shapes
 
-from . import crank
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, plain_decades, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, plain_decades, theory_dots
+from ..shafts import crank
 
 TURN = 2 * np.pi  # rad/s: one revolution per second
 MOMENTS, SPIN = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])  # of the free body [kg m^2, rad/s]
@@ -207,5 +207,6 @@ demo = Exhibit(
     "dropped looks right to some check and is caught by another.",
     source="closed forms for constant w, in the docstrings of this file",
     make=run,
+    family="What forgotten terms break",
     ablation={"gyroscopic": True, "centripetal": True, "gamma": True, "h_dot": True},
 )

@@ -21,8 +21,8 @@ from mbsd3d import (
 from mbsd3d.base.style import COLOURS, GREY
 from mbsd3d.mechanism import shapes
 
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
 INERTIA = (0.2, 1.0, 1.0)  # kg m^2, the shafts lie along the body's x
@@ -175,5 +175,6 @@ demo = Exhibit(
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",
     make=run,
+    family="Shafts out of line",
     ablation={"bend_factor": 1.01},
 )

@@ -13,8 +13,8 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import shapes
 
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import legend_below, new_figure, space
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
@@ -178,5 +178,6 @@ demo = Exhibit(
     "spin through the body, and about the middle axis the smallest error grows.",
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
     make=run,
+    family="Bodies that float",
     ablation={"gyroscopic": False},
 )

@@ -22,8 +22,8 @@ from mbsd3d import (
 from mbsd3d.base.style import COLOURS, LIGHT
 from mbsd3d.mechanism import shapes
 
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm
 RADIUS, ROD, OFFSET = 1.0, 2.0, 0.5  # crank radius, rod length, centre of mass of the crank from its axis [m]
@@ -152,5 +152,6 @@ demo = Exhibit(
     source="slider-crank by Newton's second law: the block takes the mass times acceleration of crank, rod and piston; "
     "Fourier series of sqrt(1 - (R/L)^2 sin^2 q)",
     make=run,
+    family="Shafts out of line",
     ablation={"centripetal": False},
 )

@@ -12,8 +12,8 @@ from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import measures, shapes
 
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
 
 MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
 SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal
@@ -141,5 +141,6 @@ demo = Exhibit(
     source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137, values at 2 s by Taylor series in 80 "
     "bits; fall: energy and two momenta, elliptic functions; steady: A W^2 cos(tilt) - C w3 W + m g l = 0",
     make=run,
+    family="Tops, coins and stones",
     ablation={"gyroscopic": False},
 )

@@ -12,8 +12,8 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import COLOURS, GREY
 from mbsd3d.mechanism import shapes
 
-from .base import Exhibit, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, theory_dots
 
 MASS, WIDTH, THICKNESS, HEIGHT = 20.0, 0.9, 0.04, 2.0  # kg, m
 LEAN, START = np.radians(5.0), np.radians(60.0)  # of the hinge axis from the vertical; of the door from its rest
@@ -127,5 +127,6 @@ demo = Exhibit(
     "second hinge on the same axis takes the same five again, so counting says -4 where the door turns.",
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
     make=run,
+    family="Loops that should not move",
     ablation={"lean_factor": 1.01},
 )

@@ -1,0 +1,1 @@
+"""What forgotten terms break."""
