@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .form import Curve
 
 MOST = 3  # panels side by side
+FAR = 6  # times the computed range, beyond which an ablation leaves the picture
 
 
 class Panel(NamedTuple):
@@ -34,6 +35,16 @@ def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     return figure
 
 
+def limit(axes: Axes, panel: Panel) -> None:
+    """What is computed fills the axis: an ablation that leaves it far behind, or rounding, does not set its scale."""
+    curve, other = panel.curve, panel.other
+    y = np.asarray(curve.y, float)
+    y = np.concatenate([y[np.isfinite(y)], [-curve.scale, curve.scale] if curve.scale else []])
+    span = np.ptp(y)
+    if curve.scale or (other is not None and np.ptp(np.asarray(other.y, float)) > FAR * span > 0.0):
+        axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
+
+
 def draw(axes: Axes, panel: Panel) -> None:
     """One panel."""
     curve = panel.curve
@@ -50,5 +61,6 @@ def draw(axes: Axes, panel: Panel) -> None:
             x, y = (np.atleast_1d(np.asarray(values, float)) for values in curve.theory)
             dots = every(x.size, 25)
             theory_dots(axes, x[dots], y[dots])
+        limit(axes, panel)
     axes.set(xlabel=curve.along, ylabel=curve.label)
     legend_below(axes, 3)

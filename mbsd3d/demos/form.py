@@ -44,6 +44,7 @@ class Curve(NamedTuple):
     theory: tuple[ArrayLike, ArrayLike] | None = None
     along: str = "time [s]"
     title: str = ""
+    scale: float = 0.0  # the axis reaches as far as this to both sides of zero
 
 
 class Against(NamedTuple):
@@ -179,7 +180,7 @@ class Demo:
         stem = self.name if without is None else f"{self.name}_without_{without}"
         stems = [stem, *(f"{stem}_{k + 2}" for k in range(len(found.solutions)))]
         solutions = dict(zip(stems, found.solutions, strict=False))
-        views = {stem: Show(found.solutions[0], self.show)} if found.solutions else {}
+        views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
         notes = (f"without {self.ablation.term}: {self.ablation.then}",)
         drawn = partial(self.figure, values, found, without)
         return Outcome(rows, drawn, solutions, notes, views, values)
@@ -203,7 +204,7 @@ class Demo:
         """The first quantity over a parameter."""
         name, low, high, along, count = self.against
         key, quantity = next(iter(self.quantities.items()))
-        few, fine = np.linspace(low, high, count), np.linspace(low, high, 121)
+        few, fine = np.linspace(low, high, count), np.linspace(low, high, 61)
 
         def sampled(function: Callable[..., Numbers], places: np.ndarray) -> list[float]:
             return [valid(function, {**values, name: type(values[name])(place)}, key) for place in places]

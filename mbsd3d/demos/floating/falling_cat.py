@@ -43,8 +43,7 @@ def measure(build, terms) -> Measured:
     rolled = np.degrees(run.angle("fore roll"))
     share = 1 + build.theory["net_turn_deg"] / 360
     curve = Curve("turn of the waist [deg]", run.t, turn, (run.t, -share * rolled))
-    L = Curve("angular momentum about the length [N m s]", run.t, run.momentum().angular[:, 0])
-    return Measured({"net_turn_deg": turn[-1] + rolled[-1]}, [run], [curve, L])
+    return Measured({"net_turn_deg": turn[-1] + rolled[-1]}, [run], [curve])
 
 
 demo = Demo(

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 from mbsd3d import GROUND, AngleDriver, Body, Joint, Kinematic, Polynomial, Revolute, Solution, System, shapes, simulate
 
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
-SAMPLES = 121
+SAMPLES = 61
 CLOSED = 1e-9  # share of the length, and rad
 
 
@@ -47,6 +47,8 @@ class Loop(NamedTuple):
         """Angles that close the loop for a given first one, near a guess for the others."""
         found = least_squares(lambda x: self.gap([first, *x]), others, xtol=3e-16, ftol=3e-16, gtol=3e-16)
         theta = np.array([first, *found.x])
+        for _ in range(2):  # down to rounding, which least squares leave at its root
+            theta[1:] -= np.linalg.lstsq(found.jac, self.gap(theta), rcond=1e-8)[0]
         if np.abs(self.gap(theta)).max() > CLOSED:
             raise ValueError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
                              "give lengths and angles that close")  # fmt: skip

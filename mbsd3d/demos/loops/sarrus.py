@@ -57,9 +57,10 @@ def measure(build, terms, *, l, q_deg) -> Measured:
     run = simulate(system, T, method=Kinematic(), output=121, **terms)
     place, q = run.position("platform"), np.degrees(run.angle("foot 1")) + q_deg / 2
     known = 2 * l * np.sin(np.radians(q))
+    off = np.linalg.norm(place[:, :2], axis=1)
     curves = [
         Curve("height [m]", q, place[:, 2], (q, known), "angle of the legs [deg]"),
-        Curve("off the straight line [m]", q, np.linalg.norm(place[:, :2], axis=1), None, "angle of the legs [deg]"),
+        Curve("off the straight line [m]", q, off, (q, 0 * q), "angle of the legs [deg]", scale=0.1 * l),
     ]
     values = {"height_m": place[-1, 2], "mobility": mobility, "rise_rate_m_s": run.velocity("platform")[-1, 2]}
     return Measured(values, [run], curves)

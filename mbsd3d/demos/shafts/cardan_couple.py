@@ -26,7 +26,8 @@ def couple(angle, bend_deg, torque):
 
 def theory(*, bend_deg, torque):
     """The joint's moment is normal to its cross: now along the driven shaft, now as far off it as the bend."""
-    require(abs(bend_deg) < 90, f"demo 'cardan_couple': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
+    require(abs(bend_deg) <= 45, f"demo 'cardan_couple': bend_deg = {bend_deg:g}: above 45 the greatest couple on the "
+            "driving shaft is T/(2 cos b), between the quarters of a turn; give less")  # fmt: skip
     b = np.radians(abs(bend_deg))
     return {
         "couple_on_driving_shaft_Nm": abs(torque) * np.sin(b), "couple_on_driven_shaft_Nm": abs(torque) * np.tan(b),
@@ -63,6 +64,6 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("bend", "shafts in line feel no couple", {"bend_deg": 0.0}),
-    against=Against("bend_deg", 0.0, 60.0, "bend [deg]"),
+    against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},
 )

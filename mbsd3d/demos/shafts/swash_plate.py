@@ -57,7 +57,14 @@ def measure(build, terms, *, omega) -> Measured:
     sign = np.sign(wave @ torque) or 1.0
     curves = [
         Curve("torque of one piston [N m]", degrees, torque, (degrees, sign * wave), "shaft [deg]"),
-        Curve("torque of nine pistons [N m]", degrees, nine.effort("motor"), (degrees, 0 * wave), "shaft [deg]"),
+        Curve(
+            "of nine pistons [N m]",
+            degrees,
+            nine.effort("motor"),
+            (degrees, 0 * wave),
+            "shaft [deg]",
+            scale=peak,
+        ),
     ]
     return Measured({"stroke_m": np.ptp(height), "one_piston_torque_peak_Nm": abs(torque).max()}, [nine, one], curves)
 

@@ -77,6 +77,6 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("spin", "wheels that do not spin turn nothing", {"Omega": 0.0}),
-    against=Against("delta_deg", 0.0, 90.0, "tilt of the gimbals [deg]"),
+    against=Against("delta_deg", 0.0, 90.0, "tilt of the gimbals [deg]", computed=3),
     show={"curves": [("omega", "satellite")], "shown": ["angular momentum"], "traces": []},
 )

@@ -75,7 +75,7 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("engine", "the engine stands still and the nose goes straight up", {"Omega": 0.0}),
-    against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]"),
+    against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]", computed=3),
     show={"curves": [("omega_body", "jet")], "shown": ["angular momentum"]},
     ranges={"I": [(12e3, 16e3), (70e3, 80e3), (75e3, 81e3)]},
 )

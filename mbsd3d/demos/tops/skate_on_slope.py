@@ -51,9 +51,11 @@ def measure(build, terms, *, slope_deg, w, t=10.0) -> Measured:
     run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     down, sideways, _ = axes(slope_deg) @ run.position("skate").T
     known = path(run.t, slope_deg, w)
+    path_seen = Curve(
+        "up the slope [m]", sideways, -down, (known[1], -known[0]), "sideways [m]", "its path on the slope"
+    )
     curve = Curve("down the slope [m]", run.t, down, (run.t, known[0]))
-    across = Curve("sideways [m]", run.t, sideways, (run.t, known[1]))
-    return Measured({"down_slope_m": down[-1], "sideways_m": sideways[-1]}, [run], [curve, across])
+    return Measured({"down_slope_m": down[-1], "sideways_m": sideways[-1]}, [run], [path_seen, curve])
 
 
 demo = Demo(

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import cache, partial
 from typing import Any
 
-from mbsd3d.extend import discover
+from mbsd3d.extend import Demo, discover
 from validation.suite.findings import THEORY, Finding, judged
 from validation.suite.trials.trial import STANDS, Run, Trial
 
@@ -19,10 +19,17 @@ LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
 """Demo -> the case that stands for its mechanism in other engines when the run must be short."""
 
 
+ONE_ENGINE = "the demo is compared with its theory only"
+
+
 def trials(quick: bool) -> list[Trial]:
-    """One per mechanism of a demo; the theory stands with the first one."""
+    """One per mechanism of a demo; the theory stands with the first one. Demos with parameters are the gallery."""
     found = []
     for demo in discover().values():
+        if isinstance(demo, Demo):
+            make = partial(shown, demo, demo.name)
+            found.append(Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=ONE_ENGINE))
+            continue
         names = WHOLE.get(demo.name, (demo.name,))
         for name in names[:1] if quick else names:
             judges = {THEORY: rows} if name == names[0] else {}
