@@ -83,7 +83,8 @@ def player(outcome: Outcome, title: str, path: Path) -> str:
     if not outcome.views:
         return ""
     solution, options = first_view(outcome)
-    html = solution.animate(**{**options, "title": title}).html
+    quiet = {"curves": (), "hidden": ("joint names", "body names")}  # the curves stand below
+    html = solution.animate(**{**options, **quiet, "title": title}).html
     write_atomically(path, html.replace(client_head(), f'<script src="{VIEWER}"></script>').encode("utf-8"))
     return path.name
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..plotting.plots import save_figure
 from .base import Outcome, Row
-from .discovery import Known
+from .discovery import Known, discover
 
 WIDTH = 100
 HEAD = ("quantity", "computed", "theory", "error")
@@ -38,14 +38,22 @@ def table(rows: Sequence[Row], heads: Sequence[str] = HEAD) -> str:
     return "\n".join(f"  {line}" for line in [lines[0], rule, *marked])
 
 
-def summary(outcomes: Mapping[str, Outcome]) -> str:
+def summary(found: Mapping[str, Sequence[Row]]) -> str:
     """The numbers of all demos as one table."""
     rows = [
         Row(f"{name}: {row.quantity}", row.computed, row.theory, row.tolerance, row.unit)
-        for name, outcome in outcomes.items()
-        for row in outcome.rows
+        for name, rows in found.items()
+        for row in rows
     ]
     return table(rows)
+
+
+def run_and_write(name: str, folder: Path, pages: bool) -> tuple[str, tuple[Row, ...]]:
+    """Run a demo and write its files: its report, and its rows as plain numbers."""
+    demo = discover()[name]
+    outcome = demo.run()
+    written = listing(write(demo, outcome, folder, pages=pages))
+    return f"{report(demo, outcome)}\n{written}\n", outcome.rows
 
 
 def report(demo: Known, outcome: Outcome, without: str | None = None) -> str:
