@@ -2,8 +2,6 @@
 
 import os
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
 from typing import TYPE_CHECKING
 
 import click
@@ -92,6 +90,9 @@ def run_one(
 
 def run_all(names: list[str], out: str) -> "dict[str, tuple[Row, ...]]":
     """All demos, by two processes where there are two cores; their rows in the order of the list."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
     from ..demos.report import run_and_write
 
     pages = can_view()

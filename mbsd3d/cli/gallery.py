@@ -1,9 +1,7 @@
 """``mbsd3d gallery``: all demos as a site of pages that need no network."""
 
-import multiprocessing
 import os
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
 
 import click
 
@@ -20,6 +18,9 @@ def gallery(names: tuple[str, ...], out: str) -> None:
 
     Pages that have not changed since the last call are kept.
     """
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
     from ..demos.discovery import discover
     from ..demos.gallery import front, page
 
@@ -27,8 +28,7 @@ def gallery(names: tuple[str, ...], out: str) -> None:
     demos = discover()
     wanted = [demos.find(name).name for name in names] or list(demos)
     folder, began, lost = ready_folder(out), time.perf_counter(), []
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(WORKERS, os.cpu_count() or 1), mp_context=context) as pool:
+    with ProcessPoolExecutor(min(WORKERS, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
         tasks = {pool.submit(page, name, folder): name for name in wanted}
         for k, task in enumerate(as_completed(tasks)):
             name, error = tasks[task], task.exception()

@@ -40,13 +40,7 @@ def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
     """The legend under the panel, never on the data; with the lines of its twin."""
     found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
     handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
-    style = {
-        "loc": "upper center",
-        "bbox_to_anchor": (0.5, -0.15),
-        "frameon": False,
-        "fontsize": 9,
-        "labelcolor": LIGHT.ink,
-    }
+    style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
     axes.legend(handles, labels, ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
