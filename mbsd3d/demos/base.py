@@ -1,5 +1,6 @@
 """What a demo gives: rows of computed numbers beside theory, a figure, runs and views."""
 
+import inspect
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -101,6 +102,11 @@ class Exhibit:
 
     def run(self, without: str | None = None, /, **changes: object) -> Outcome:
         """The whole effect, or with the changes of its ablation."""
+        for name in changes:
+            if name not in inspect.signature(self.make).parameters:
+                raise ValueError(
+                    f"demo '{self.name}' has no parameter '{name}'; it has a table of its own and no numbers to set"
+                )
         if without not in (None, *self.ablation):
             raise ValueError(f"demo '{self.name}' has no term '{without}'; there are {', '.join(self.ablation)}")
         return self.make(**({without: self.ablation[without]} if without else {}), **changes)

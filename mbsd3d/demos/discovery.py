@@ -55,16 +55,16 @@ def discover() -> Demos:
 
 
 def own_demos() -> dict[str, Known]:
-    """The demos of this folder: families in the order of their folders, each in the order of its names."""
+    """The demos of this folder: families in the order of their PLACE, each in the order of its names."""
     return {demo.name: demo for demo in walk(import_module(__name__.rpartition(".")[0]))}
 
 
 def walk(package: ModuleType) -> Iterator[Known]:
     """Every ``demo`` of the modules of a package and of the packages in it."""
-    modules = [(found.ispkg, found.name) for found in pkgutil.iter_modules(package.__path__)]
-    for is_package, name in sorted(modules):
-        module = import_module(f"{package.__name__}.{name}")
-        if is_package:
+    names = sorted(found.name for found in pkgutil.iter_modules(package.__path__))
+    modules = [import_module(f"{package.__name__}.{name}") for name in names]
+    for module in sorted(modules, key=lambda found: getattr(found, "PLACE", 0)):
+        if hasattr(module, "__path__"):
             yield from walk(module)
         elif isinstance(getattr(module, "demo", None), Known):
             yield module.demo

@@ -83,7 +83,8 @@ def player(outcome: Outcome, title: str, path: Path) -> str:
     if not outcome.views:
         return ""
     solution, options = first_view(outcome)
-    quiet = {"curves": (), "hidden": ("joint names", "body names")}  # the curves stand below
+    hidden = {"body names", "joint names", *options.get("hidden", ())}
+    quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
     write_atomically(path, html.replace(client_head(), f'<script src="{VIEWER}"></script>').encode("utf-8"))
     return path.name
@@ -101,7 +102,8 @@ def picture(outcome: Outcome, path: Path) -> None:
             solution, options = first_view(outcome)
             known = {key: options[key] for key in ("traces", "shown") if key in options}
             when = solution.t[len(solution.t) // 3]
-            figure = solution.picture(when, size=(4.8, 3.6), hidden=("body names", "joint names"), **known)
+            hidden = {"body names", "joint names", *options.get("hidden", ())}
+            figure = solution.picture(when, size=(4.8, 3.6), hidden=sorted(hidden), **known)
         else:
             figure = outcome.figure
         raw, small = io.BytesIO(), io.BytesIO()

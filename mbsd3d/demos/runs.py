@@ -19,7 +19,7 @@ def next_turn(
     return simulate(system, rest.final.t, state=start, output=2, **settings)
 
 
-def half_swing(system: System, rate: Measure, about: float, **settings: object) -> Solution:
-    """From the first moment at which a rate turns negative to the next one at which it turns positive."""
-    top = simulate(system, 100 * about, stop_when=rate < 0, **{"rtol": 1e-13, **settings})
-    return next_turn(system, rate, about, rising=False, state=top.final, **settings)
+def half_swing(system: System, rate: Measure, about: float, *, up: bool = True, **settings: object) -> Solution:
+    """From one turning point to the next, of a rate that is positive at the start (``up``) or negative."""
+    first = simulate(system, 100 * about, stop_when=rate < 0 if up else rate > 0, **{"rtol": 1e-13, **settings})
+    return next_turn(system, rate, about, rising=not up, state=first.final, **settings)

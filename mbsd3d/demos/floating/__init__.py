@@ -1,1 +1,3 @@
 """Bodies that float."""
+
+PLACE = 2

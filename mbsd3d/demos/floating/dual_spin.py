@@ -46,7 +46,7 @@ def measure(build, terms, *, w, Omega) -> Measured:
     system = build()
     kicked = system.state()
     kicked = State(kicked.t, kicked.q, kicked.v + 1e-3 * w * (np.eye(12)[3] + np.eye(12)[9]))
-    run = simulate(system, 40.0 / w, state=kicked, rtol=1e-10, output=401, **terms)
+    run = simulate(system, 40.0 / abs(w), state=kicked, rtol=1e-10, output=401, **terms)
     spin = Curve("rate about the wheel's axis [rad/s]", run.t, run.omega_body("satellite")[:, 2])
     return Measured({"growth_wheel_off_1_s": values[0.0][0], "nutation_wheel_on_rad_s": on}, [run], [map_of, spin])
 

@@ -103,6 +103,6 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("crank", "without the crank both lean alike", {"Jc": 1e-9}),
-    show={"curves": [("effort", "balance")], "follow": "motorcycle", "shown": ["angular momentum"], "traces": []},
+    show={"curves": [("effort", "balance")], "follow": "motorcycle", "hidden": ["joints", "joint names"], "traces": []},
     ranges={"lean_deg": None},
 )

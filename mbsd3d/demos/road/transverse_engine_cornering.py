@@ -93,5 +93,10 @@ demo = Demo(
         values=without_gyroscopic,
     ),  # fmt: skip
     against=Against("Omega", -900.0, 900.0, "speed of the crankshaft [rad/s]"),
-    show={"curves": [("reaction", "left"), ("reaction", "right")], "shown": ["reaction force"], "follow": "car"},
+    show={
+        "curves": [("reaction", "left"), ("reaction", "right")],
+        "shown": ["reaction force"],
+        "follow": "car",
+        "hidden": ["joints", "joint names"],
+    },
 )

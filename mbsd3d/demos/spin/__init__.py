@@ -1,1 +1,3 @@
 """Spin turns sideways."""
+
+PLACE = 1

@@ -41,10 +41,12 @@ def theory(*, Co, Ai, Bi, Ci, A, C, spin, beta_deg, kick):
     return {"nutation_period_s": 2 * time, "walk_per_nutation_rad": 2 * walk}
 
 
-def measure(build, terms, *, A, C, spin) -> Measured:
+def measure(build, terms, *, A, C, spin, kick) -> Measured:
     """Half a nutation from its upper to its lower end; the other half is its mirror image in time."""
     system = build()
-    down = half_swing(system, measures.rate(system.part("inner", "joints")), 4 * A / abs(C * spin), **terms)
+    down = half_swing(
+        system, measures.rate(system.part("inner", "joints")), 4 * A / abs(C * spin), up=kick > 0, **terms
+    )
     walk = down.angle("outer")[-1] - down.angle("outer")[0]
     period = 2 * (down.t[-1] - down.t[0])
     values = {"nutation_period_s": period, "walk_per_nutation_rad": 2 * walk}

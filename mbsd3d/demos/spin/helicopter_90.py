@@ -16,7 +16,7 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 96  # of one turn; the flap is a sine, of which one turn gives the Fourier coefficient
 
@@ -36,6 +36,7 @@ def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> S
 
 def theory(*, m, L, e, Omega, M0, c, k):
     """I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform blade."""
+    require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: the answer dies out without a damper")
     inertia = m * L**2 / 3
     return lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
 
