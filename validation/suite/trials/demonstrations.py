@@ -19,7 +19,7 @@ LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
 """Demo -> the case that stands for its mechanism in other engines when the run must be short."""
 
 
-ONE_ENGINE = "the demo is compared with its theory only"
+SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
 def trials(quick: bool) -> list[Trial]:
@@ -28,7 +28,9 @@ def trials(quick: bool) -> list[Trial]:
     for demo in discover().values():
         if isinstance(demo, Demo):
             make = partial(shown, demo, demo.name)
-            found.append(Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=ONE_ENGINE))
+            found.append(
+                Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=SHORT * quick)
+            )
             continue
         names = WHOLE.get(demo.name, (demo.name,))
         for name in names[:1] if quick else names:
