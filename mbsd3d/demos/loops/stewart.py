@@ -87,6 +87,7 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
+    moves=False,
     ablation=Ablation("yaw", "straight the legs share the weight", {"yaw_deg": 0.0}),
     show={"curves": [("reaction", "leg 1"), ("reaction", "leg 2")], "shown": ["reaction force"], "traces": []},
     ranges={"yaw_deg": (20.0, 80.0)},

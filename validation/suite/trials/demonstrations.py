@@ -19,6 +19,7 @@ LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
 """Demo -> the case that stands for its mechanism in other engines when the run must be short."""
 
 
+STILL = "nothing moves in it"
 SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
@@ -29,7 +30,14 @@ def trials(quick: bool) -> list[Trial]:
         if isinstance(demo, Demo):
             make = partial(shown, demo, demo.name)
             found.append(
-                Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=SHORT * quick)
+                Trial(
+                    f"gallery_{demo.name}",
+                    "gallery",
+                    demo.title,
+                    make,
+                    {THEORY: rows},
+                    alone=SHORT * quick or STILL * (not demo.moves),
+                )
             )
             continue
         names = WHOLE.get(demo.name, (demo.name,))
