@@ -86,7 +86,10 @@ def player(outcome: Outcome, title: str, path: Path) -> str:
     hidden = {"body names", "joint names", *options.get("hidden", ())}
     quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
-    write_atomically(path, html.replace(client_head(), f'<script src="{VIEWER}"></script>').encode("utf-8"))
+    html = html.replace(client_head(), f'<script src="{VIEWER}"></script>')
+    script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
+    html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
+    write_atomically(path, html.encode("utf-8"))
     return path.name
 
 

@@ -47,17 +47,34 @@ def test_every_demo_has_a_digest_of_its_own():
 
 
 @pytest.mark.slow
-def test_the_pages_run_in_a_browser(chromium, site):
-    for width in (1400, 420):
-        seen = chromium.new_page(viewport={"width": width, "height": 900})
-        errors = []
-        seen.on("pageerror", lambda error, found=errors: found.append(str(error)))
-        seen.goto((site / f"{NAME}.html").as_uri())
-        frame = next(frame for frame in seen.frames if f"{NAME}_seen" in frame.url)
-        frame.wait_for_selector("canvas", timeout=60_000)
-        assert errors == [] and seen.evaluate("document.documentElement.scrollWidth") <= width
-        seen.goto((site / "index.html").as_uri())
-        assert seen.locator("[data-words]").count() == 1
-        seen.fill("#search", "no such effect")
-        assert seen.locator("[data-words]:visible").count() == 0
-        seen.close()
+@pytest.mark.parametrize("width", [1400, 420])
+def test_the_pages_fit_and_find(chromium, site, width):
+    seen, errors = chromium.new_page(viewport={"width": width, "height": 900}), []
+    seen.on("pageerror", lambda error: errors.append(str(error)))
+    seen.goto((site / f"{NAME}.html").as_uri())
+    assert seen.evaluate("document.documentElement.scrollWidth") <= width
+    seen.goto((site / "index.html").as_uri())
+    assert seen.locator("[data-words]").count() == 1 and seen.evaluate("document.body.scrollWidth") <= width
+    seen.fill("#search", "no such effect")
+    assert seen.locator("[data-words]:visible").count() == 0 and errors == []
+    seen.close()
+
+
+@pytest.mark.slow
+def test_the_players_keep_in_step(chromium, site):
+    seen, errors = chromium.new_page(viewport={"width": 1400, "height": 900}), []  # both in sight: else they rest
+    seen.on("pageerror", lambda error: errors.append(str(error)))
+    seen.goto((site / f"{NAME}.html").as_uri())
+    first, other = (
+        next(frame for frame in seen.frames if f"_{kind}.html" in frame.url) for kind in ("seen", "without")
+    )
+    wait = {"polling": 200, "timeout": 120_000}
+    for frame in (first, other):
+        frame.wait_for_function("document.querySelector('canvas') && document.getElementById('message').hidden", **wait)
+    first.evaluate("document.getElementById('play').click()")
+    other.wait_for_function("document.getElementById('play').getAttribute('aria-label') === 'pause'", **wait)
+    first.evaluate("document.getElementById('play').click()")
+    other.wait_for_function("document.getElementById('play').getAttribute('aria-label') === 'play'", **wait)
+    times = [frame.evaluate("document.getElementById('scrub').valueAsNumber") for frame in (first, other)]
+    assert times[0] > 0 and abs(times[1] - times[0]) < 0.05 and errors == []
+    seen.close()
