@@ -102,7 +102,7 @@ class Demo:
     measure: Callable[..., Measured]
     ablation: Ablation
     against: Against | None = None
-    moves: bool = True  # whether the run that is shown moves; forces at rest are shown as they are
+    alone: str = ""  # why its run is not compared with that of other engines; "" = it is
     show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
     ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
 

@@ -63,6 +63,7 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
+    alone="its shafts have no mass",
     ablation=Ablation("bend", "shafts in line feel no couple", {"bend_deg": 0.0}),
     against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},

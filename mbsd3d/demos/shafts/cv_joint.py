@@ -65,6 +65,7 @@ demo = Demo(
     mechanism=mechanism,
     theory=theory,
     measure=measure,
+    alone="its shafts have no mass",
     ablation=Ablation("constancy", "a cross in its place is uneven and shakes", {"cross": 1}, values=with_cross),
     against=Against("bend_deg", 0.0, 60.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},

@@ -19,7 +19,6 @@ LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
 """Demo -> the case that stands for its mechanism in other engines when the run must be short."""
 
 
-STILL = "nothing moves in it"
 SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
@@ -36,7 +35,7 @@ def trials(quick: bool) -> list[Trial]:
                     demo.title,
                     make,
                     {THEORY: rows},
-                    alone=SHORT * quick or STILL * (not demo.moves),
+                    alone=SHORT * quick or demo.alone,
                 )
             )
             continue
