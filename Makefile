@@ -8,11 +8,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo test slow timing warm lint pictures precision clean
+.PHONY: demo gallery test slow timing warm lint pictures precision clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
 	@$(BIN)/mbsd3d demo --all --out out
+
+gallery: $(READY)
+	@$(BIN)/mbsd3d gallery --out site
 
 test: warm
 	$(PYTEST) $(SPREAD) -m "not slow and not timing"
@@ -56,7 +59,7 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 
 clean:
-	rm -rf .venv out build *.egg-info .pytest_cache .ruff_cache
+	rm -rf .venv out site build *.egg-info .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The stamp is younger than both files once they are installed, so the next call has nothing to do.

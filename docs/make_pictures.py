@@ -12,8 +12,8 @@ from mbsd3d import Body, Solution, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.base.style import COLOURS
-from mbsd3d.demos.cardan import one_turn, shaft_pair
-from mbsd3d.demos.heavy_top import falling_top
+from mbsd3d.demos.shafts.cardan import one_turn, shaft_pair
+from mbsd3d.demos.tops.heavy_top import falling_top
 from mbsd3d.mechanism.shapes import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
 

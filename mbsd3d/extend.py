@@ -32,7 +32,8 @@ NAMES = {
     # commands of the command line, and demos
     "cli": ("main",),
     "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder"),
-    "demos.base": ("discover",),
+    "demos.discovery": ("discover",),
+    "demos.form": ("Ablation", "Against", "Curve", "Demo", "Measured", "Quantity", "require"),
     # the mechanism as data: what joints lower to, what forces and signals are made of
     "mechanism.couplings": ("Coupling",),
     "mechanism.force_element": ("ForceElement", "hinge_coordinate"),

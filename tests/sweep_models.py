@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mbsd3d import GROUND, Body, Force, Revolute, System
-from mbsd3d.demos.cardan import RATE, shaft_pair
+from mbsd3d.demos.shafts.cardan import RATE, shaft_pair
 
 RUN = {"t_end": 0.4, "rtol": 1e-6, "output": 33}
 

@@ -90,10 +90,18 @@ def simulate(
     return Solution.of(result, simulate)
 
 
-def accelerations(system: System, state: State | None = None) -> Solution:
+def accelerations(
+    system: System,
+    state: State | None = None,
+    *,
+    gyroscopic: bool = True,
+    centripetal: bool = True,
+    gamma: bool = True,
+) -> Solution:
     """Accelerations and reactions at one state: a `Solution` with a single sample.
 
     ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
+    The teaching switches drop the same terms as in `simulate`.
 
     Examples
     --------
@@ -108,7 +116,7 @@ def accelerations(system: System, state: State | None = None) -> Solution:
     """
     start = start_of(system, state, "accelerations")
     try:
-        return Solution.of(accelerations_at(system, start), simulate)
+        return Solution.of(accelerations_at(system, start, Switches(gyroscopic, centripetal, gamma)), simulate)
     except IntegrationError as error:
         error.solution = error.solution and Solution.of(error.solution, simulate)
         raise

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..equations.compiled import Switches
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
 from ..mechanism.state import State
@@ -101,7 +102,14 @@ class Linearization(linearization.Linearization):
 
 
 def linearize(
-    system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
+    system: System,
+    state: State | None = None,
+    *,
+    outputs: Sequence[Measure] | None = None,
+    tolerance: float = 1e-8,
+    gyroscopic: bool = True,
+    centripetal: bool = True,
+    gamma: bool = True,
 ) -> Linearization:
     """The linear equations of small motions about an equilibrium or a relative equilibrium.
 
@@ -121,6 +129,8 @@ def linearize(
         out, which otherwise leave zeros with Jordan blocks.
     tolerance : float
         Largest residual of the conditions of a steady motion, in units of the model's length and its fastest rate.
+    gyroscopic, centripetal, gamma : bool
+        Teaching switches as in `simulate`: False drops w x I w, m w x (w x s), -J_dot v.
 
     Returns
     -------
@@ -154,5 +164,7 @@ def linearize(
     (4.952272206, "angle of 'hinge'")
     """
     start = start_of(system, state, "linearize")
-    found = linearization.linearize_at(system, start, outputs=outputs, tolerance=tolerance)
+    found = linearization.linearize_at(
+        system, start, outputs=outputs, tolerance=tolerance, switches=Switches(gyroscopic, centripetal, gamma)
+    )
     return Linearization(**{field.name: getattr(found, field.name) for field in fields(found)})

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..base.errors import Mbsd3dError
+from ..base.version import load_entry
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
@@ -73,8 +74,6 @@ class Commands(click.Group):
 
 def command_of(entry: metadata.EntryPoint) -> click.Command:
     """The command of an entry point, or a substitute that says why it cannot be loaded."""
-    from ..demos.base import load_entry
-
     try:
         return load_entry(entry, click.Command)
     except ValueError as error:

@@ -1,19 +1,17 @@
-"""Demos, and how they are found: in this folder and in other packages."""
+"""What a demo gives: rows of computed numbers beside theory, a figure, runs and views."""
 
-import pkgutil
+import inspect
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module, metadata
+from functools import cached_property
 from math import inf, isfinite
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..api.solution import Solution
-
-GROUP = "mbsd3d.demos"
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -31,6 +29,12 @@ class Row:
     theory: float
     tolerance: float  # largest accepted |computed - theory|
     unit: str = ""  # e.g. "N m"; "" for a pure number
+    key: str = ""  # name in tables for programs; "" = made of the quantity
+
+    @property
+    def name(self) -> str:
+        """Name for programs."""
+        return self.key or re.sub(r"\W+", "_", self.quantity).strip("_")
 
     @property
     def error(self) -> float:
@@ -56,10 +60,21 @@ class Outcome:
     """What a demo gives: the table, a figure, runs and views by the names of their files, and lines to print below."""
 
     rows: tuple[Row, ...]
-    figure: "Figure"
+    drawn: Callable[[], "Figure"]
     solutions: Mapping[str, "Solution"]
     notes: tuple[str, ...] = ()
     views: Mapping[str, Show] = field(default_factory=dict)
+    parameters: Mapping[str, object] = field(default_factory=dict)
+
+    @cached_property
+    def figure(self) -> "Figure":
+        """Drawn when it is first asked for."""
+        return self.drawn()
+
+    @cached_property
+    def quantities(self) -> dict[str, Row]:
+        """The rows by their names."""
+        return {row.name: row for row in self.rows}
 
     @property
     def passed(self) -> bool:
@@ -68,62 +83,30 @@ class Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Demo:
-    """One effect with its theory; without changes every row of ``run(**changes)`` passes."""
+class Exhibit:
+    """A demo with a table and a figure of its own; without changes every row of ``make(**changes)`` passes."""
 
     name: str  # for the command line and the files
     title: str  # a few words
     why: str  # one sentence: why the effect exists only in space
     source: str  # of the theory
-    run: Callable[..., Outcome]
+    make: Callable[..., Outcome]
     ablation: Mapping[str, object] = field(default_factory=dict)  # changes that put a row off by 100 tolerances
+    family: str = "Of other packages"
+    parameters: Mapping[str, object] = field(default_factory=dict)
 
+    @property
+    def question(self) -> str:
+        """What stands in a list."""
+        return self.title
 
-class Demos(dict[str, Demo]):
-    """Demos by name; ``broken`` says of each entry point that could not be loaded why not."""
-
-    def __init__(self, demos: Mapping[str, Demo], broken: Mapping[str, str]) -> None:
-        super().__init__(demos)
-        self.broken = dict(broken)
-
-
-def load_entry(entry: metadata.EntryPoint, kind: type[T]) -> T:
-    """The object of an entry point, an instance of ``kind``.
-
-    A ValueError of one line names the package, and the error of its import (SystemExit included) or the type found.
-    """
-    package = f"package '{entry.dist.name}'" if entry.dist else f"'{entry.value}'"
-    try:
-        found = entry.load()
-    except (Exception, SystemExit) as error:
-        text = " ".join(str(error).split())
-        raise ValueError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
-    if not isinstance(found, kind):
-        raise ValueError(f"{package} gives a {type(found).__name__}, not a {kind.__name__}; repair or remove it")
-    return found
-
-
-def discover() -> Demos:
-    """All demos by name: every module of this folder with a ``demo``, then the entry points of "mbsd3d.demos".
-
-    Entry points that cannot be loaded, or whose name is taken, are in ``broken``.
-    """
-    found, broken = own_demos(), {}
-    for entry in metadata.entry_points(group=GROUP):
-        try:
-            demo = load_entry(entry, Demo)
-            if demo.name in found:
-                raise ValueError(f"a demo is already named '{demo.name}'; rename one")
-            found[demo.name] = demo
-        except ValueError as error:
-            broken[entry.name] = str(error)
-    return Demos(found, broken)
-
-
-def own_demos() -> dict[str, Demo]:
-    """The demos of this folder, in the order of their names."""
-    package = __name__.rpartition(".")[0]
-    paths = import_module(package).__path__
-    modules = [import_module(f"{package}.{module.name}") for module in pkgutil.iter_modules(paths)]
-    demos = [module.demo for module in modules if isinstance(getattr(module, "demo", None), Demo)]
-    return {demo.name: demo for demo in sorted(demos, key=lambda demo: demo.name)}
+    def run(self, without: str | None = None, /, **changes: object) -> Outcome:
+        """The whole effect, or with the changes of its ablation."""
+        for name in changes:
+            if name not in inspect.signature(self.make).parameters:
+                raise ValueError(
+                    f"demo '{self.name}' has no parameter '{name}'; it has a table of its own and no numbers to set"
+                )
+        if without not in (None, *self.ablation):
+            raise ValueError(f"demo '{self.name}' has no term '{without}'; there are {', '.join(self.ablation)}")
+        return self.make(**({without: self.ablation[without]} if without else {}), **changes)

@@ -41,7 +41,7 @@ def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
     found = [panel.get_legend_handles_labels() for panel in (axes, twin) if panel is not None]
     handles, labels = (sum(lists, []) for lists in zip(*found, strict=True))
     style = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.15), "frameon": False, "fontsize": 9}
-    axes.legend(handles, labels, ncols=columns, **style)
+    axes.legend(handles, labels, ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
 def sphere_net(axes: Axes3D, lowest: float = -1.0, highest: float = 1.0) -> None:

@@ -1,22 +1,36 @@
-"""A demo on paper: its table as text, and its files."""
+"""A demo on paper: its table as text and as JSON, and its files."""
 
+import json
 import textwrap
+from collections.abc import Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 
 from ..plotting.plots import save_figure
-from .base import Demo, Outcome, Row
+from .base import Outcome, Row
+from .discovery import Known, discover
 
 WIDTH = 100
 HEAD = ("quantity", "computed", "theory", "error")
 
 
-def table(rows: tuple[Row, ...]) -> str:
+def contents(families: Mapping[str, Sequence[Known]]) -> str:
+    """Demos by family, each with its question."""
+    width = max((len(demo.name) for demos in families.values() for demo in demos), default=0)
+    blocks = [
+        "\n".join([f"{family}:", *(f"  {demo.name:{width}}  {demo.question}" for demo in demos)])
+        for family, demos in families.items()
+    ]
+    return "\n\n".join(blocks)
+
+
+def table(rows: Sequence[Row], heads: Sequence[str] = HEAD) -> str:
     """The rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their tolerance."""
-    cells = [HEAD]
+    cells = [tuple(heads)]
     for row in rows:
         quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
         cells.append((quantity, f"{row.computed:.12g}", f"{row.theory:.12g}", f"{row.error:.1e}"))
-    widths = [max(len(line[k]) for line in cells) for k in range(len(HEAD))]
+    widths = [max(len(line[k]) for line in cells) for k in range(len(heads))]
     lines = [" | ".join([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]) for line in cells]
     rule = "-+-".join("-" * width for width in widths)
     marks = ["" if row.passed else f"  FAIL, limit {row.tolerance:.0e}" for row in rows]
@@ -24,25 +38,61 @@ def table(rows: tuple[Row, ...]) -> str:
     return "\n".join(f"  {line}" for line in [lines[0], rule, *marked])
 
 
-def report(demo: Demo, outcome: Outcome) -> str:
-    """Title, why, source, table and notes of a demo."""
-    lines = [f"{demo.name}: {demo.title}"]
-    for label, text in (("why", demo.why), ("source", demo.source)):
-        lines += textwrap.wrap(text, WIDTH, initial_indent=f"  {label:8}", subsequent_indent=" " * 10)
+def summary(found: Mapping[str, Sequence[Row]]) -> str:
+    """The numbers of all demos as one table."""
+    rows = [
+        Row(f"{name}: {row.quantity}", row.computed, row.theory, row.tolerance, row.unit)
+        for name, rows in found.items()
+        for row in rows
+    ]
+    return table(rows)
+
+
+def run_and_write(name: str, folder: Path, pages: bool) -> tuple[str, tuple[Row, ...]]:
+    """Run a demo and write its files: its report, and its rows as plain numbers."""
+    demo = discover()[name]
+    outcome = demo.run()
+    written = listing(write(demo, outcome, folder, pages=pages))
+    return f"{report(demo, outcome)}\n{written}\n", outcome.rows
+
+
+def report(demo: Known, outcome: Outcome, without: str | None = None) -> str:
+    """Question, why, equation, source, table and notes of a demo."""
+    lines = [f"{demo.name}: {demo.title}" + (f" (without {without})" if without else "")]
+    texts = {label: getattr(demo, label, "") for label in ("question", "why", "equation", "source")}
+    for label, text in texts.items():
+        if text and text != demo.title:
+            lines += textwrap.wrap(text, WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12)
     lines += ["", table(outcome.rows)]
     for note in outcome.notes:
         lines += textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 
 
-def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True) -> list[Path]:
+def to_json(demo: Known, outcome: Outcome, without: str | None = None) -> str:
+    """One object: name, parameters, and of each quantity computed, theory and error; null for what is no number."""
+    quantities = {
+        name: {key: finite(getattr(row, key)) for key in ("computed", "theory", "error")}
+        for name, row in outcome.quantities.items()
+    }
+    found = {"demo": demo.name, "parameters": dict(outcome.parameters), "quantities": quantities}
+    return json.dumps({**found, "without": without} if without else found, indent=1)
+
+
+def finite(value: float) -> float | None:
+    """A number of JSON."""
+    return float(value) if isfinite(value) else None
+
+
+def write(demo: Known, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None) -> list[Path]:
     """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
 
     The views, written if ``pages``, need the package viser.
     """
     outcome.figure.get_layout_engine().execute(outcome.figure)
     outcome.figure.set_layout_engine("none")  # placed once, not again for each format
-    written = save_figure(outcome.figure, folder / demo.name)
+    stem = f"{demo.name}_without_{without}" if without else demo.name
+    written = save_figure(outcome.figure, folder / stem)
     for name, solution in outcome.solutions.items():
         written += [solution.save(folder / name), solution.to_csv(folder / name)]
     for name, (solution, options) in outcome.views.items() if pages else ():

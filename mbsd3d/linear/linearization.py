@@ -10,7 +10,7 @@ import scipy.linalg
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
 from ..constraints.nearby_poses import closed
-from ..equations.compiled import Compiled, compile_system
+from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.elimination import eliminate
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..kernels.jit import announce_compilation, mark_warm
@@ -106,7 +106,12 @@ class Linearization:
 
 @on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize_at(
-    system: Mechanism, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
+    system: Mechanism,
+    state: State | None = None,
+    *,
+    outputs: Sequence[Measure] | None = None,
+    tolerance: float = 1e-8,
+    switches: Switches | None = None,
 ) -> Linearization:
     """The linear equations of small motions; arguments and errors as `mbsd3d.linearize`."""
     check_system(system, "linearize")
@@ -114,8 +119,8 @@ def linearize_at(
     outputs = checked_outputs(system, outputs)
     check_signals(system)
     check_state(state, "linearize")
-    start = accelerations_at(system, state).state(0)  # refuses a state that does not meet the joints
-    compiled = compile_system(system, outputs)
+    start = accelerations_at(system, state, switches).state(0)  # refuses a state that does not meet the joints
+    compiled = compile_system(system, outputs, switches)
     announce_compilation("linearisation")
     field = Field(compiled, start, len(outputs))
     at = field.at(field.t, field.y)

@@ -1,5 +1,6 @@
 """The command line: what it prints and writes, its exit codes, and one line for everything a user can get wrong."""
 
+import json
 import re
 import signal
 import subprocess
@@ -14,7 +15,8 @@ from click.testing import CliRunner
 
 import mbsd3d
 from mbsd3d.cli import main
-from mbsd3d.demos.base import Demo, Outcome, Row
+from mbsd3d.demos.base import Exhibit, Outcome, Row
+from mbsd3d.demos.discovery import discover
 
 PENDULUM = """
 from mbsd3d import GROUND, Body, Revolute, System
@@ -102,9 +104,33 @@ def test_version_and_warmup():
 
 
 @pytest.mark.parametrize("arguments", [(), ("--list",)])
-def test_demos_are_listed_in_one_line_each(arguments):
+def test_demos_are_listed_by_family_with_their_questions(arguments):
     lines = call("demo", *arguments).stdout.splitlines()
-    assert [line.split()[0] for line in lines] == ["cardan", "crank", "door", "dzhanibekov", "heavy_top", "wall"]
+    families = discover().families()
+    assert [line for line in lines if line and not line.startswith(" ")] == [f"{family}:" for family in families]
+    names = [demo.name for demos in families.values() for demo in demos]
+    assert [line.split()[0] for line in lines if line.startswith("  ")] == names
+    assert sum(line.endswith("?") for line in lines) > 40
+
+
+def test_a_demo_as_json_is_one_object_and_writes_nothing(folder):
+    settings = ("--set", "k=0.3", "--set", "Omega=2")
+    result = call("demo", "ball-on-turntable", *settings, "--json")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 0 and result.stderr == "" and not list(folder.iterdir())
+    assert set(found) == {"demo", "parameters", "quantities"} and found["demo"] == "ball_on_turntable"
+    assert (found["parameters"]["k"], found["parameters"]["Omega"]) == (0.3, 2.0)
+    rate = found["quantities"]["circle_rate_rad_s"]
+    assert set(rate) == {"computed", "theory", "error"} and rate["theory"] == pytest.approx(0.6 / 1.3, rel=1e-14)
+    assert abs(rate["computed"] - rate["theory"]) == rate["error"] < 1e-9
+
+
+def test_a_demo_without_a_term_shows_what_is_lost(folder):
+    result = call("demo", "dynamic_unbalance", "--without", "gyroscopic", "--json", "--out", "here")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 0 and found["without"] == "gyroscopic"
+    assert abs(found["quantities"]["bearing_force_N"]["computed"]) < 1e-6
+    assert (folder / "here" / "dynamic_unbalance_without_gyroscopic.png").exists()
 
 
 def test_a_demo_prints_its_table_and_writes_figure_and_data(folder):
@@ -294,7 +320,15 @@ def expect_one_line(result, message):
         (("run", "model.py", "--t-end", 1, "--out", "model.py"), "--out 'model.py' cannot be written: File exists"),
         (("run", "model.py", "--t-end", 1, "--out", "model.py/x"), "cannot be written: Not a directory"),
         (("demo", "cardan", "--out", "model.py"), "--out 'model.py' cannot be written"),
-        (("demo", "unknown"), "there is no demo 'unknown'; there are cardan, crank"),
+        (("demo", "unknown"), "there is no demo 'unknown'; there are "),
+        (("demo", "falling_dog"), "there is no demo 'falling_dog'; did you mean falling_cat?"),
+        (("demo", "stewart", "--set", "yaw=3"), "no parameter 'yaw'; did you mean yaw_deg?"),
+        (("demo", "stewart", "--set", "yaw_deg"), "'yaw_deg' is not NAME=VALUE; write e.g. --set Omega=30"),
+        (("demo", "stewart", "--set", "yaw_deg=[1]"), "yaw_deg: expected a number"),
+        (("demo", "stewart", "--set", "yaw_deg=90"), "the six legs leave the platform loose"),
+        (("demo", "dual_spin", "--set", "I=[1,2]"), "give 3 finite numbers"),
+        (("demo", "stewart", "--without", "giroscopic"), "no term 'giroscopic'; did you mean gyroscopic?"),
+        (("demo", "--json"), "--json is for one demo; give its name"),
         (("demo", "cardan", "--all"), "exclude each other"),
     ],
 )
@@ -330,10 +364,10 @@ def plugins(monkeypatch):
 
         figure = Figure(layout="constrained")
         figure.subplots()
-        return Outcome((Row("one", 2.0, 1.0, 1e-9),), figure, {})
+        return Outcome((Row("one", 2.0, 1.0, 1e-9),), lambda: figure, {})
 
     module.hello, module.refuse, module.wrong, module.run = hello, refuse, 3, hello
-    module.failing = Demo("failing", "fails", "Why.", "source", failing)
+    module.failing = Exhibit("failing", "fails", "Why.", "source", failing)
     monkeypatch.setitem(sys.modules, "plugin_commands", module)
     names = {"hello": "plugin_commands:hello", "refuse": "plugin_commands:refuse", "wrong": "plugin_commands:wrong",
              "lost": "no_such_package:command", "run": "plugin_commands:run"}  # fmt: skip

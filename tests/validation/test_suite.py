@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbsd3d.demos.base import discover
+from mbsd3d.demos.discovery import discover
 from validation import cases
 from validation.engine_balance.layouts import names
 from validation.suite import findings as words
@@ -40,7 +40,8 @@ def test_the_list_holds_everything():
     found = [trial.name for trial in everything]
     assert len(found) == len(set(found))
     assert set(cases.names()) <= set(found)
-    assert {f"demo_{demo}" for demo in discover()} <= {name.removesuffix("_") for name in found}
+    shown = {name.removeprefix("demo_").removeprefix("gallery_") for name in found}
+    assert set(discover()) <= shown
     assert {f"engine_{name}" for name in names()} <= set(found)
     assert sum(trial.group == "random mechanisms" for trial in everything) == families.MANY == 200
     assert sum(trial.group == "random mechanisms" for trial in short) == families.FEW == 20

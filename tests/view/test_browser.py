@@ -10,7 +10,7 @@ from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened,
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.demos.base import own_demos
+from mbsd3d.demos.discovery import own_demos
 from mbsd3d.demos.report import write
 from mbsd3d.view.page.content import LENGTH, TURN
 from mbsd3d.view.scene.artist import draw_system

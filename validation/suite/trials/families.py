@@ -9,7 +9,7 @@ from functools import cache, partial
 from typing import Any
 
 from mbsd3d import IntegrationError, System
-from mbsd3d.extend import discover
+from mbsd3d.extend import Demo, discover
 from validation.benchmark.counts import Count, counted_by_exudyn
 from validation.cases.examples import mechanism, moving
 from validation.cases.mechanisms import four_bars
@@ -28,12 +28,17 @@ WHOLE = {
 """Demo -> its runs with all terms; of other demos the first run is one."""
 LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
 """Demo -> the case compared with other engines in its place when the run must be short."""
+SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
 def demonstrations(quick: bool) -> list[Trial]:
-    """One per mechanism of a demo; the theory goes with the first one."""
+    """One per mechanism of a demo; the theory goes with the first one. Demos with parameters are the gallery."""
     found = []
     for demo in discover().values():
+        if isinstance(demo, Demo):
+            make, alone = partial(shown, demo, demo.name), SHORT if quick else demo.alone
+            found.append(Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=alone))
+            continue
         names = WHOLE.get(demo.name, (demo.name,))
         for name in names[:1] if quick else names:
             judges = {THEORY: rows} if name == names[0] else {}

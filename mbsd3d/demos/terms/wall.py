@@ -1,5 +1,7 @@
 """The wall of shame: what is lost with each term one may forget, in numbers."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -10,9 +12,9 @@ from mbsd3d.base.quaternions import H
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import shapes
 
-from . import crank
-from .base import Demo, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, plain_decades, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, plain_decades, theory_dots
+from ..shafts import crank
 
 TURN = 2 * np.pi  # rad/s: one revolution per second
 MOMENTS, SPIN = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])  # of the free body [kg m^2, rad/s]
@@ -142,7 +144,7 @@ def run(*, gyroscopic: bool = False, centripetal: bool = False, gamma: bool = Fa
     astray = {"title": "without w x I w: the angular momentum of a free body turns with it"}
     astray |= {"curves": ["momentum", "energy"], "shown": ["angular momentum", "angular velocity"]}
     views = {"wall": Show(flying, left), "wall_free_body": Show(free, astray)}
-    return Outcome(tuple(rows), draw(tops, flying, opened_by, e), files, views=views)
+    return Outcome(tuple(rows), partial(draw, tops, flying, opened_by, e), files, views=views)
 
 
 def draw(tops: dict[str, Solution], flying: Solution, opened_by: dict[str, Solution], e: np.ndarray) -> Figure:
@@ -198,12 +200,13 @@ def draw_table(axes: Axes, tops: dict[str, Solution]) -> None:
     axes.spines[:].set_visible(False)
 
 
-demo = Demo(
+demo = Exhibit(
     name="wall",
     title="the wall: what each forgotten term breaks",
     why="All of these terms vanish in a plane for a body on its centre of mass; in space, and off it, each one that is "
     "dropped looks right to some check and is caught by another.",
     source="closed forms for constant w, in the docstrings of this file",
-    run=run,
+    make=run,
+    family="What forgotten terms break",
     ablation={"gyroscopic": True, "centripetal": True, "gamma": True, "h_dot": True},
 )

@@ -1,5 +1,7 @@
 """Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -19,8 +21,8 @@ from mbsd3d import (
 from mbsd3d.base.style import COLOURS, GREY
 from mbsd3d.mechanism import shapes
 
-from .base import Demo, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
 INERTIA = (0.2, 1.0, 1.0)  # kg m^2, the shafts lie along the body's x
@@ -139,7 +141,7 @@ def run(*, bend_factor: float = 1.0) -> Outcome:
     options = {"curves": [("omega_body", "driven"), ("effort", "motor")], "traces": []}
     even = {"title": "two Cardan joints: an even ratio again", **options}
     views = {"cardan": Show(single, options), "cardan_double": Show(double, even)}
-    return Outcome(tuple(rows), draw(single, double), solutions, views=views)
+    return Outcome(tuple(rows), partial(draw, single, double), solutions, views=views)
 
 
 def draw(single: Solution, double: Solution) -> Figure:
@@ -165,13 +167,14 @@ def draw(single: Solution, double: Solution) -> Figure:
     return figure
 
 
-demo = Demo(
+demo = Exhibit(
     name="cardan",
     title="Cardan joint: an uneven ratio between shafts at an angle",
     why="In a plane all shafts are parallel and a coupling hands every angle on unchanged; two shafts that meet at an "
     "angle need space, and a cross between them trades speed four times a turn.",
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",
-    run=run,
+    make=run,
+    family="Shafts out of line",
     ablation={"bend_factor": 1.01},
 )

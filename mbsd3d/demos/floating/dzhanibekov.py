@@ -1,5 +1,7 @@
 """A free body spun about its middle axis turns over, again and again, at the interval the elliptic integral gives."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
@@ -11,8 +13,8 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import shapes
 
-from .base import Demo, Outcome, Row, Show
-from .drawing import legend_below, new_figure, space
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import legend_below, new_figure, space
 
 MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
 SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
@@ -87,7 +89,7 @@ def run(*, gyroscopic: bool = True) -> Outcome:
     ]
     files = {f"dzhanibekov_{name}": run for name, run in zip(("least", "", "greatest"), runs, strict=True)}
     files = {name.rstrip("_"): run for name, run in sorted(files.items(), key=lambda item: item[0] != "dzhanibekov_")}
-    return Outcome(tuple(rows), draw(runs, times), files, views={"dzhanibekov": in_space()})
+    return Outcome(tuple(rows), partial(draw, runs, times), files, views={"dzhanibekov": in_space()})
 
 
 def in_space() -> Show:
@@ -169,12 +171,13 @@ def draw(runs: list[Solution], times: np.ndarray) -> Figure:
     return figure
 
 
-demo = Demo(
+demo = Exhibit(
     name="dzhanibekov",
     title="Dzhanibekov effect: the tumbling of the middle axis",
     why="In a plane w and I w are parallel, so a free body spins on for ever; in space they are not, w x I w moves the "
     "spin through the body, and about the middle axis the smallest error grows.",
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
-    run=run,
+    make=run,
+    family="Bodies that float",
     ablation={"gyroscopic": False},
 )

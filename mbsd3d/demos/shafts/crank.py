@@ -1,5 +1,7 @@
 """Crank, rod and piston: the force on the block, to which the offset of the crank's centre of mass adds a tenth."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -20,8 +22,8 @@ from mbsd3d import (
 from mbsd3d.base.style import COLOURS, LIGHT
 from mbsd3d.mechanism import shapes
 
-from .base import Demo, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm
 RADIUS, ROD, OFFSET = 1.0, 2.0, 0.5  # crank radius, rod length, centre of mass of the crank from its axis [m]
@@ -110,7 +112,7 @@ def run(*, centripetal: bool = True) -> Outcome:
     rows.append(Row("the same force without m w x (w x s), 1x", missing, harmonics(centripetal=False)[0], 1e-9, "N"))
     solutions = {"crank": true, "crank_without_centripetal": without}
     options = {"curves": [("slide", "bore"), ("reaction", "bearing", "bore")], "shown": ["reaction force"]}
-    return Outcome(tuple(rows), draw(true, without), solutions, views={"crank": Show(true, options)})
+    return Outcome(tuple(rows), partial(draw, true, without), solutions, views={"crank": Show(true, options)})
 
 
 def shaking(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,13 +144,14 @@ def draw(true: Solution, without: Solution) -> Figure:
     return figure
 
 
-demo = Demo(
+demo = Exhibit(
     name="crank",
     title="crank with an offset centre of mass: what shakes the block",
     why="A cylinder beside its bearing rocks the block about an axis that lies in the plane of the mechanism, where a "
     "plane model has no moment; and it is the reference point off the centre of mass that calls for m w x (w x s).",
     source="slider-crank by Newton's second law: the block takes the mass times acceleration of crank, rod and piston; "
     "Fourier series of sqrt(1 - (R/L)^2 sin^2 q)",
-    run=run,
+    make=run,
+    family="Shafts out of line",
     ablation={"centripetal": False},
 )

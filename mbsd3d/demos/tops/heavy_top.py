@@ -1,5 +1,7 @@
 """The fast heavy top of the literature: it falls, turns aside, and comes back up."""
 
+from functools import partial
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -10,8 +12,8 @@ from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.style import COLOURS, GREY, LIGHT
 from mbsd3d.mechanism import measures, shapes
 
-from .base import Demo, Outcome, Row, Show
-from .drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
+from ..base import Exhibit, Outcome, Row, Show
+from ..drawing import every, legend_below, new_figure, space, sphere_net, theory_dots
 
 MASS, DISTANCE, INERTIA = 15.0, 1.0, (0.234375, 0.46875, 0.234375)  # kg, m, kg m^2; the body's y is its axis
 SPIN, PRECESSION = 150.0, -4.61538  # rad/s at the start, axis horizontal
@@ -93,7 +95,9 @@ def run(*, gyroscopic: bool = True) -> Outcome:
         mean = np.ptp(azimuth(solution)) / solution.t[-1]
         rows.append(Row(f"{name} steady precession at 75 degrees", mean, theory, 1e-9, "rad/s"))
     solutions = {"heavy_top": falling, "heavy_top_slow": steady[0], "heavy_top_fast": steady[1]}
-    return Outcome(tuple(rows), draw(falling, steady, rates), solutions, views={"heavy_top": in_space(falling)})
+    return Outcome(
+        tuple(rows), partial(draw, falling, steady, rates), solutions, views={"heavy_top": in_space(falling)}
+    )
 
 
 def in_space(falling: Solution) -> Show:
@@ -129,13 +133,14 @@ def draw(falling: Solution, steady: list[Solution], rates: tuple[float, float]) 
     return figure
 
 
-demo = Demo(
+demo = Exhibit(
     name="heavy_top",
     title="heavy top: a falling weight that turns aside",
     why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall; in space its "
     "moment turns the spin axis sideways.",
     source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137, values at 2 s by Taylor series in 80 "
     "bits; fall: energy and two momenta, elliptic functions; steady: A W^2 cos(tilt) - C w3 W + m g l = 0",
-    run=run,
+    make=run,
+    family="Tops, coins and stones",
     ablation={"gyroscopic": False},
 )

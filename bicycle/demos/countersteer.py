@@ -1,0 +1,83 @@
+"""To turn right one must first steer left."""
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.linalg
+
+from mbsd3d import System, simulate
+from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
+
+from ..linear.equations import canonical
+from ..model.mechanism import steer_torque, whipple
+from ..parameters import Meijaard2007
+
+TORQUE = 2e-4  # N m: small enough for the linear answer, large enough for its digits
+
+
+def mechanism(*, v=5.0, torque=TORQUE) -> System:
+    """The bicycle of the benchmark at v [m/s], a constant torque [N m] about the steer axis, to the right."""
+    parameters = Meijaard2007()
+    bicycle = whipple(parameters, speed=v)
+    return replace(bicycle, forces=steer_torque(bicycle, parameters, torque))
+
+
+def answer(times, v):
+    """(times, 4) of lean, steer and their rates to a torque of 1 N m at the handlebar, by the matrix exponential."""
+    linear = canonical(Meijaard2007())
+    A = np.zeros((5, 5))
+    A[:4, :4], A[2:4, 4] = linear.A(v), np.linalg.solve(linear.M, [0.0, 1.0])
+    return np.array([(scipy.linalg.expm(A * t) @ np.eye(5)[4])[:4] for t in times])
+
+
+def theory(*, v, t1, t2):
+    """Linear equations of the benchmark: first with the torque, then against it."""
+    early, late = answer([t1, t2], v)
+    return {"early_steer_per_torque": early[1], "late_steer_per_torque": late[1], "late_lean_per_torque": late[0]}
+
+
+def measure(build, terms, *, v, torque, t1=0.2, t2=2.0) -> Measured:
+    """Steer and lean of the general model per torque."""
+    system = build()
+    times = np.unique([*np.linspace(0, t2, 201), t1, t2])
+    run = simulate(system, times[-1], rtol=1e-13, output=times, **terms)
+    lateral = run.body_axis(system.part("frame"), (0.0, 1.0, 0.0))
+    lean = np.arcsin(lateral[:, 2]) / torque
+    steer, known = run.angle("steer") / torque, answer(times, v)
+    early, late = np.searchsorted(times, [t1, t2])
+    values = {
+        "early_steer_per_torque": steer[early],
+        "late_steer_per_torque": steer[late],
+        "late_lean_per_torque": lean[late],
+    }
+    curves = [
+        Curve("steer per torque [rad/(N m)]", times, steer, (times, known[:, 1])),
+        Curve("lean per torque [rad/(N m)]", times, lean, (times, known[:, 0])),
+    ]
+    seen = simulate(build(torque=1.0), t2, rtol=1e-9, output=201, **terms)
+    return Measured(values, [seen, run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="Countersteering",
+    question="Why must one steer left to turn right?",
+    why="Turning the handlebar to the right moves the wheels out to the right from under the rider, who then falls "
+    "to the left, and a bicycle that leans left turns left. So a steady push that would turn the handlebar to "
+    "the right first does so, and a moment later the bicycle leans left and steers left, against the hand.",
+    equation="M q'' + v C1 q' + (g K0 + v^2 K2) q = (0, T)",
+    source="Meijaard et al., Proc. R. Soc. A 463 (2007) 1955; Limebeer, Sharp, IEEE Control Systems 26 (2006) 34",
+    quantities={
+        "early_steer_per_torque": Quantity("steer at t1 over torque", "rad/(N m)", relative=1e-6),
+        "late_steer_per_torque": Quantity("steer at t2 over torque", "rad/(N m)", relative=1e-6),
+        "late_lean_per_torque": Quantity("lean at t2 over torque", "rad/(N m)", relative=1e-6),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "gyroscopic", "without gyroscopic moments the handlebar stays where it was pushed", values=lambda: {}
+    ),  # fmt: skip
+    show={"curves": [("angle", "steer"), ("omega", "frame")], "follow": "frame", "traces": []},
+    ranges={"v": (4.0, 7.0), "t2": (1.5, 2.2), "torque": None},
+)

@@ -1,0 +1,109 @@
+"""Between two speeds a bicycle rides itself: below it weaves, above it slowly capsizes."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d import Linearization, System, linearize, simulate
+from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
+
+from ..linear.critical import critical_speeds
+from ..linear.equations import canonical
+from ..model.mechanism import outputs, whipple
+from ..parameters import Meijaard2007
+
+SPEEDS = np.arange(1.0, 16.1)  # m/s, in which the critical ones are looked for
+
+
+def bicycle(spin):
+    """The benchmark, the moments of its wheels about their axles multiplied by a factor."""
+    found = Meijaard2007()
+    return replace(found, IRyy=spin * found.IRyy, IFyy=spin * found.IFyy)
+
+
+def mechanism(*, v=5.0, spin=1.0, push=0.0) -> System:
+    """The bicycle of the benchmark, straight on at v [m/s]; spin 0: wheels without moment about their axles."""
+    return whipple(bicycle(spin), speed=v, lean_rate=push)
+
+
+def theory(*, v, spin):
+    """M q'' + v C1 q' + (g K0 + v^2 K2) q = 0 of the benchmark: its eigenvalues at v and its critical speeds."""
+    critical, weave = critical_speeds(bicycle(spin)), weave_of(canonical(bicycle(spin)).eigenvalues([v])[0])
+    speeds = (x if np.isfinite(x) and x > 0 else np.inf for x in (critical.weave, critical.capsize))
+    names = ("weave_speed_m_s", "capsize_speed_m_s", "weave_damping_1_s", "weave_rad_s")
+    return dict(zip(names, (*speeds, weave.real, weave.imag), strict=True))
+
+
+def weave_of(values):
+    """The eigenvalue that oscillates."""
+    return values[np.argmax(values.imag)]
+
+
+def capsize_of(values):
+    """The greatest real eigenvalue."""
+    return max(values[abs(values.imag) < 1e-9].real, default=np.nan)
+
+
+def small_motions(system: System, terms) -> Linearization:
+    """In lean and steer."""
+    return linearize(system, outputs=outputs(system), **terms)
+
+
+def first_zero(function):
+    """The first speed at which a rate changes its sign; infinite if none does."""
+    found = [function(v) for v in SPEEDS]
+    for k in range(len(SPEEDS) - 1):
+        if found[k] * found[k + 1] < 0:
+            return brentq(function, SPEEDS[k], SPEEDS[k + 1], xtol=1e-13)
+    return np.inf
+
+
+def measure(build, terms, *, v, spin) -> Measured:
+    """Eigenvalues of the general model, and the speeds at which they cross zero."""
+
+    @cache
+    def values(speed):
+        return small_motions(build(v=speed), terms).eigenvalues
+
+    weave = weave_of(values(v))
+    found = {
+        "weave_speed_m_s": first_zero(lambda speed: weave_of(values(speed)).real),
+        "capsize_speed_m_s": first_zero(lambda speed: capsize_of(values(speed))),
+        "weave_damping_1_s": weave.real,
+        "weave_rad_s": weave.imag,
+    }
+    growth = [values(speed).real.max() for speed in SPEEDS]
+    known = canonical(bicycle(spin)).eigenvalues(SPEEDS).real.max(axis=1)
+    run = simulate(build(push=0.3), 3.0, rtol=1e-9, output=321, **terms)
+    curve = Curve("fastest growth [1/s]", SPEEDS, growth, (SPEEDS, known), "speed [m/s]", "below 0 it rides itself")
+    lean = Curve("steer after a push [deg]", run.t, np.degrees(run.angle("steer")))
+    return Measured(found, [run], [curve, lean])
+
+
+demo = Demo(
+    __name__,
+    title="No hands",
+    question="Between which speeds does a bicycle ride itself?",
+    why="A falling bicycle turns its front wheel into the fall: by the weight on the front part, by trail, and "
+    "because the leaning front wheel is a gyroscope. On the curve it then rides it rights itself. If it is too "
+    "slow this comes too late and it weaves, if it is too fast the steering is too calm and it slowly capsizes. "
+    "In between it needs nobody. `mbsd3d bicycle` has more of this.",
+    equation="M q'' + v C1 q' + (g K0 + v^2 K2) q = 0, q = (lean, steer)",
+    source="Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463 (2007) 1955 (benchmark)",
+    quantities={
+        "weave_speed_m_s": Quantity("speed from which it does not weave", "m/s"),
+        "capsize_speed_m_s": Quantity("speed up to which it does not capsize", "m/s"),
+        "weave_damping_1_s": Quantity("growth of the weave", "1/s"),
+        "weave_rad_s": Quantity("rate of the weave", "rad/s"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "spin", "with wheels that have no moment about their axles it rides itself at no speed", {"spin": 0.0}
+    ),
+    show={"curves": [("angle", "steer"), ("omega", "frame")], "follow": "frame", "traces": []},
+    ranges={"v": (4.5, 7.0), "spin": (0.7, 1.0), "push": None},
+)

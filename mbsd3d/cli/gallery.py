@@ -1,0 +1,42 @@
+"""``mbsd3d gallery``: all demos as a site of pages that need no network."""
+
+import os
+import time
+
+import click
+
+from .support import Failure, can_view, ready_folder
+
+WORKERS = 2  # a demo keeps a core busy; more would share the caches of the first compilation
+
+
+@click.command()
+@click.argument("names", nargs=-1)
+@click.option("--out", default="site", show_default=True, help="Folder of the site; made if missing.")
+def gallery(names: tuple[str, ...], out: str) -> None:
+    """Build the gallery of all demos (or of NAMES) as static pages.
+
+    Pages that have not changed since the last call are kept.
+    """
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    from ..demos.discovery import discover
+    from ..demos.gallery import front, page
+
+    can_view(needed=True)
+    demos = discover()
+    wanted = [demos.find(name).name for name in names] or list(demos)
+    folder, began, lost = ready_folder(out), time.perf_counter(), []
+    with ProcessPoolExecutor(min(WORKERS, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+        tasks = {pool.submit(page, name, folder): name for name in wanted}
+        for k, task in enumerate(as_completed(tasks)):
+            name, error = tasks[task], task.exception()
+            lost += [f"{name}: {error}"] if error else []
+            state = "FAILED" if error else "done" if task.result() else "as it was"
+            click.echo(f"mbsd3d: page {k + 1} of {len(wanted)}, {name}: {state}", err=True)
+    index = front(list(demos), folder)
+    size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
+    click.echo(f"{index}: {len(wanted) - len(lost)} pages, {size:.0f} MB, {time.perf_counter() - began:.0f} s")
+    if lost:
+        raise Failure("; ".join(lost))

@@ -1,0 +1,3 @@
+"""Bodies that float."""
+
+PLACE = 2

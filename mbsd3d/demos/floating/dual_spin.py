@@ -1,0 +1,82 @@
+"""A wheel inside a satellite makes the axis stable that no free body can spin about."""
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, linearize, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+
+
+def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
+    """Body I [kg m^2] turning at w about its middle axis z, wheel (J/2, J/2, J) in it at Omega more; centre held."""
+    body = Body("satellite", 20.0, I, omega=(0, 0, w), shape=shapes.Box((1.2, 0.4, 0.9)))
+    form = shapes.Disc(0.35, 0.1, "z", at=(0, 0, 0.55))
+    wheel = Body("wheel", 1.0, (J / 2, J / 2, J), omega=(0, 0, w + Omega), shape=form)
+    joints = [
+        Spherical(GROUND, body, at=(0, 0, 0), name="centre"),
+        Revolute(body, wheel, at=(0, 0, 0), axis=(0, 0, 1), name="bearing"),
+    ]
+    return System([body, wheel], joints, gravity=(0, 0, 0))
+
+
+def square(I, w, J, Omega):
+    """lambda^2 of the small motions of a gyrostat: -(h + (C - A) w)(h + (C - B) w) / (A B), h = J Omega."""
+    a, b, c = I[0] + J / 2, I[1] + J / 2, I[2] + J
+    h = J * Omega
+    return -(h + (c - a) * w) * (h + (c - b) * w) / (a * b)
+
+
+def theory(*, I, w, J, Omega):
+    """Growth with the wheel at rest in the body, nutation with the wheel on; zero where there is none."""
+    off, on = square(I, w, J, 0.0), square(I, w, J, Omega)
+    return {"growth_wheel_off_1_s": np.sqrt(max(off, 0.0)), "nutation_wheel_on_rad_s": np.sqrt(max(-on, 0.0))}
+
+
+def measure(build, terms, *, w, Omega) -> Measured:
+    """Eigenvalues of the small motions."""
+    values = {rate: small(build(Omega=rate), w, terms) for rate in {0.0, Omega}}
+    rates = np.linspace(0, 2 * Omega or 60.0, 13)
+    growth = [small(build(Omega=rate), w, terms)[0] for rate in rates]
+    fine = np.linspace(rates[0], rates[-1], 101)
+    known = [np.sqrt(max(square(build.values["I"], w, build.values["J"], rate), 0.0)) for rate in fine]
+    map_of = Curve(
+        "growth [1/s]", rates, growth, (fine, known), "speed of the wheel [rad/s]", "calm from some speed on"
+    )
+    on = values[Omega][1]
+    system = build()
+    kicked = system.state()
+    kicked = State(kicked.t, kicked.q, kicked.v + 1e-3 * w * (np.eye(12)[3] + np.eye(12)[9]))
+    run = simulate(system, 40.0 / abs(w), state=kicked, rtol=1e-10, output=401, **terms)
+    spin = Curve("rate about the wheel's axis [rad/s]", run.t, run.omega_body("satellite")[:, 2])
+    return Measured({"growth_wheel_off_1_s": values[0.0][0], "nutation_wheel_on_rad_s": on}, [run], [map_of, spin])
+
+
+def small(system, w, terms):
+    """(growth, nutation) of the small motions in the turning body; the turn itself is seen as a pair +-i w."""
+    found = linearize(system, **terms).eigenvalues
+    pair = found[found.imag > 1e-6 * abs(w)]
+    others = np.delete(pair, np.argmin(abs(pair.imag - abs(w))))
+    return max(found.real.max(), 0.0), others.imag.max(initial=0.0)
+
+
+demo = Demo(
+    __name__,
+    title="A wheel calms the forbidden axis",
+    question="Can a wheel inside make the forbidden axis stable?",
+    why="A free body cannot spin about its middle axis: the smallest error grows until it turns over. A wheel that "
+    "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its "
+    "moment were the greatest. Television satellites are kept in place so while their aerial, turning once a "
+    "day, points down.",
+    equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B), h = J W",
+    source="Hughes, Spacecraft Attitude Dynamics, ch. 6 (gyrostats)",
+    quantities={
+        "growth_wheel_off_1_s": Quantity("growth of an error, wheel off", "1/s"),
+        "nutation_wheel_on_rad_s": Quantity("rate of the wobble, wheel on", "rad/s"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("wheel", "with the wheel at rest errors grow and nothing wobbles", {"Omega": 0.0}),
+    show={"curves": [("omega_body", "satellite")]},
+    ranges={"I": [(28.0, 32.0), (48.0, 55.0), (38.0, 43.0)], "w": (0.3, 0.7)},
+)

@@ -1,0 +1,67 @@
+"""Two halves of a bent cat roll about their own axes, and the whole turns the other way."""
+
+import numpy as np
+
+from mbsd3d import AngleDriver, Body, Polynomial, Revolute, System, rotation, shapes, simulate
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+
+T = 1.0  # s: a roll by 360 degrees; the turn does not depend on it
+FUR = "peru"
+
+
+def mechanism(*, A=0.12, C=0.03, bend_deg=60.0) -> System:
+    """Halves (C, A, A) [kg m^2] along their own axes, bent by an angle at a massless waist about which both roll."""
+    g, bodies, joints = np.radians(bend_deg) / 2, [], []
+    waist = Body("waist", 0.0, (0, 0, 0), shape=shapes.Sphere(0.09, colour=FUR))
+    for name, side in (("fore", 1), ("hind", -1)):
+        along = np.array([side * np.cos(g), 0, -np.sin(g)])  # away from the waist
+        axis = side * along  # both roll the same way about the cat's length
+        turned = rotation("y", side * np.degrees(g), degrees=True)
+        legs = [shapes.Cylinder(0.03, 0.2, at=(side * 0.28, y, -0.16)) for y in (-0.08, 0.08)]
+        form = [shapes.Capsule(0.11, 0.3, "x", at=(side * 0.2, 0, 0), colour=FUR), *legs]
+        form += [shapes.Sphere(0.1, at=(0.46, 0, 0.06), colour=FUR)] if side > 0 else []
+        half = Body(name, 2.0, (C, A, A), orientation=turned, shape=form)
+        hinge = Revolute(waist, half, at=(0, 0, 0), axis=axis, name=f"{name} roll")
+        roll = AngleDriver(hinge, Polynomial((0, 0, -6 * np.pi / T**2, 4 * np.pi / T**3)), name=f"{name} muscle")
+        bodies.append(half)
+        joints += [hinge, roll]
+    return System([waist, *bodies], joints, gravity=(0, 0, 0))
+
+
+def theory(*, A, C, bend_deg):
+    """Per roll of 360 degrees, from angular momentum zero: 360 (C cos g/(C cos^2 g + A sin^2 g) - 1), g = bend/2."""
+    g = np.radians(bend_deg) / 2
+    return {"net_turn_deg": 360 * (C * np.cos(g) / (C * np.cos(g) ** 2 + A * np.sin(g) ** 2) - 1)}
+
+
+def measure(build, terms) -> Measured:
+    """Turn of the waist about the length of the cat, less the roll of the halves."""
+    run = simulate(build(), T, rtol=1e-12, output=201, **terms)
+    R = run.rotation("waist")
+    turn = np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 1, 1])))
+    rolled = np.degrees(run.angle("fore roll"))
+    share = 1 + build.theory["net_turn_deg"] / 360
+    curve = Curve("turn of the waist [deg]", run.t, turn, (run.t, -share * rolled))
+    return Measured({"net_turn_deg": turn[-1] + rolled[-1]}, [run], [curve])
+
+
+demo = Demo(
+    __name__,
+    title="The cat that lands on its feet",
+    question="How does a cat land on its feet without anything to push on?",
+    why="The cat bends and rolls both halves of its body about their own axes, like a bent hose turned in a hose. "
+    "Rolling has angular momentum; so that the sum stays zero, the bent cat as a whole turns the other way. "
+    "After one roll its shape is what it was, and it has turned by half a revolution. Straight, it would turn "
+    "back exactly what it rolled.",
+    equation="turn = 360 deg (C cos g / (C cos^2 g + A sin^2 g) - 1), g = bend / 2",
+    source="Kane, Scher, Int. J. Solids Struct. 5 (1969) 663; closed form of equal halves by angular momentum zero",
+    quantities={"net_turn_deg": Quantity("turn of the cat after one roll", "deg")},
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("bend", "a straight cat does not turn", {"bend_deg": 0.0}),
+    against=Against("bend_deg", 0.0, 120.0, "bend at the waist [deg]"),
+    show={"curves": [("angle", "fore roll"), "momentum"], "shown": [], "traces": [], "speed": 0.25},
+    ranges={"A": (0.09, 0.15), "C": (0.02, 0.05)},
+)

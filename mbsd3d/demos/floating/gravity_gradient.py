@@ -1,0 +1,88 @@
+"""A long satellite swings about the vertical: the Earth pulls its near end a little more than its far one."""
+
+import numpy as np
+from scipy.special import ellipk
+
+from mbsd3d import GROUND, Body, CustomForce, Revolute, SpeedDriver, System, measures, rotation, shapes, simulate
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+
+
+def gradient(t, bodies, z, parameters, loads, z_dot):
+    """3 n^2 u x I u about the centre of mass; u is the vertical, x of the orbit's frame."""
+    u, R = bodies[0].R[:, 0], bodies[1].R
+    n = parameters[0]
+    local = parameters[1:4] * (u[0] * R[0] + u[1] * R[1] + u[2] * R[2])  # I R'u
+    pulled = local[0] * R[:, 0] + local[1] * R[:, 1] + local[2] * R[:, 2]
+    loads[1, 3] = 3.0 * n * n * (u[1] * pulled[2] - u[2] * pulled[1])
+    loads[1, 4] = 3.0 * n * n * (u[2] * pulled[0] - u[0] * pulled[2])
+    loads[1, 5] = 3.0 * n * n * (u[0] * pulled[1] - u[1] * pulled[0])
+
+
+def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
+    """Frame of the orbit at n [rad/s] about y, x of it up; satellite I [kg m^2], its long axis z pitched from x."""
+    rate, turned = np.array([0, n, 0]), rotation("y", 90.0 + pitch_deg, degrees=True)
+    orbit = Body("orbit", 1.0, (1, 1, 1), omega=rate, shape=shapes.Torus(1.5, 0.01, "y"))
+    form = (
+        shapes.Cylinder(0.05, 2.4),
+        shapes.Box((0.5, 0.5, 0.4), at=(0, 0, -1.2)),
+        shapes.Sphere(0.2, at=(0, 0, 1.2)),
+    )
+    satellite = Body("satellite", 1.0, I, orientation=turned, omega=rate, shape=form)
+    joints = [
+        Revolute(GROUND, orbit, at=(0, 0, 0), axis=(0, 1, 0), name="way"),
+        SpeedDriver(GROUND, orbit, axis=(0, 1, 0), speed=n, name="orbital motion"),
+        Revolute(orbit, satellite, at=(0, 0, 0), axis=(0, 1, 0), name="pitch"),
+    ]
+    pull = CustomForce(gradient, on=(orbit, satellite), parameters=(n, *I), name="pull")
+    return System([orbit, satellite], joints, [pull], gravity=(0, 0, 0))
+
+
+def theory(*, I, n, pitch_deg):
+    """I2 a'' = -3 n^2 (I1 - I3) sin a cos a from rest at the pitch: a pendulum of the angle 2 a."""
+    require(I[0] > I[2], f"demo 'gravity_gradient': I = {I}: no swing unless I[0] > I[2]; make the satellite longer")
+    return {"quarter_period_s": ellipk(np.sin(np.radians(pitch_deg)) ** 2) / (n * np.sqrt(3 * (I[0] - I[2]) / I[1]))}
+
+
+def measure(build, terms, *, I, n, pitch_deg) -> Measured:
+    """Time from the release at rest to the vertical."""
+    system, about = build(), 1 / n * np.sqrt(I[1] / abs(I[0] - I[2] or I[1]))
+    upright = measures.angle(system.part("pitch", "joints")) < -np.radians(pitch_deg)
+    if pitch_deg < 0:
+        upright = measures.angle(system.part("pitch", "joints")) > -np.radians(pitch_deg)
+    run = simulate(system, 10 * about, rtol=1e-13, stop_when=upright, **terms)
+    reached = abs(np.degrees(run.angle("pitch")[-1]) + pitch_deg) < 1e-6
+    seen = simulate(system, 10 * about, rtol=1e-11, output=401, **terms)
+    passes = ellipk(np.sin(np.radians(pitch_deg)) ** 2) * about / np.sqrt(3) * np.arange(1, 20, 2)
+    passes = passes[passes < seen.t[-1]]
+    angle = pitch_deg + np.degrees(seen.angle("pitch"))
+    curve = Curve(
+        "pitch from the vertical [deg]", seen.t, angle, (passes, 0 * passes), title="theory: when it is upright"
+    )
+    return Measured({"quarter_period_s": run.final.t if reached else np.inf}, [seen], [curve])
+
+
+demo = Demo(
+    __name__,
+    title="The same face for ever",
+    question="Why does the Moon (and a long satellite) always show the same face?",
+    why="Gravity falls off with the distance, so the near end of a long body is pulled more than the far end, and on "
+    "its orbit the centrifugal force does the same. Both together turn its long axis towards the Earth like a "
+    "pendulum that has two lowest points. A body turned out of the vertical swings about it; a sphere feels "
+    "nothing.",
+    equation="I_2 a'' = -3 n^2 (I_1 - I_3) sin a cos a",
+    source="Hughes, Spacecraft Attitude Dynamics, ch. 9; Goldstein, Classical Mechanics, 5.8",
+    quantities={"quarter_period_s": Quantity("time from the release to the vertical", "s")},
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "length",
+        "three equal moments: no pull, and it never comes upright",
+        {"I": [10.0, 10.0, 10.0]},
+        values=lambda: {"quarter_period_s": np.inf},
+    ),  # fmt: skip
+    against=Against("pitch_deg", 5.0, 85.0, "pitch at the release [deg]"),
+    show={"curves": [("angle", "pitch")], "traces": []},
+    ranges={"I": [(9.0, 10.0), (9.5, 11.0), (2.5, 3.5)]},
+)

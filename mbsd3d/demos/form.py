@@ -1,0 +1,259 @@
+"""What a demo is: a question, a mechanism by its parameters, numbers beside their theory, and an ablation."""
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..api.solution import Solution
+from ..api.system import System
+from ..base.errors import Mbsd3dError
+from .base import Outcome, Row, Show
+from .figure import Panel, figure_of
+from .parameters import checked, listed
+
+SWITCHES = ("gyroscopic", "centripetal", "gamma")
+Numbers = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that proves the effect: what it is, its unit, and how far it may be from theory."""
+
+    label: str
+    unit: str = ""
+    relative: float = 1e-8
+    absolute: float = 1e-9
+
+    def tolerance(self, theory: float) -> float:
+        """Largest accepted error beside a theoretical value."""
+        return max(self.absolute, self.relative * abs(theory))
+
+
+class Curve(NamedTuple):
+    """A computed line with theory as dots; labels have units in brackets, e.g. "time [s]"."""
+
+    label: str
+    x: ArrayLike
+    y: ArrayLike
+    theory: tuple[ArrayLike, ArrayLike] | None = None
+    along: str = "time [s]"
+    title: str = ""
+    scale: float = 0.0  # the axis reaches as far as this to both sides of zero
+
+
+class Against(NamedTuple):
+    """A figure of the first quantity over a parameter: theory as a line, some values computed."""
+
+    parameter: str
+    low: float
+    high: float
+    label: str  # with its unit in brackets
+    computed: int = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What was computed: quantities by name, runs to be shown (the first one moves on the page), curves."""
+
+    values: Numbers
+    solutions: Sequence[Solution] = ()
+    curves: Sequence[Curve] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Ablation:
+    """What is taken away so that the effect vanishes, and what must then be found.
+
+    ``term`` is a teaching switch ("gyroscopic", "centripetal", "gamma") or a word for ``change``, which are other
+    values of parameters. ``values`` gives the quantities that must then be found; None = theory with the change.
+    """
+
+    term: str
+    then: str  # in words
+    change: Mapping[str, object] = field(default_factory=dict)
+    values: Callable[..., Numbers] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """One effect. ``mechanism``, ``measure`` and ``theory`` are called with the parameters they name.
+
+    The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
+    ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches
+    of an ablation for `simulate`, `accelerations` and `linearize`. ``theory(**parameters)`` gives the
+    same quantities by formulas; it raises a ValueError where they do not hold.
+    """
+
+    module: str  # __name__: its last part is the name, the first line of its package the family
+    title: str
+    question: str
+    why: str
+    equation: str
+    source: str
+    quantities: Mapping[str, Quantity]
+    mechanism: Callable[..., System]
+    theory: Callable[..., Numbers]
+    measure: Callable[..., Measured]
+    ablation: Ablation
+    against: Against | None = None
+    alone: str = ""  # why its run is not compared with that of other engines; "" = it is
+    show: Mapping[str, object] = field(default_factory=dict)  # options of `Solution.animate`
+    ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
+
+    @property
+    def name(self) -> str:
+        """That of the file."""
+        return self.module.rpartition(".")[2]
+
+    @property
+    def family(self) -> str:
+        """That of the folder: the first line of its package."""
+        text = sys.modules[self.module.rpartition(".")[0]].__doc__ or ""
+        return text.splitlines()[0].rstrip(".")
+
+    @cached_property
+    def parameters(self) -> dict[str, object]:
+        """Names and defaults."""
+        named = [inspect.signature(function).parameters.values() for function in (self.mechanism, self.measure)]
+        found = {x.name: x.default for xs in named for x in xs if x.default is not inspect.Parameter.empty}
+        return {name: plain(value) for name, value in found.items()}
+
+    def varied(self, rng: np.random.Generator) -> dict[str, object]:
+        """Other parameters at random: numbers within their range, by default 15 % about theirs; None leaves one."""
+
+        def other(value: object) -> object:
+            if isinstance(value, Mapping):
+                return {key: other(item) for key, item in value.items()}
+            if isinstance(value, list):
+                return [other(item) for item in value]
+            return value * float(rng.uniform(0.85, 1.15)) if isinstance(value, float) else value
+
+        found = {name: other(value) for name, value in self.parameters.items() if name not in self.ranges}
+        for name, ends in self.ranges.items():
+            if ends is not None:
+                found[name] = np.asarray(rng.uniform(*np.transpose(ends))).tolist()
+        return found
+
+    def call(self, function: Callable, values: Mapping[str, object], *arguments: object) -> object:
+        """A function of this demo with the parameters it names."""
+        return function(*arguments, **{name: values[name] for name in inspect.signature(function).parameters
+                                       if name in self.parameters})  # fmt: skip
+
+    def computed(self, values: Mapping[str, object], terms: Mapping[str, bool]) -> Measured:
+        """What is found with these parameters."""
+        return self.call(self.measure, values, Builder(self, values), terms)
+
+    def expected(self, values: Mapping[str, object]) -> Numbers:
+        """What theory says."""
+        return self.call(self.theory, values)
+
+    def without(self, term: str | None, values: Mapping[str, object]) -> tuple[dict, dict]:
+        """Parameters and switches of an ablation; a term is a switch, or that of the demo."""
+        if term is None:
+            return dict(values), {}
+        if term == self.ablation.term and self.ablation.change:
+            return {**values, **self.ablation.change}, {}
+        terms = dict.fromkeys((self.ablation.term, *SWITCHES))
+        if term not in terms:
+            raise ValueError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
+        return dict(values), {term: False}
+
+    def expected_without(self, values: Mapping[str, object]) -> Numbers:
+        """What must be found under the demo's own ablation."""
+        changed, _ = self.without(self.ablation.term, values)
+        return self.call(self.ablation.values, values) if self.ablation.values else self.expected(changed)
+
+    def run(self, without: str | None = None, /, **changes: object) -> Outcome:
+        """Compute with some parameters changed, and perhaps without a term; theory is that of the whole effect."""
+        values = checked(self.name, self.parameters, changes)
+        theory = self.expected(values)
+        found = self.computed(*self.without(without, values))
+        rows = tuple(
+            Row(quantity.label, found.values[key], theory[key], quantity.tolerance(theory[key]), quantity.unit, key)
+            for key, quantity in self.quantities.items()
+        )
+        stem = self.name if without is None else f"{self.name}_without_{without}"
+        stems = [stem, *(f"{stem}_{k + 2}" for k in range(len(found.solutions)))]
+        solutions = dict(zip(stems, found.solutions, strict=False))
+        views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
+        notes = (f"without {self.ablation.term}: {self.ablation.then}",)
+        drawn = partial(self.figure, values, found, without)
+        return Outcome(rows, drawn, solutions, notes, views, values)
+
+    def figure(self, values: Mapping[str, object], found: Measured, without: str | None) -> object:
+        """Curves with theory and ablation, and the first quantity over a parameter."""
+        try:
+            other = self.computed(*self.without(None if without else self.ablation.term, values)).curves
+        except (ValueError, Mbsd3dError):
+            other = ()  # some mechanisms do not run without what they need
+        label = "all terms" if without else f"without {self.ablation.term}"
+        panels = [
+            Panel(curve, other[k] if k < len(other) and not same(curve, other[k]) else None, label)
+            for k, curve in enumerate(found.curves)
+        ]
+        if self.against and not without:
+            panels.append(self.panel_against(values, found))
+        return figure_of(self.title, panels)
+
+    def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
+        """The first quantity over a parameter."""
+        name, low, high, along, count = self.against
+        key, quantity = next(iter(self.quantities.items()))
+        few, fine = np.linspace(low, high, count), np.linspace(low, high, 61)
+
+        def sampled(function: Callable[..., Numbers], places: np.ndarray) -> list[float]:
+            return [valid(function, {**values, name: type(values[name])(place)}, key) for place in places]
+
+        label = f"{quantity.label} [{quantity.unit or '-'}]"
+        here = values[name]
+        few_values = sampled(lambda changed: self.computed(changed, {}).values, few)
+        line = Curve(label, fine, sampled(self.expected, fine), None, along)
+        return Panel(line, None, "", [(few, few_values), ([here], [found.values[key]])])
+
+
+class Builder(NamedTuple):
+    """Makes the mechanism of a demo, ``build(**changes)``; ``theory`` is for curves, not for what is computed."""
+
+    demo: Demo
+    values: Mapping[str, object]
+
+    def __call__(self, **changes: object) -> System:
+        return self.demo.call(self.demo.mechanism, {**self.values, **changes})
+
+    @property
+    def theory(self) -> Numbers:
+        """What theory says of the parameters."""
+        return self.demo.expected(self.values)
+
+
+def plain(value: object) -> object:
+    """A default as JSON would give it: lists for tuples."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def same(one: Curve, other: Curve) -> bool:
+    """Whether two curves are one to the eye."""
+    y, z = np.asarray(one.y, float), np.asarray(other.y, float)
+    return y.shape == z.shape and bool(np.allclose(y, z, rtol=1e-4, atol=1e-4 * np.abs(y).max(initial=0.0)))
+
+
+def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: str) -> float:
+    """A quantity, or no number where it does not exist."""
+    try:
+        return float(function(values)[key])
+    except (ValueError, Mbsd3dError):
+        return np.nan
+
+
+def require(condition: bool, what: str) -> None:
+    """ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
+    if not condition:
+        raise ValueError(what)

@@ -1,0 +1,147 @@
+"""The gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
+
+import hashlib
+import inspect
+import io
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from functools import cache
+from pathlib import Path
+
+from PIL import Image
+
+from ..base.errors import Mbsd3dError
+from ..base.paths import write_atomically
+from ..base.style import DARK, LIGHT, house
+from ..base.templates import FOLDER, page_template
+from ..report.exhibits import inline_svg
+from ..view.page.recorder import client_head
+from .base import Outcome, Row, Show
+from .discovery import Known, discover
+from .report import to_json
+
+VIEWER = "viewer.js"
+PACKAGE = Path(__file__).parent.parent
+PICTURE = 320  # width of a picture on the front page [pixels]
+
+
+def page(name: str, folder: Path) -> bool:
+    """Write the page of one demo with its players, picture and numbers; False if nothing has changed since."""
+    demos = discover()
+    demo, known = demos.find(name), list(demos.values())
+    stamp, place = digest(demo), folder / f"{name}.json"
+    if place.exists() and json.loads(place.read_text(encoding="utf-8")).get("digest") == stamp:
+        return False
+    outcome = demo.run()
+    players = [("the effect", player(outcome, demo.title, folder / f"{name}_seen.html"))]
+    taken = without(demo)
+    if taken is not None:
+        term, ablated = taken
+        players.append((f"without {term}", player(ablated, f"without {term}", folder / f"{name}_without.html")))
+    next_one = known[(known.index(demo) + 1) % len(known)]
+    texts = {label: getattr(demo, label, "") for label in ("question", "why", "equation", "source")}
+    html = page_template("demo.html").render(
+        title=demo.title, name=name, family=demo.family, texts=texts, rows=[cells(row) for row in outcome.rows],
+        figure=inline_svg(outcome.figure, f"{name}-"), players=[found for found in players if found[1]],
+        parameters=outcome.parameters, notes=outcome.notes, code=source_of(demo), next_one=next_one, light=LIGHT,
+        dark=DARK,
+    )  # fmt: skip
+    write_atomically(folder / f"{name}.html", html.encode("utf-8"))
+    picture(outcome, folder / f"{name}.png")
+    found = {**json.loads(to_json(demo, outcome)), "digest": stamp, "passed": outcome.passed}
+    write_atomically(place, json.dumps(found, indent=1).encode("utf-8"))
+    return True
+
+
+def front(names: Iterable[str], folder: Path) -> Path:
+    """Write the front page and the viewer."""
+    demos = discover()
+    written = [name for name in names if (folder / f"{name}.html").exists()]
+    families = {
+        family: [demo for demo in members if demo.name in written] for family, members in demos.families().items()
+    }
+    script = f"document.write({json.dumps(client_head())});".encode()
+    write_atomically(folder / VIEWER, script)
+    html = page_template("gallery.html").render(
+        title="Effects that exist only in space", families=families, light=LIGHT, dark=DARK
+    )
+    return write_atomically(folder / "index.html", html.encode("utf-8"))
+
+
+def without(demo: Known) -> tuple[str, Outcome] | None:
+    """The demo's own ablation, if it has one that runs."""
+    term = getattr(demo.ablation, "term", None) or next(iter(demo.ablation), None)
+    try:
+        return term, demo.run(term)
+    except (ValueError, Mbsd3dError):
+        return None
+
+
+def player(outcome: Outcome, title: str, path: Path) -> str:
+    """Write the first view of an outcome as a page that takes the viewer from beside it; its name, or "" for none."""
+    if not outcome.views:
+        return ""
+    solution, options = first_view(outcome)
+    hidden = {"body names", "joint names", *options.get("hidden", ())}
+    quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
+    html = solution.animate(**{**options, **quiet, "title": title}).html
+    html = html.replace(client_head(), f'<script src="{VIEWER}"></script>')
+    script = (FOLDER / "in_step.js").read_text(encoding="utf-8")
+    html = html.replace("</body>", f"<script>\n{script}</script>\n</body>")
+    write_atomically(path, html.encode("utf-8"))
+    return path.name
+
+
+def first_view(outcome: Outcome) -> Show:
+    """What is shown of an outcome."""
+    return next(iter(outcome.views.values()))
+
+
+def picture(outcome: Outcome, path: Path) -> None:
+    """A small picture of the mechanism, or of the figure where there is none."""
+    with house():
+        if outcome.views:
+            solution, options = first_view(outcome)
+            known = {key: options[key] for key in ("traces", "shown") if key in options}
+            when = solution.t[len(solution.t) // 3]
+            hidden = {"body names", "joint names", *options.get("hidden", ())}
+            figure = solution.picture(when, size=(4.8, 3.6), hidden=sorted(hidden), **known)
+        else:
+            figure = outcome.figure
+        raw, small = io.BytesIO(), io.BytesIO()
+        figure.savefig(raw, format="png", dpi=100)
+    image = Image.open(raw).convert("RGB")
+    image = image.resize((PICTURE, round(image.height * PICTURE / image.width)), Image.Resampling.LANCZOS)
+    image.quantize(128, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    write_atomically(path, small.getvalue())
+
+
+def cells(row: Row) -> Sequence[str]:
+    """A row of the table."""
+    unit = f" [{row.unit}]" if row.unit else ""
+    return row.quantity + unit, f"{row.computed:.10g}", f"{row.theory:.10g}", f"{row.error:.1e}"
+
+
+def source_of(demo: Known) -> str:
+    """The text of the file a demo stands in."""
+    return inspect.getsource(module_of(demo))
+
+
+def module_of(demo: Known) -> object:
+    """The module a demo stands in."""
+    return sys.modules[demo.module if hasattr(demo, "module") else demo.make.__module__]
+
+
+def digest(demo: Known) -> str:
+    """Of everything a page depends on: the package without the other demos, the templates, the demo's own file."""
+    return hashlib.sha256((package_digest() + source_of(demo)).encode()).hexdigest()
+
+
+@cache
+def package_digest() -> str:
+    """Of the package but for the families of demos."""
+    families = PACKAGE / "demos"
+    files = [path for path in PACKAGE.rglob("*.py") if families not in path.parent.parents]
+    files += sorted(FOLDER.iterdir())
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(files))).hexdigest()

@@ -1,0 +1,3 @@
+"""Loops that should not move."""
+
+PLACE = 5

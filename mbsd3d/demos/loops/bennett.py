@@ -1,0 +1,75 @@
+"""Four hinges that are neither parallel nor meet, and move all the same."""
+
+import numpy as np
+
+from mbsd3d import System
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from .closed_loop import Loop, run_loop
+
+
+def mechanism(*, a=0.2, alpha_deg=30.0, beta_deg=70.0, theta0_deg=60.0, turn_deg=100.0, misfit=0.0) -> System:
+    """Sides a, b, a, b with twists alpha, beta and a/sin(alpha) = b/sin(beta); misfit: one side longer by this
+    share."""
+    al, be = np.radians([alpha_deg, beta_deg])
+    b, t1 = long_side(a, al, be), np.radians(theta0_deg)
+    t2 = follower(t1, al, be)
+    loop = Loop((a, b, a, b), (al, be, al, be), (0, 0, 0, 0))
+    return loop.system(loop.close(t1, [t2, -t1, -t2]), np.radians(turn_deg), misfit)
+
+
+def long_side(a, al, be):
+    """b = a sin(beta)/sin(alpha) [m]."""
+    return a * np.sin(be) / np.sin(al)
+
+
+def follower(t1, al, be):
+    """tan(t1/2) tan(t2/2) = sin((al + be)/2)/sin((be - al)/2); continuous over whole turns."""
+    k = np.sin((al + be) / 2) / np.sin((be - al) / 2)
+    return 2 * np.arctan2(k * np.cos(t1 / 2), np.sin(t1 / 2))
+
+
+def theory(*, a, alpha_deg, beta_deg, theta0_deg, turn_deg):
+    """The next hinge by the equation of Bennett, the other side by his condition."""
+    require(0 < alpha_deg < 180 and 0 < beta_deg < 180 and alpha_deg != beta_deg, f"demo 'bennett': twists "
+            f"{alpha_deg:g} "
+            f"and {beta_deg:g} degrees; give two different ones between 0 and 180")  # fmt: skip
+    al, be, t0, turn = np.radians([alpha_deg, beta_deg, theta0_deg, turn_deg])
+    path = np.unwrap(follower(t0 + turn * np.linspace(0, 1, 201), al, be))
+    return {"follower_turn_deg": np.degrees(path[-1] - path[0]), "long_side_m": long_side(a, al, be)}
+
+
+def measure(build, terms, *, alpha_deg, beta_deg, theta0_deg) -> Measured:
+    """Turn of the next hinge; distance of the hinges at the ends of the other side when it has turned."""
+    run, turns = run_loop(build(), **terms)
+    points = [run.reaction(f"hinge {k}").point[-1] for k in (2, 3)]
+    al, be, t0 = np.radians([alpha_deg, beta_deg, theta0_deg])
+    known = np.degrees(np.unwrap(follower(t0 + np.radians(turns[:, 0]), al, be)))
+    curve = Curve("next hinge [deg]", turns[:, 0], turns[:, 1], (turns[:, 0], known - known[0]), "driven hinge [deg]")
+    values = {"follower_turn_deg": turns[-1, 1], "long_side_m": np.linalg.norm(points[1] - points[0])}
+    return Measured(values, [run], [curve])
+
+
+demo = Demo(
+    __name__,
+    title="Bennett's linkage",
+    question="How can four hinges that are neither parallel nor meet move at all?",
+    why="A loop of hinges needs seven to move in space; four should be locked, twice over. Hinges that are all "
+    "parallel (a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's "
+    "conditions. Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of "
+    "their twists. One side a hair longer, and it is a rigid frame.",
+    equation="a / sin(alpha) = b / sin(beta); tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2)",
+    source="Bennett, Engineering 76 (1903) 777; Hunt, Kinematic Geometry of Mechanisms",
+    quantities={
+        "follower_turn_deg": Quantity("turn of the next hinge", "deg"),
+        "long_side_m": Quantity("length of the other side", "m"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "proportion", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"follower_turn_deg": 0.0}
+    ),  # fmt: skip
+    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
+    ranges={"alpha_deg": (20.0, 40.0), "misfit": None},
+)

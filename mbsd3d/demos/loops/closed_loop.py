@@ -1,0 +1,109 @@
+"""Single loops of hinges by their Denavit-Hartenberg numbers: closing them, following them, building them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from mbsd3d import GROUND, AngleDriver, Body, Joint, Kinematic, Polynomial, Revolute, Solution, System, shapes, simulate
+
+T = 2.0  # s, of a turn of the driven hinge from rest to rest
+SAMPLES = 61
+CLOSED = 1e-9  # share of the length, and rad
+
+
+class Loop(NamedTuple):
+    """Link i leads from hinge i to hinge i + 1 by Rz(theta_i) Tz(d_i) Tx(a_i) Rx(alpha_i); the last one is the
+    ground."""
+
+    a: Sequence[float]  # m
+    alpha: Sequence[float]  # rad
+    d: Sequence[float]  # m
+
+    def step(self, k: int, theta: float) -> np.ndarray:
+        """(4, 4) of link k."""
+        c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(self.alpha[k]), np.sin(self.alpha[k])
+        return np.array([
+            [c, -s * ca, s * sa, self.a[k] * c],
+            [s, c * ca, -c * sa, self.a[k] * s],
+            [0, sa, ca, self.d[k]],
+            [0, 0, 0, 1],
+        ])  # fmt: skip
+
+    def frames(self, theta: Sequence[float]) -> list[np.ndarray]:
+        """Of all hinges, (4, 4) each, and once more of the first one, around the loop."""
+        found = [np.eye(4)]
+        for k, angle in enumerate(theta):
+            found.append(found[-1] @ self.step(k, angle))
+        return found
+
+    def gap(self, theta: Sequence[float]) -> np.ndarray:
+        """(12,) of the loop's end from its beginning, lengths over that of the loop."""
+        end = self.frames(theta)[-1]
+        return np.concatenate([(end[:3, :3] - np.eye(3)).ravel(), end[:3, 3] / np.sum(np.abs([*self.a, *self.d]))])
+
+    def close(self, first: float, others: Sequence[float]) -> np.ndarray:
+        """Angles that close the loop for a given first one, near a guess for the others."""
+        found = least_squares(lambda x: self.gap([first, *x]), others, xtol=3e-16, ftol=3e-16, gtol=3e-16)
+        theta = np.array([first, *found.x])
+        for _ in range(2):  # down to rounding, which least squares leave at its root
+            theta[1:] -= np.linalg.lstsq(found.jac, self.gap(theta), rcond=1e-8)[0]
+        if np.abs(self.gap(theta)).max() > CLOSED:
+            raise ValueError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
+                             "give lengths and angles that close")  # fmt: skip
+        return theta
+
+    def follow(self, theta: Sequence[float], turn: float, steps: int = 60) -> np.ndarray:
+        """(steps + 1, n) angles while the first one turns, continued from a closed start."""
+        found = [np.asarray(theta)]
+        for first in theta[0] + turn * np.arange(1, steps + 1) / steps:
+            ahead = 2 * found[-1] - found[-2] if len(found) > 1 else found[-1]
+            found.append(self.close(first, ahead[1:]))
+        return np.array(found)
+
+    def system(self, theta: Sequence[float], turn: float, misfit: float = 0.0, thick: float = 0.05) -> System:
+        """Links and hinges, the first hinge driven by a turn in T seconds.
+
+        ``misfit`` makes the third side (in a four-bar the second) longer by this share: its far hinge is moved.
+        """
+        frames, size = self.frames(theta), thick * max(np.abs([*self.a, *self.d]))
+        points = [frame[:3, 3] for frame in frames[:-1]]
+        axes = [frame[:3, 2] for frame in frames[:-1]]
+        moved = 2 if len(points) == 4 else 3
+        points[moved] = points[moved] + misfit * (points[moved] - points[moved - 1])
+        bodies = [Body(f"link {k + 1}", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[k] + points[k + 1]),
+                       shape=link(points[k], points[k + 1], axes[k], axes[k + 1], size))
+                  for k in range(len(points) - 1)]  # fmt: skip
+        chain = [GROUND, *bodies, GROUND]
+        joints: list[Joint] = [
+            Revolute(chain[k], chain[k + 1], at=points[k], axis=axes[k], name=f"hinge {k + 1}")
+            for k in range(len(points))
+        ]
+        joints.append(AngleDriver(joints[0], Polynomial((0, 0, 3 * turn / T**2, -2 * turn / T**3)), name="motor"))
+        return System(bodies, joints, gravity=(0, 0, 0))
+
+
+def link(start: np.ndarray, end: np.ndarray, axis: np.ndarray, other: np.ndarray, size: float) -> list[shapes.Shape]:
+    """A rod between two hinges, with a pin along each axis."""
+    middle, along = 0.5 * (start + end), end - start
+    pins = [shapes.Cylinder(0.8 * size, 4 * size, tuple(way), at=place - middle, colour="gray")
+            for place, way in ((start, axis), (end, other))]  # fmt: skip
+    long = np.linalg.norm(along)
+    return pins + ([shapes.Cylinder(0.5 * size, long, tuple(along), at=(0, 0, 0))] if long > size else [])
+
+
+def mobile(system: System) -> bool:
+    """Whether a loop moves once its motor is taken away."""
+    return System(system.bodies, system.joints[:-1], gravity=(0, 0, 0)).check().mobility > 0
+
+
+def run_loop(system: System, **terms: bool) -> tuple[Solution, np.ndarray]:
+    """A run, and the turns of all hinges [deg]; of a locked loop at rest."""
+    count = len(system.bodies) + 1
+    if not mobile(system):
+        held = System(system.bodies, [*system.joints[:-1], AngleDriver(system.joints[0], 0.0)], gravity=(0, 0, 0))
+        run = simulate(held, T, method=Kinematic(), output=SAMPLES, **terms)
+        return run, np.zeros((SAMPLES, count))
+    run = simulate(system, T, method=Kinematic(), output=SAMPLES, **terms)
+    return run, np.degrees([run.angle(f"hinge {k + 1}") for k in range(count)]).T

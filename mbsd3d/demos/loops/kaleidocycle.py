@@ -1,0 +1,73 @@
+"""A ring of six tetrahedra turns through its own centre, for ever."""
+
+import numpy as np
+from scipy.optimize import root_scalar
+
+from mbsd3d import System
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from .closed_loop import Loop, run_loop
+
+
+def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, turn_deg=15.0, misfit=0.0) -> System:
+    """Six equal sides with twists alpha and 360 - alpha by turns; misfit: one side longer by this share."""
+    al, t = np.radians([alpha_deg, theta0_deg])
+    f = other(np.array([t]), al, np.radians(phi_guess_deg))[0]
+    loop = Loop((a,) * 6, (al, -al) * 3, (0,) * 6)
+    return loop.system(loop.close(t, [f, t, f, t, f]), np.radians(turn_deg), misfit, thick=0.12)
+
+
+def closure(f, t, al):
+    """Of the threefold-symmetric ring."""
+    c, s = np.cos(al), np.sin(al)
+    same = c**2 + s**2 * (np.cos(t) + np.cos(f)) + (1 + c**2) * np.cos(t) * np.cos(f)
+    return same - 2 * c * np.sin(t) * np.sin(f)
+
+
+def other(path, al, guess):
+    """The other hinges [rad] along a path of the driven one, continued from a guess."""
+    found = []
+    for t in path:
+        near = found[-1] if found else guess
+        root = root_scalar(closure, args=(t, al), x0=near, x1=near + 1e-3, xtol=1e-15)
+        require(root.converged and abs(root.root - near) < 1, "demo 'kaleidocycle': the ring does not close at "
+                f"{np.degrees(t):.4g} degrees; give another theta0_deg, phi_guess_deg or turn_deg")  # fmt: skip
+        found.append(root.root)
+    return np.array(found)
+
+
+def theory(*, alpha_deg, theta0_deg, phi_guess_deg, turn_deg):
+    """cos^2 al + sin^2 al (cos t + cos f) + (1 + cos^2 al) cos t cos f - 2 cos al sin t sin f = 0, followed from t0."""
+    al, t, guess, turn = np.radians([alpha_deg, theta0_deg, phi_guess_deg, turn_deg])
+    path = other(t + turn * np.linspace(0, 1, 121), al, guess)
+    return {"other_hinge_turn_deg": np.degrees(path[-1] - path[0])}
+
+
+def measure(build, terms, *, alpha_deg, theta0_deg, phi_guess_deg) -> Measured:
+    """Turn of the hinges between the driven ones."""
+    run, turns = run_loop(build(), **terms)
+    al, t, guess = np.radians([alpha_deg, theta0_deg, phi_guess_deg])
+    known = np.degrees(other(t + np.radians(turns[:, 0]), al, guess))
+    curve = Curve("other hinges [deg]", turns[:, 0], turns[:, 1], (turns[:, 0], known - known[0]), "driven hinge [deg]")
+    return Measured({"other_hinge_turn_deg": turns[-1, 1]}, [run], [curve])
+
+
+demo = Demo(
+    __name__,
+    title="The kaleidocycle",
+    question="Why can a ring of six tetrahedra be turned inside out for ever?",
+    why="Six hinges in a ring just fail to give a freedom: counting says none. But if each side is turned by a right "
+    "angle against the next, three planes of symmetry make some of the conditions repeat others, and one freedom "
+    "is left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their own centre.",
+    equation="right angles: cos t + cos f + cos t cos f = 0",
+    source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
+    quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "symmetry", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"other_hinge_turn_deg": 0.0}
+    ),  # fmt: skip
+    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
+    ranges={"alpha_deg": (85.0, 95.0), "theta0_deg": (98.0, 101.0), "phi_guess_deg": None, "misfit": None},
+)

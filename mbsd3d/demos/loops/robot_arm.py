@@ -1,0 +1,116 @@
+"""What every motor of a six-axis arm must do to make it move as wanted."""
+
+import numpy as np
+
+from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, System, accelerations, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+
+G = 9.81  # m/s^2
+RIGHT = np.pi / 2
+
+
+def mechanism(
+    *,
+    a=(0.0, 0.4, 0.05, 0.0, 0.0, 0.0),
+    d=(0.6, 0.0, 0.1, 0.4, 0.0, 0.1),
+    alpha=(RIGHT, 0.0, RIGHT, -RIGHT, RIGHT, 0.0),
+    q=(0.3, 0.7, -0.4, 0.5, 0.8, -0.6),
+    qd=(1.0, -0.8, 1.2, 2.0, -1.5, 3.0),
+    qdd=(2.0, 1.0, -3.0, 4.0, 5.0, -6.0),
+    mass=(10.0, 8.0, 6.0, 3.0, 2.0, 1.0),
+    com=((0, -0.2, 0.05), (-0.2, 0, 0.03), (0.01, 0.02, 0.05), (0, -0.1, 0.01), (0.005, 0, 0.03), (0, 0, -0.04)),
+    I=((0.2, 0.1, 0.2), (0.05, 0.3, 0.3), (0.04, 0.05, 0.03),
+       (0.02, 0.01, 0.02), (0.004, 0.004, 0.003), (0.001, 0.001, 0.0008)),
+) -> System:  # fmt: skip
+    """Links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of the
+    joints."""
+    frame, before, bodies, joints = np.eye(4), GROUND, [], []
+    for k in range(6):
+        end = frame @ step(a[k], d[k], alpha[k], q[k])
+        here, R = end[:3, 3], end[:3, :3]
+        form = bar(R.T @ (frame[:3, 3] - here), R.T @ frame[:3, 2])
+        link = Body(f"link {k + 1}", mass[k], I[k], com=com[k], position=here, orientation=R, shape=form)
+        joint = Revolute(before, link, at=frame[:3, 3], axis=frame[:3, 2], name=f"joint {k + 1}")
+        joints += [joint, AngleDriver(joint, Polynomial((0, qd[k], qdd[k] / 2)), name=f"motor {k + 1}")]
+        bodies.append(link)
+        frame, before = end, link
+    return System(bodies, joints, gravity=(0, 0, -G))
+
+
+def step(a, d, alpha, theta):
+    """Rz(theta) Tz(d) Tx(a) Rx(alpha) as (4, 4)."""
+    c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
+    return np.array([[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]])
+
+
+def bar(start, axis):
+    """A link from a point to its origin, with a motor at the point."""
+    motor = shapes.Cylinder(0.06, 0.14, tuple(axis), at=start, colour="dimgray")
+    long = np.linalg.norm(start)
+    return [motor, shapes.Capsule(0.04, long, tuple(start), at=0.5 * start)] if long > 0.02 else [motor]
+
+
+def torques(a, d, alpha, q, qd, qdd, mass, com, I):
+    """(6,) recursive Newton-Euler in the frames of the links: motion outwards, forces and moments inwards [N m]."""
+    z, w, dw, accel = np.array([0, 0, 1.0]), np.zeros(3), np.zeros(3), np.array([0, 0, G])
+    links = []
+    for k in range(6):
+        T = step(a[k], d[k], alpha[k], q[k])
+        R = T[:3, :3].T  # into the frame of this link
+        dw = R @ (dw + qdd[k] * z + np.cross(w, qd[k] * z))
+        w = R @ (w + qd[k] * z)
+        p = R @ T[:3, 3]
+        accel = R @ accel + np.cross(dw, p) + np.cross(w, np.cross(w, p))
+        s, inertia = np.asarray(com[k]), np.asarray(I[k])
+        force = mass[k] * (accel + np.cross(dw, s) + np.cross(w, np.cross(w, s)))
+        links.append((R, p, s, force, inertia * dw + np.cross(w, inertia * w)))
+    f, n, R_next, found = np.zeros(3), np.zeros(3), np.eye(3), []
+    for R, p, s, force, moment in reversed(links):
+        f, n = R_next.T @ f, R_next.T @ n
+        n = n + np.cross(p, f) + np.cross(p + s, force) + moment
+        f = f + force
+        found.append(float(n @ (R @ z)))
+        R_next = R
+    return np.array(found[::-1])
+
+
+def theory(*, a, d, alpha, q, qd, qdd, mass, com, I):
+    """Torques of all motors."""
+    found = torques(a, d, alpha, q, qd, qdd, mass, com, I)
+    return {f"torque{k + 1}_Nm": found[k] for k in range(6)}
+
+
+def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:
+    """Efforts of the drivers at the given state, and on the way of half a second."""
+    system = build()
+    now = accelerations(system, **terms)
+    run = simulate(system, 0.5, method=Kinematic(), output=101, **terms)
+    q, qd, qdd = np.array([q, qd, qdd])
+    known = [torques(a, d, alpha, q + qd * t + qdd * t**2 / 2, qd + qdd * t, qdd, mass, com, I) for t in run.t]
+    known = np.array(known).T
+    curves = [
+        Curve(f"torque of motor {k + 1} [N m]", run.t, run.effort(f"motor {k + 1}"), (run.t, known[k]))
+        for k in range(3)
+    ]
+    return Measured({f"torque{k + 1}_Nm": now.effort(f"motor {k + 1}")[0] for k in range(6)}, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The torques of a robot arm",
+    question="What torque does every motor of a six-axis arm need?",
+    why="Every motor carries all links beyond it: their weights, their accelerations, and the gyroscopic moments of "
+    "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion "
+    "and back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with "
+    "seven coordinates each; both know nothing of each other.",
+    equation="outwards w, w', a; inwards f = m a, n = I w' + w x I w, torque = n . z",
+    source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
+    quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("motion", "at rest only weights are left", {"qd": [0.0] * 6, "qdd": [0.0] * 6}),
+    show={"curves": [("effort", f"motor {k}") for k in range(1, 7)], "traces": [], "speed": 0.1},
+    ranges={"alpha": None, "com": None},
+)

@@ -1,0 +1,70 @@
+"""A bottle between two shafts that turn against each other and unevenly: shaken in all directions by one motor."""
+
+import numpy as np
+
+from mbsd3d import System
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+from .closed_loop import Loop, run_loop
+
+START = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
+
+
+def loop_of(a, R):
+    """Schatz: sides (0, 1, 1, 1, 0, sqrt 3) a, right angles but for the parallel shafts, offsets R and -R."""
+    return Loop((0, a, a, a, 0, np.sqrt(3) * a), np.radians([90, 90, 90, 90, 90, 0]), (R, 0, 0, 0, 0, -R))
+
+
+def mechanism(*, a=0.2, R=0.3, theta=START, turn_deg=60.0, misfit=0.0) -> System:
+    """Linkage of Schatz, closed near the angles theta [rad]; misfit: one side longer by this share."""
+    loop = loop_of(a, R)
+    return loop.system(loop.close(theta[0], theta[1:]), np.radians(turn_deg), misfit, thick=0.06)
+
+
+def theory(*, a, R, theta, turn_deg):
+    """Closure of the Denavit-Hartenberg matrices, followed from the start."""
+    loop = loop_of(a, R)
+    path = np.degrees(loop.follow(loop.close(theta[0], theta[1:]), np.radians(turn_deg)))
+    turns = path[-1] - path[0]
+    return {"output_turn_deg": turns[5], "middle_turn_deg": turns[2]}
+
+
+def measure(build, terms, *, a, R, theta, turn_deg) -> Measured:
+    """Turns of the other shaft and of a middle hinge."""
+    run, turns = run_loop(build(), **terms)
+    loop = loop_of(a, R)
+    path = np.degrees(loop.follow(loop.close(theta[0], theta[1:]), np.radians(turn_deg), 24))
+    known = path - path[0]
+    curves = [
+        Curve("other shaft [deg]", turns[:, 0], turns[:, 5], (known[:, 0], known[:, 5]), "driven shaft [deg]"),
+        Curve("middle hinge [deg]", turns[:, 0], turns[:, 2], (known[:, 0], known[:, 2]), "driven shaft [deg]"),
+    ]
+    return Measured({"output_turn_deg": turns[-1, 5], "middle_turn_deg": turns[-1, 2]}, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The Turbula",
+    question="How does a Turbula shake a bottle with one motor and no gear?",
+    why="Schatz turned a cube inside out and kept six of its hinges: a ring that should be rigid and moves, because "
+    "its sides are those of the cube. Two of the hinges are parallel shafts in the frame; the bottle sits in the "
+    "middle and is carried round, tipped and turned. The shafts turn against each other and unevenly, so that a "
+    "real machine drives one of them only.",
+    equation="closure of six Denavit-Hartenberg matrices: a (0, 1, 1, 1, 0, sqrt 3), twists 90, 90, 90, 90, 90, 0",
+    source="Schatz, Rhythmusforschung und Technik (1975); Phillips, Freedom in Machinery II",
+    quantities={
+        "output_turn_deg": Quantity("turn of the other shaft", "deg"),
+        "middle_turn_deg": Quantity("turn of a middle hinge", "deg"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "proportion",
+        "one side 1 % longer: locked",
+        {"misfit": 0.01},
+        values=lambda: {"output_turn_deg": 0.0, "middle_turn_deg": 0.0},
+    ),  # fmt: skip
+    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 6")], "traces": [], "hidden": ["ground grid"]},  # fmt: skip
+    ranges={"theta": None, "misfit": None},
+)

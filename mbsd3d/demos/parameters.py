@@ -1,0 +1,87 @@
+"""Parameters of a demo as a user gives them: names that exist, values of the kind of the defaults."""
+
+import difflib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from ..base.checks import number
+
+
+def listed(name: str, names: Sequence[str]) -> str:
+    """What to say instead of an unknown name: the nearest ones, and all if they are few."""
+    lower = {known.lower(): known for known in names}
+    near = [lower[found] for found in difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)]
+    inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
+    guess = list(dict.fromkeys(near + inside))[:3]
+    there = f"there are {', '.join(names)}" if len(names) <= 60 else "see the list"
+    return f"did you mean {' or '.join(guess)}? ({there})" if guess else there
+
+
+def settings(texts: Iterable[str]) -> dict[str, object]:
+    """``NAME=VALUE`` with values in JSON; a word that is no JSON is itself."""
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise ValueError(f"--set {text!r} is not NAME=VALUE; write e.g. --set Omega=30")
+        if name in found:
+            raise ValueError(f"--set {name} is given twice; give it once")
+        try:
+            found[name] = json.loads(value)
+        except ValueError:
+            if not value.isidentifier():
+                raise ValueError(
+                    f"--set {name}: {value!r} is not JSON; write e.g. {name}=1.5 or {name}=[1,2]"
+                ) from None
+            found[name] = value
+    return found
+
+
+def checked(demo: str, defaults: Mapping[str, object], changes: Mapping[str, object]) -> dict[str, object]:
+    """The parameters of a demo with some changed; a ValueError names demo, parameter and remedy."""
+    values = dict(defaults)
+    for name, value in changes.items():
+        if name not in defaults:
+            raise ValueError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
+        values[name] = like(defaults[name], value, f"demo '{demo}': {name}")
+    return values
+
+
+def like(default: object, value: object, what: str) -> object:
+    """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these."""
+    if isinstance(default, str):
+        if not isinstance(value, str):
+            raise ValueError(f"{what} = {value!r} is not a word; give e.g. {default!r}")
+        return value
+    if isinstance(default, Mapping):
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{what} = {value!r} is not a table; give e.g. {json.dumps(default)}")
+        for key in value:
+            if key not in default:
+                raise ValueError(f"{what} has no entry '{key}'; {listed(key, list(default))}")
+        return {**default, **{key: like(default[key], item, f"{what}.{key}") for key, item in value.items()}}
+    if isinstance(default, list | tuple):
+        return like_list(default, value, what)
+    if isinstance(value, str):
+        raise ValueError(f"{what} = {value!r} is not a number; give e.g. {default}")
+    found = number(value, what)
+    if isinstance(default, int):
+        if found != int(found):
+            raise ValueError(f"{what} = {value!r} is not a whole number; give e.g. {default}")
+        return int(found)
+    return found
+
+
+def like_list(default: Sequence, value: object, what: str) -> list:
+    """Numbers in the shape of the default."""
+    shape = np.shape(default)
+    try:
+        found = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        found = np.array(np.nan)
+    if found.shape != shape or not np.isfinite(found).all():
+        size = " x ".join(map(str, shape))
+        raise ValueError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
+    return found.tolist()

@@ -1,0 +1,3 @@
+"""On the road."""
+
+PLACE = 7

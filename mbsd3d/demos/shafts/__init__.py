@@ -1,0 +1,3 @@
+"""Shafts out of line."""
+
+PLACE = 6

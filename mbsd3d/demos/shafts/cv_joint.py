@@ -1,0 +1,72 @@
+"""A constant-velocity joint hands every angle on, and still bends its shafts: steadily."""
+
+import numpy as np
+
+from mbsd3d import ConstantVelocity, System
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from . import cardan_couple
+from .shaft_pair import one_turn, shaft_pair
+
+
+def mechanism(*, bend_deg=20.0, torque=500.0, cross=0) -> System:
+    """Two shafts at an angle, a load torque [N m] on the driven one; cross = 1 puts a Cardan joint between them."""
+    if cross:
+        return cardan_couple.mechanism(bend_deg=bend_deg, torque=torque)
+    b = np.radians(bend_deg)
+    return shaft_pair(ConstantVelocity, bend_deg, torque, axis_a=(1, 0, 0), axis_b=(np.cos(b), np.sin(b), 0))
+
+
+def theory(*, bend_deg, torque):
+    """The moment lies in the bisecting plane: T tan(b/2) across each shaft, at rest."""
+    require(abs(bend_deg) < 90, f"demo 'cv_joint': bend_deg = {bend_deg:g}: give less than 90")
+    couple = abs(torque) * np.tan(np.radians(abs(bend_deg)) / 2)
+    return {"couple_on_driving_shaft_Nm": couple, "couple_on_driven_shaft_Nm": couple, "unevenness": 0.0}
+
+
+def with_cross(*, bend_deg, torque):
+    """What a Cardan joint does in its place."""
+    b = np.radians(bend_deg)
+    return {**cardan_couple.theory(bend_deg=bend_deg, torque=torque), "unevenness": 1 / np.cos(b) - np.cos(b)}
+
+
+def measure(build, terms) -> Measured:
+    """Couples and evenness of one slow turn."""
+    run, on_driving, on_driven, ratio = one_turn(build(), **terms)
+    angle, known = np.degrees(run.t), build.theory["couple_on_driving_shaft_Nm"]
+    values = {
+        "couple_on_driving_shaft_Nm": on_driving.max(),
+        "couple_on_driven_shaft_Nm": on_driven.max(),
+        "unevenness": np.ptp(ratio),
+    }
+    curves = [
+        Curve("couple on the driving shaft [N m]", angle, on_driving, (angle, np.full(angle.size, known)),
+              "turn [deg]"),
+        Curve("output over input rate [-]", angle, ratio, (angle, np.ones(angle.size)), "turn [deg]"),
+    ]  # fmt: skip
+    return Measured(values, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The constant-velocity joint",
+    question="What does a constant-velocity joint do better than a cross, and what can it not avoid?",
+    why="Balls in the plane that bisects the angle pass the turn on evenly, which no cross does. But the moment "
+    "along one shaft is not the moment along the other: their difference points across, and some bearing must "
+    "supply it. No joint can avoid that; here it stands still, T tan(b/2) on each shaft, instead of beating "
+    "twice a turn.",
+    equation="ratio 1; couple T tan(b/2) on both shafts, constant",
+    source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; Hunt, J. Appl. Mech. 40 (1973)",
+    quantities={
+        "couple_on_driving_shaft_Nm": Quantity("couple on the driving shaft", "N m"),
+        "couple_on_driven_shaft_Nm": Quantity("couple on the driven shaft", "N m"),
+        "unevenness": Quantity("greatest less least ratio"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    alone="its shafts have no mass",
+    ablation=Ablation("constancy", "a cross in its place is uneven and shakes", {"cross": 1}, values=with_cross),
+    against=Against("bend_deg", 0.0, 60.0, "bend [deg]"),
+    show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},
+)

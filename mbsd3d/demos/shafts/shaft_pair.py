@@ -1,0 +1,62 @@
+"""Shafts without mass that meet at an angle, turned slowly round: what the joint between them does to both."""
+
+import numpy as np
+
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Joint,
+    Kinematic,
+    PointOnLine,
+    Ramp,
+    Revolute,
+    Solution,
+    System,
+    Torque,
+    rotation,
+    shapes,
+    simulate,
+)
+
+SAMPLES = 361  # of one turn, the quarters among them: there couples and rates have their extremes
+SPAN = 1.0  # m, from the joint to the support of the driven shaft
+
+
+def shaft(sign: float) -> tuple[shapes.Shape, ...]:
+    """A shaft along x that ends at the joint, with a disc at its other end."""
+    bar = shapes.Cylinder(0.04, 0.9, "x", at=(sign * 0.5, 0, 0))
+    return (
+        bar,
+        shapes.Disc(0.15, 0.05, "x", at=(sign * 0.95, 0, 0)),
+        shapes.Box((0.1, 0.2, 0.06), at=(sign * 0.05, 0, 0)),
+    )
+
+
+def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: object) -> System:
+    """Driving shaft along x, driven shaft bent in the xy plane; ``joint`` with its axes between them at the origin."""
+    bend = np.radians(bend_deg)
+    along = np.array([np.cos(bend), np.sin(bend), 0])
+    drive = Body("drive", 0.0, (0, 0, 0), shape=shaft(-1))
+    driven = Body("driven", 0.0, (0, 0, 0), orientation=rotation("z", bend), shape=shaft(1))
+    bearing = Revolute(GROUND, drive, at=(0, 0, 0), axis=(1, 0, 0), name="bearing")
+    joints = [
+        bearing,
+        AngleDriver(bearing, Ramp(1.0), name="motor"),
+        joint(drive, driven, at=(0, 0, 0), name="joint", **axes),
+        PointOnLine(GROUND, driven, at=SPAN * along, axis=along, name="support"),
+    ]
+    load = Torque(driven, (-torque, 0, 0), frame="body", name="load")
+    return System([drive, driven], joints, [load], gravity=(0, 0, 0))
+
+
+def one_turn(system: System, **terms: bool) -> tuple[Solution, np.ndarray, np.ndarray, np.ndarray]:
+    """The run, couples on driving and driven shaft [N m] and the output's rate over that of the input, at the samples.
+
+    The bearing of the driving shaft stands at the joint, so its moment across the shaft is the couple; on the driven
+    shaft the couple is held by a pair of forces at joint and support.
+    """
+    run = simulate(system, 2 * np.pi, method=Kinematic(), output=SAMPLES, **terms)
+    on_driving = np.linalg.norm(run.reaction("bearing").moment[:, 1:], axis=1)
+    on_driven = SPAN * np.linalg.norm(run.reaction("support").force, axis=1)
+    return run, on_driving, on_driven, run.omega_body("driven")[:, 0]

@@ -1,0 +1,3 @@
+"""Spin turns sideways."""
+
+PLACE = 1

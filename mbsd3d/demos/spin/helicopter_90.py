@@ -1,0 +1,100 @@
+"""A blade on a flapping hinge follows a push that turns with it a quarter turn late."""
+
+import numpy as np
+
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    Body,
+    Revolute,
+    Sine,
+    SpeedDriver,
+    System,
+    Torque,
+    TorsionSpring,
+    shapes,
+    simulate,
+)
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+
+SAMPLES = 96  # of one turn; the flap is a sine, of which one turn gives the Fourier coefficient
+
+
+def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> System:
+    """Blade of mass m [kg] and length L [m], hinge at e [m] with damper c [N m s/rad] and spring k [N m/rad]."""
+    hub = Body("hub", 20.0, (1, 1, 1), omega=(0, 0, Omega), shape=shapes.Cylinder(0.05 * L + e, 0.06 * L))
+    moments, form = m * L**2 / 12 * np.array([0, 1, 1]), shapes.Box((L, 0.07 * L, 0.01 * L))
+    blade = Body("blade", m, moments, position=(e, 0, 0), com=(L / 2, 0, 0), shape=form)
+    shaft = Revolute(GROUND, hub, at=(0, 0, 0), axis=(0, 0, 1), name="shaft")
+    flap = Revolute(hub, blade, at=(e, 0, 0), axis=(0, -1, 0), name="flap")
+    motor = SpeedDriver(GROUND, hub, axis=(0, 0, 1), speed=Omega, name="motor")
+    push = Torque(blade, (0, Sine(-M0, Omega / (2 * np.pi), np.pi / 2), 0), frame="body", name="push")
+    hinge = TorsionSpring(flap, stiffness=k, damping=c, name="hinge")
+    return System([hub, blade], [shaft, flap, motor], [push, hinge], gravity=(0, 0, 0))
+
+
+def theory(*, m, L, e, Omega, M0, c, k):
+    """I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform blade."""
+    require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: the answer dies out without a damper")
+    inertia = m * L**2 / 3
+    return lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
+
+
+def without_gyroscopic(*, m, L, e, Omega, M0, c, k):
+    """Without w x I w the centrifugal stiffness is that of a point mass, I W^2 (3/4 + 3 e/2 L)."""
+    inertia = m * L**2 / 3
+    return lag_and_flap(inertia * Omega**2 * (1.5 * e / L - 0.25) + k, c * Omega, M0)
+
+
+def lag_and_flap(in_phase, across, moment):
+    """Lag and size of the answer to a moment."""
+    return {"lag_deg": np.degrees(np.arctan2(across, in_phase)), "flap_rad": moment / np.hypot(in_phase, across)}
+
+
+def measure(build, terms, *, Omega, M0, c) -> Measured:
+    """The flap that repeats itself every turn: the fixed point of the map from turn to turn, which is affine."""
+    system, turn = build(), 2 * np.pi / Omega
+
+    def after(angle, rate, **settings):
+        state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
+        return simulate(system, turn, state=state, method=DOP853(dt=turn / SAMPLES), **settings, **terms)
+
+    size = M0 / (c * Omega)
+    starts = np.array([[0, 0], [size, 0], [0, size * Omega]])
+    ends = np.array([[run.angle("flap")[-1], run.rate("flap")[-1]] for run in (after(*x, output=2) for x in starts)])
+    slope = (ends[1:] - ends[0]).T / np.array([size, size * Omega])
+    run = after(*np.linalg.solve(np.eye(2) - slope, ends[0]), output=SAMPLES + 1)
+    flap = run.angle("flap")
+    first = 2 * np.mean(flap[:-1] * np.exp(1j * Omega * run.t[:-1]))  # conjugate of the coefficient of exp(i W t)
+    azimuth = np.degrees(Omega * run.t)
+    wanted = build.theory["flap_rad"] * np.cos(Omega * run.t - np.radians(build.theory["lag_deg"]))
+    push = Curve("flap [rad]", azimuth, flap, (azimuth, wanted), "place of the push [deg]", "the push is highest at 0")
+    return Measured({"lag_deg": np.degrees(np.angle(first)) % 360, "flap_rad": abs(first)}, [run], [push])
+
+
+demo = Demo(
+    __name__,
+    title="The rotor's quarter turn",
+    question="Why must a helicopter's swashplate push a quarter turn before the place where the rotor shall tilt?",
+    why="The centrifugal force pulls a blade back into the plane of the rotor like a spring, and this spring makes "
+    "it swing exactly once a turn. A push that comes once a turn is therefore in resonance, and at resonance any "
+    "swing follows its push by a quarter of a period. A hinge away from the shaft makes the spring stiffer, and "
+    "the lag smaller.",
+    equation="I b'' + c b' + (I W^2 (1 + 3e/2L) + k) b = M0 cos W t; tan(lag) = c W / (I W^2 3e/2L + k)",
+    source="Johnson, Helicopter Theory (flapping); Leishman, Principles of Helicopter Aerodynamics (flapping blade)",
+    quantities={
+        "lag_deg": Quantity("lag of the flap behind the push", "deg"),
+        "flap_rad": Quantity("size of the flap", "rad", absolute=1e-13, relative=1e-7),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "gyroscopic",
+        "the spring is that of a point mass, too weak by a quarter, and the lag above 90 degrees",
+        values=without_gyroscopic,
+    ),
+    against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),
+    show={"curves": [("angle", "flap")]},
+)

@@ -1,0 +1,81 @@
+"""An engine's spin turns a pull on the stick into a swing of the nose to the side."""
+
+import numpy as np
+
+from mbsd3d import Body, Revolute, SpeedDriver, System, Torque, shapes, simulate
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..quadrature import motion, quaternion_rate
+
+JET = (
+    shapes.Capsule(0.7, 12.0, "x", at=(0, 0, 0)),
+    shapes.Box((3.0, 11.0, 0.2), at=(-1.5, 0, 0)),
+    shapes.Box((2.0, 0.15, 2.4), at=(-5.5, 0, -1.5)),
+)
+
+
+def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:
+    """Airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m] about
+    y."""
+    jet = Body("jet", 15000.0, I, shape=JET)
+    engine = Body("engine", 500.0, (J, J / 2, J / 2), omega=(Omega, 0, 0), shape=shapes.Cylinder(0.5, 3.0, "x"))
+    shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
+    speed = SpeedDriver(jet, engine, axis=(1, 0, 0), speed=Omega, name="speed")
+    return System([jet, engine], [shaft, speed], [Torque(jet, (0, M, 0), frame="body")], gravity=(0, 0, 0))
+
+
+def euler(t, *, I, J, Omega, M):
+    """(times, 7) of orientation and angular velocity: I w' + w x (I w + h) = M in body axes."""
+    moments, h, torque = np.add(I, (J, J / 2, J / 2)), np.array([J * Omega, 0, 0]), np.array([0, M, 0])
+
+    def rate(_, y):
+        e, w = y[:4], y[4:]
+        return np.concatenate([quaternion_rate(e, w), (torque - np.cross(w, moments * w + h)) / moments])
+
+    return motion(rate, np.array([1.0, 0, 0, 0, 0, 0, 0]), t)
+
+
+def sideways(e):
+    """Heading of the nose [deg] for quaternions (samples, 4)."""
+    e0, e1, e2, e3 = np.atleast_2d(e).T
+    return np.degrees(np.unwrap(np.arctan2(2 * (e1 * e2 + e0 * e3), 1 - 2 * (e2**2 + e3**2))))
+
+
+def theory(*, I, J, Omega, M, t):
+    """Euler's equations of a gyrostat; for small angles r = J W theta / I_z."""
+    times = np.linspace(0, t, 41)
+    y = euler(times, I=I, J=J, Omega=Omega, M=M)
+    return {"yaw_rate_rad_s": y[-1, 6], "nose_sideways_deg": sideways(y[:, :4])[-1]}
+
+
+def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
+    """Yaw rate and heading after t."""
+    run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
+    heading, y = sideways(run.orientation("jet")), euler(run.t, I=I, J=J, Omega=Omega, M=M)
+    curve = Curve("nose to the side [deg]", run.t, heading, (run.t, sideways(y[:, :4])))
+    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": heading[-1]}
+    return Measured(values, [run], [curve])
+
+
+demo = Demo(
+    __name__,
+    title="A jet that raises its nose swings it sideways",
+    question="Why does a jet that raises its nose also swing it sideways?",
+    why="The engine's rotor carries angular momentum along the nose. Raising the nose turns this arrow, and an arrow "
+    "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by "
+    "yawing. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other "
+    "side.",
+    equation="I w' + w x (I w + h) = M with h = J W along the nose; small angles: r = J W theta / I_z",
+    source="Hughes, Spacecraft Attitude Dynamics (gyrostats); Stevens, Lewis, Aircraft Control and Simulation",
+    quantities={
+        "yaw_rate_rad_s": Quantity("yaw rate at the end", "rad/s"),
+        "nose_sideways_deg": Quantity("nose to the side at the end", "deg"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("engine", "the engine stands still and the nose goes straight up", {"Omega": 0.0}),
+    against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]", computed=3),
+    show={"curves": [("omega_body", "jet")], "shown": ["angular momentum"]},
+    ranges={"I": [(12e3, 16e3), (70e3, 80e3), (75e3, 81e3)]},
+)

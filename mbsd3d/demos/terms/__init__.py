@@ -1,0 +1,3 @@
+"""What forgotten terms break."""
+
+PLACE = 8

@@ -1,0 +1,3 @@
+"""Tops, coins and stones."""
+
+PLACE = 3

@@ -1,0 +1,79 @@
+"""A spinning skate on an icy slope walks sideways and never slides down."""
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, KnifeEdge, Planar, System, rotation, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+
+G = 9.81  # m/s^2
+
+
+def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
+    """Skate on a slope down along x, pointing down, turning at w [rad/s]; blade = 0 takes its edge away."""
+    require(blade in (0, 1), f"demo 'skate_on_slope': blade = {blade}; give 1 (with its edge) or 0 (without)")
+    turned = rotation("y", slope_deg, degrees=True)
+    normal = axes(slope_deg)[2]
+    form = (shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07)))
+    skate = Body("skate", 2.0, (0.01, 0.02, 0.02), orientation=turned, velocity=(0, 0, 0), omega=w * normal,
+                 shape=form)  # fmt: skip
+    joints = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
+    joints += [KnifeEdge(GROUND, skate, at=(0, 0, 0), lateral=(0, 1, 0), name="blade")] * blade
+    return System([skate], joints, gravity=(0, 0, -G))
+
+
+def axes(slope_deg):
+    """Down the slope, across it, normal."""
+    s, c = np.sin(np.radians(slope_deg)), np.cos(np.radians(slope_deg))
+    return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+
+
+def path(t, slope_deg, w):
+    """(down, sideways) with g' = g sin(slope): the speed along the blade is g' sin(w t)/w."""
+    g = G * np.sin(np.radians(slope_deg))
+    return g * (1 - np.cos(2 * w * t)) / (4 * w**2), g * t / (2 * w) - g * np.sin(2 * w * t) / (4 * w**2)
+
+
+def theory(*, slope_deg, w, t):
+    """A cycloid across the slope."""
+    require(w != 0, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
+    down, sideways = path(t, slope_deg, w)
+    return {"down_slope_m": down, "sideways_m": sideways}
+
+
+def without_blade(*, slope_deg, t):
+    """A free puck."""
+    return {"down_slope_m": 0.5 * G * np.sin(np.radians(slope_deg)) * t**2, "sideways_m": 0.0}
+
+
+def measure(build, terms, *, slope_deg, w, t=10.0) -> Measured:
+    """Where it is after t."""
+    run = simulate(build(), t, rtol=1e-13, output=401, **terms)
+    down, sideways, _ = axes(slope_deg) @ run.position("skate").T
+    known = path(run.t, slope_deg, w)
+    path_seen = Curve(
+        "up the slope [m]", sideways, -down, (known[1], -known[0]), "sideways [m]", "its path on the slope"
+    )
+    curve = Curve("down the slope [m]", run.t, down, (run.t, known[0]))
+    return Measured({"down_slope_m": down[-1], "sideways_m": sideways[-1]}, [run], [path_seen, curve])
+
+
+demo = Demo(
+    __name__,
+    title="The skate that walks sideways",
+    question="Why does a spinning skate on an icy slope walk sideways and never slide down?",
+    why="The blade lets the skate move along itself only. As it turns, gravity speeds it up while it points downhill "
+    "and slows it down by the same amount while it points uphill; what is left is a drift across the slope. The "
+    "energy never allows it to go lower than one arc: a condition on velocities alone does what no rail could.",
+    equation="down = g' (1 - cos 2wt) / (4 w^2), sideways = g' t / (2w) - g' sin 2wt / (4 w^2), g' = g sin(slope)",
+    source="Neimark, Fufaev, Dynamics of Nonholonomic Systems; Bloch, Nonholonomic Mechanics and Control, 1.6",
+    quantities={
+        "down_slope_m": Quantity("way down the slope", "m"),
+        "sideways_m": Quantity("way across the slope", "m"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("blade", "without its edge it slides down and nothing else", {"blade": 0}, values=without_blade),
+    show={"curves": [("position", "skate")], "traces": [("skate", (0, 0, 0))]},
+)

@@ -1,0 +1,84 @@
+"""A fast top stands upright as if asleep; below a certain spin it wakes and falls."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d import GROUND, Body, Spherical, State, System, linearize, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+
+G = 9.81  # m/s^2
+
+
+def mechanism(*, m=0.5, It=0.0008, I3=0.0006, l=0.05, spin=60.0) -> System:
+    """Upright top of mass m [kg], moments (It, It, I3) [kg m^2] about G, G at l [m] over the pivot, spin [rad/s]."""
+    form = (shapes.Disc(0.8 * l, 0.25 * l), shapes.Cylinder(0.06 * l, 2 * l, at=(0, 0, 0)))
+    top = Body("top", m, (It, It, I3), position=(0, 0, l), omega=(0, 0, spin), shape=form)
+    return System([top], [Spherical(GROUND, top, at=(0, 0, 0), name="pivot")], gravity=(0, 0, -G))
+
+
+def theory(*, m, It, I3, l, spin):
+    """w_c = 2 sqrt(A m g l)/C; below it growth sqrt(4 A m g l - C^2 w^2)/(2 A), A about the pivot."""
+    A, weight = It + m * l**2, m * G * l
+    square = 4 * A * weight - (I3 * spin) ** 2
+    return {"critical_spin_rad_s": 2 * np.sqrt(A * weight) / I3, "growth_1_s": np.sqrt(max(square, 0)) / (2 * A)}
+
+
+def without_gyroscopic(*, m, It, l, spin):
+    """Without w x I w only I dw/dt of the turning axis is left: the top behaves as if its C were It."""
+    return theory(m=m, It=It, I3=It, l=l, spin=spin)
+
+
+def split(system, terms):
+    """((lambda_1 - lambda_2)/2)^2 of nutation and precession: positive where the top wakes, negative where it
+    sleeps."""
+    found = linearize(system, **terms).eigenvalues
+    pair = sorted(found[found.imag > 0], key=abs)[-2:]
+    return ((pair[0] - pair[1]) ** 2).real / 4 if len(pair) == 2 else found.real.max() ** 2
+
+
+def measure(build, terms, *, l, spin) -> Measured:
+    """Eigenvalues of the upright top, and the spin at which two of them meet."""
+    low, high = 0.0, max(abs(spin), 1.0)
+    while split(build(spin=high), terms) > 0:
+        low, high = high, 2 * high
+    critical = brentq(lambda w: split(build(spin=w), terms), low, high, xtol=1e-12)
+    growth = max(linearize(build(), **terms).eigenvalues.real.max(), 0.0)
+    system = build()
+    at_rest = system.state()
+    nudged = State(0.0, at_rest.q, at_rest.v + 1e-4 * np.array([0, l, 0, -1, 0, 0]))
+    run = simulate(system, 12 * np.sqrt(l / G), state=nudged, rtol=1e-10, output=401, **terms)
+    lean = np.degrees(np.arccos(np.clip(run.rotation("top")[:, 2, 2], -1, 1)))
+    spins = np.linspace(0.5, 1.3, 9) * critical
+    grown = [max(linearize(build(spin=w), **terms).eigenvalues.real.max(), 0.0) for w in spins]
+    fine = np.linspace(spins[0], spins[-1], 101)
+    known = [theory(**{**build.values, "spin": w})["growth_1_s"] for w in fine]
+    curves = [
+        Curve("growth [1/s]", spins, grown, (fine, known), "spin [rad/s]"),
+        Curve("lean after a nudge [deg]", run.t, lean),
+    ]
+    return Measured({"critical_spin_rad_s": critical, "growth_1_s": growth}, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The sleeping top",
+    question="Why does a fast top stand as if asleep, and at which speed does it wake?",
+    why="Upright, the weight pulls a leaning top away from the vertical. A spinning top answers to this moment at "
+    "right angles: it circles instead of falling. Two motions are possible, a quick nutation and a slow "
+    "precession; as the spin slows down their rates come together, and where they meet the top wakes: its lean "
+    "grows.",
+    equation="w_c = 2 sqrt(A m g l) / C; below: growth sqrt(4 A m g l - C^2 w^2) / (2 A)",
+    source="Goldstein, Classical Mechanics, 5.7; Klein, Sommerfeld, Theory of the Top",
+    quantities={
+        "critical_spin_rad_s": Quantity("spin at which it wakes", "rad/s"),
+        "growth_1_s": Quantity("growth of the lean", "1/s"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "gyroscopic", "the top behaves as if its moment about the axis were that across it", values=without_gyroscopic
+    ),
+    show={"curves": [("com", "top"), ("omega_body", "top")], "shown": ["angular momentum"]},
+)

@@ -1,0 +1,114 @@
+"""A tippe top turns upside down and lifts its own weight, because it slides."""
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, CustomForce, PointOnPlane, System, rotation, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..quadrature import cross, motion
+
+G = 9.81  # m/s^2
+
+
+def sliding(t, bodies, z, parameters, loads, z_dot):
+    """-c times the velocity of the lowest point of a sphere of radius r, moved to its centre."""
+    c, r = parameters
+    u, w = bodies[0].velocity, bodies[0].w
+    loads[0, 0] = -c * (u[0] - r * w[1])
+    loads[0, 1] = -c * (u[1] + r * w[0])
+    loads[0, 3] = r * loads[0, 1]
+    loads[0, 4] = -r * loads[0, 0]
+
+
+def mechanism(*, m=0.01, r=0.02, a=0.003, A=1.6e-6, C=1.5e-6, c=0.2, theta_deg=10.0, spin=200.0) -> System:
+    """Sphere of radius r [m], G at a [m] below its centre, (A, A, C) [kg m^2] about G, sliding friction c [N s/m]."""
+    tilt = np.radians(theta_deg)
+    axis = np.array([np.sin(tilt), 0, np.cos(tilt)])
+    centre = np.array([0, 0, r])
+    form = [shapes.Sphere(r, at=(0, 0, 0)), shapes.Cylinder(0.2 * r, r, at=(0, 0, 1.3 * r), colour="orangered")]
+    top = Body("top", m, (A, A, C), com=(0, 0, -a), position=centre, orientation=rotation("y", tilt),
+               velocity=(0, 0, 0), omega=spin * axis, shape=form)  # fmt: skip
+    table = PointOnPlane(GROUND, top, at=centre, normal=(0, 0, 1), name="table")
+    return System([top], [table], [CustomForce(sliding, on=top, parameters=(c, r), name="sliding")], (0, 0, -G))
+
+
+def own(times, *, m, r, a, A, C, c, theta_deg, spin):
+    """(times, 8) of axis e, angular velocity w and velocity of G in the plane, by Newton and Euler at G.
+
+    The normal force N follows from the height of G, r - a e_z, to whose acceleration w_dot is linear in N.
+    """
+    tilt, gap = np.radians(theta_deg), (C - A) / A
+    e = np.array([np.sin(tilt), 0, np.cos(tilt)])
+
+    def rate(_, y):
+        ex, ey, ez, p, q, s, u, v = y.tolist()  # plain numbers: ten times faster here
+        along = ex * p + ey * q + ez * s
+        turn = cross((p, q, s), (ex, ey, ez))
+        arm = (a * ex, a * ey, a * ez - r)
+        slip = cross((p, q, s), arm)
+        fx, fy = -c * (u + slip[0]), -c * (v + slip[1])
+        moment = cross(arm, (fx, fy, 0.0))
+        free = [moment[k] / A - gap * along * turn[k] for k in range(3)]  # A w_dot but for its part along e
+        per_N = [arm[1] / A, -arm[0] / A, 0.0]
+        for x in (free, per_N):
+            part = (A / C - 1) * (ex * x[0] + ey * x[1] + ez * x[2])
+            x[0], x[1], x[2] = x[0] + part * ex, x[1] + part * ey, x[2] + part * ez
+        lift = cross(free, (ex, ey, ez))[2] + cross((p, q, s), turn)[2]
+        N = (m * G - m * a * lift) / (1 + m * a * cross(per_N, (ex, ey, ez))[2])
+        return [*turn, *(free[k] + N * per_N[k] for k in range(3)), fx / m, fy / m]
+
+    return motion(rate, np.concatenate([e, spin * e, [0, 0]]), times)
+
+
+def theory(*, m, r, a, A, C, c, theta_deg, spin, t):
+    """Own equations for the attitude; Jellett's integral L . (r e_z - a e) is what it was, whatever the friction."""
+    y = own(np.array([0.0, t]), m=m, r=r, a=a, A=A, C=C, c=c, theta_deg=theta_deg, spin=spin)[-1]
+    jellett = C * spin * (a - r * np.cos(np.radians(theta_deg)))
+    return {"axis_height_cos": y[2], "jellett_Nms_m": jellett, "spin_vertical_rad_s": y[5]}
+
+
+def measure(build, terms, *, m, r, a, A, C, c, theta_deg, spin, t=4.0) -> Measured:
+    """Attitude, Jellett's integral and spin about the vertical after t."""
+    run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 401), **terms)
+    R, w = run.rotation("top"), run.omega_body("top")
+    axis = R[:, :, 2]
+    L = np.einsum("tij,tj->ti", R, w * [A, A, C])
+    jellett = np.einsum("ti,ti->t", L, a * axis - [0, 0, r])
+    known = own(run.t, m=m, r=r, a=a, A=A, C=C, c=c, theta_deg=theta_deg, spin=spin)
+    curves = [
+        Curve("cosine of the tilt [-]", run.t, axis[:, 2], (run.t, known[:, 2])),
+        Curve("spin about its axis [rad/s]", run.t, w[:, 2], (run.t, np.sum(known[:, :3] * known[:, 3:6], axis=1))),
+    ]
+    values = {
+        "axis_height_cos": axis[-1, 2], "jellett_Nms_m": jellett[-1], "spin_vertical_rad_s": run.omega("top")[-1, 2],
+    }  # fmt: skip
+    return Measured(values, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The tippe top",
+    question="Why does a tippe top turn upside down and raise its own weight?",
+    why="The top's centre of mass lies below the centre of its sphere, so that it touches the table a little off its "
+    "axis and slides there. Friction acts at right angles to the spin and, as with any top, moves the axis "
+    "sideways: here upwards, until it stands on its stem. The lift takes energy from the spin. One combination "
+    "of the angular momenta cannot change: that along the line from the centre of mass to the contact, whatever "
+    "the friction.",
+    equation="Jellett: L . (r e_z - a e) = const",
+    source="Cohen, Am. J. Phys. 45 (1977) 12; Bou-Rabee, Marsden, Romero, SIAM Review 50 (2008) 325; Jellett (1872)",
+    quantities={
+        "axis_height_cos": Quantity("cosine of the tilt at the end"),
+        "jellett_Nms_m": Quantity("Jellett's integral", "kg m^3/s", absolute=1e-14),
+        "spin_vertical_rad_s": Quantity("spin about the vertical", "rad/s"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "friction",
+        "without friction it precesses for ever (without w x I w it would still turn over: "
+        "its moments are nearly equal)",
+        {"c": 0.0},
+    ),  # fmt: skip
+    show={"curves": [("omega_body", "top"), ("com", "top")], "traces": [], "follow": "top", "speed": 0.25},
+)

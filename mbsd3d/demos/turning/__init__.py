@@ -1,0 +1,3 @@
+"""Turning does not add up."""
+
+PLACE = 4

@@ -1,0 +1,90 @@
+"""A pendulum keeps its plane among the stars while the Earth turns under it."""
+
+import numpy as np
+
+from mbsd3d import GROUND, Body, CustomForce, Distance, Revolute, SpeedDriver, System, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..quadrature import cross, motion
+
+G = 9.81  # m/s^2
+
+
+def plumb(t, bodies, z, parameters, loads, z_dot):
+    """A weight along the downward axis of the laboratory."""
+    loads[1, 0] = -parameters[0] * bodies[0].R[0, 2]
+    loads[1, 1] = -parameters[0] * bodies[0].R[1, 2]
+    loads[1, 2] = -parameters[0] * bodies[0].R[2, 2]
+
+
+def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
+    """Laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
+    north."""
+    place, mass = np.array([amp, 0, -np.sqrt(l**2 - amp**2)]), 28.0
+    rate = earth(lat_deg, Omega_e)
+    floor = shapes.Cylinder(1.5 * amp, 0.01 * l, at=(0, 0, -1.02 * l))
+    lab = Body("laboratory", 1.0, (1, 1, 1), omega=rate, shape=floor)
+    velocity = np.cross(rate, place)
+    bob = Body("bob", mass, (1, 1, 1), position=place, velocity=velocity, omega=rate, shape=shapes.Sphere(0.02 * l))
+    joints = [
+        Revolute(GROUND, lab, at=(0, 0, 0), axis=earth(lat_deg, 1.0), name="axis of the Earth"),
+        SpeedDriver(GROUND, lab, axis=earth(lat_deg, 1.0), speed=Omega_e, name="day"),
+        Distance(lab, bob, at_a=(0, 0, 0), at_b=place, name="rod"),
+    ]
+    weight = CustomForce(plumb, on=(lab, bob), parameters=(mass * G,), name="weight")
+    return System([lab, bob], joints, [weight], gravity=(0, 0, 0))
+
+
+def earth(lat_deg, Omega_e):
+    """Angular velocity of the Earth in the axes north, west, up."""
+    lat = np.radians(lat_deg)
+    return Omega_e * np.array([np.cos(lat), 0, np.sin(lat)])
+
+
+def own(times, *, l, lat_deg, Omega_e, amp):
+    """(times, 3) in the laboratory: r'' = g - 2 O x v - O x (O x r) - k r, k so that |r| stays l."""
+    O = tuple(earth(lat_deg, Omega_e).tolist())
+
+    def rate(_, y):
+        r, v = y[:3].tolist(), y[3:].tolist()
+        coriolis, outwards = cross(O, v), cross(O, cross(O, r))
+        a = [-2 * coriolis[k] - outwards[k] - (G if k == 2 else 0) for k in range(3)]
+        pull = sum(v[k] ** 2 + r[k] * a[k] for k in range(3)) / l**2
+        return [*v, *(a[k] - pull * r[k] for k in range(3))]
+
+    return motion(rate, np.array([amp, 0, -np.sqrt(l**2 - amp**2), 0, 0, 0]), times)[:, :3]
+
+
+def theory(*, l, lat_deg, Omega_e, amp, t):
+    """Own equations in the turning laboratory; for small swings the plane turns at -O sin(lat)."""
+    require(abs(amp) < l, f"demo 'foucault': amp = {amp:g} m is not less than the rod, {l:g} m; give less")
+    north, west, _ = own(np.array([0.0, t]), l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)[-1]
+    return {"north_m": north, "west_m": west}
+
+
+def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:
+    """Place of the bob in the laboratory after t, and its trail in the sand."""
+    run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 601), **terms)
+    north, west, _ = np.einsum("tji,tj->it", run.rotation("laboratory"), run.position("bob"))
+    known = own(run.t, l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)
+    trail = Curve("west [m]", north, west, (known[::8, 0], known[::8, 1]), "north [m]", "the trail in the sand")
+    return Measured({"north_m": north[-1], "west_m": west[-1]}, [run], [trail])
+
+
+demo = Demo(
+    __name__,
+    title="Foucault's pendulum",
+    question="How does a pendulum show that the Earth turns?",
+    why="The pendulum keeps its plane as well as it can, and the floor turns under it. Only the part of the Earth's "
+    "turn about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. "
+    "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
+    "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
+    equation="r'' = g - 2 O x r' - O x (O x r) - k r; small swings turn at -O sin(lat)",
+    source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
+    quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("rotation", "on an Earth at rest it swings to and fro in one plane", {"Omega_e": 0.0}),
+    show={"curves": [("position", "bob")], "traces": [("bob", (1, 0, -9.95))]},
+)

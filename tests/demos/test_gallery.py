@@ -1,0 +1,80 @@
+"""The gallery: pages are written, kept while nothing changes, found by words, and run without an error."""
+
+import json
+
+import pytest
+
+from mbsd3d.demos import gallery
+from mbsd3d.demos.discovery import discover, own_demos
+
+NAME = "ball_on_turntable"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The page of one demo, and a front page."""
+    folder = tmp_path_factory.mktemp("site")
+    assert gallery.page(NAME, folder)
+    gallery.front([NAME], folder)
+    return folder
+
+
+def test_a_page_says_shows_and_proves(site):
+    text, demo = (site / f"{NAME}.html").read_text(), own_demos()[NAME]
+    for piece in (demo.question, demo.why[:40], "<svg", f'src="{NAME}_seen.html"', f'src="{NAME}_without.html"'):
+        assert piece.replace("'", "&#39;") in text
+    assert "def mechanism(" in text and "http" not in text.replace("http://www.w3.org", "")
+    found = json.loads((site / f"{NAME}.json").read_text())
+    assert found["passed"] and set(found["quantities"]) == set(demo.quantities)
+    assert (site / f"{NAME}.png").stat().st_size > 5_000
+
+
+def test_players_share_one_viewer(site):
+    assert (site / "viewer.js").stat().st_size > 500_000
+    assert all(path.stat().st_size < 200_000 for path in site.glob(f"{NAME}_*.html"))
+
+
+def test_a_page_is_kept_until_something_changes(site):
+    before = (site / f"{NAME}.html").stat().st_mtime_ns
+    assert not gallery.page(NAME, site) and (site / f"{NAME}.html").stat().st_mtime_ns == before
+    (site / f"{NAME}.json").write_text(json.dumps({"digest": "another"}))
+    assert gallery.page(NAME, site)
+
+
+def test_every_demo_has_a_digest_of_its_own():
+    demos = discover()
+    assert len({gallery.digest(demo) for demo in demos.values()}) == len(demos)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 420])
+def test_the_pages_fit_and_find(chromium, site, width):
+    seen, errors = chromium.new_page(viewport={"width": width, "height": 900}), []
+    seen.on("pageerror", lambda error: errors.append(str(error)))
+    seen.goto((site / f"{NAME}.html").as_uri())
+    assert seen.evaluate("document.documentElement.scrollWidth") <= width
+    seen.goto((site / "index.html").as_uri())
+    assert seen.locator("[data-words]").count() == 1 and seen.evaluate("document.body.scrollWidth") <= width
+    seen.fill("#search", "no such effect")
+    assert seen.locator("[data-words]:visible").count() == 0 and errors == []
+    seen.close()
+
+
+@pytest.mark.slow
+def test_the_players_keep_in_step(chromium, site):
+    seen, errors = chromium.new_page(viewport={"width": 1400, "height": 900}), []  # both in sight: else they rest
+    seen.on("pageerror", lambda error: errors.append(str(error)))
+    seen.goto((site / f"{NAME}.html").as_uri())
+    first, other = (
+        next(frame for frame in seen.frames if f"_{kind}.html" in frame.url) for kind in ("seen", "without")
+    )
+    wait = {"polling": 200, "timeout": 120_000}
+    for frame in (first, other):
+        frame.wait_for_function("document.querySelector('canvas') && document.getElementById('message').hidden", **wait)
+    first.evaluate("document.getElementById('play').click()")
+    other.wait_for_function("document.getElementById('play').getAttribute('aria-label') === 'pause'", **wait)
+    first.evaluate("document.getElementById('play').click()")
+    other.wait_for_function("document.getElementById('play').getAttribute('aria-label') === 'play'", **wait)
+    times = [frame.evaluate("document.getElementById('scrub').valueAsNumber") for frame in (first, other)]
+    assert times[0] > 0 and abs(times[1] - times[0]) < 0.05 and errors == []
+    seen.close()

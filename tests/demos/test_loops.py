@@ -1,0 +1,8 @@
+"""Loops that should not move: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import loops
+
+pytestmark = demos_of(loops)

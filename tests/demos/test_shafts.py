@@ -1,0 +1,8 @@
+"""Shafts out of line: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import shafts
+
+pytestmark = demos_of(shafts)

@@ -1,0 +1,8 @@
+"""Spin turns sideways: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import spin
+
+pytestmark = demos_of(spin)

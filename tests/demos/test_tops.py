@@ -1,0 +1,8 @@
+"""Tops, coins and stones: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import tops
+
+pytestmark = demos_of(tops)
