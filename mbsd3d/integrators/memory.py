@@ -31,7 +31,7 @@ NOW = [
     ("steps", int),  # accepted
     ("rejected", int),
     ("evaluations", int),
-    ("fresh", int),  # 1: the chosen rows are new and nothing has been evaluated with them
+    ("fresh", int),  # 1: the tree is new and nothing has been evaluated with it
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("written", int),  # samples in the buffer
     ("next_output", int),  # index of the next output time

@@ -226,7 +226,7 @@ def is_stiff(m, own, run, h):
 
 @merged_kernel
 def verdict(m, d, s, own, run, h):
-    """RUNNING, or what Python must look at after a step: the chosen rows, or stiffness."""
+    """RUNNING, or what Python must look at after a step: the tree of the rows, or stiffness."""
     if not rows_hold(m, d, s, run):
         return NEW_TREE
     if run.task.steps == 0 and run.stiffness.patience < np.inf and is_stiff(m, own, run, h):

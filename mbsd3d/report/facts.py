@@ -51,8 +51,6 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
         ("method", method_text(record.method) + (f", rtol {digits(record.rtol)}" if adaptive else "")),
         ("steps", f"{record.steps} accepted, {record.rejected} rejected, with "
                   f"{counted(record.evaluations, 'evaluation')} of the equations"),
-        ("independent rows", f"chosen {counted(record.svd_calls, 'time')}, "
-                             f"{counted(len(record.rank_events), 'rank event')}"),
     ]  # fmt: skip
     if record.tolerance:
         misfit = record.tolerance * solution.compiled.model.length

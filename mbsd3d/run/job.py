@@ -53,7 +53,7 @@ FAILURES = {
 
 
 class Job:
-    """One run: the compiled time loop is called in chunks; between them rows are chosen and samples collected."""
+    """One run: the compiled time loop is called in chunks; between them samples are collected."""
 
     def __init__(
         self, compiled: Compiled, start: State, t_end: float, times: np.ndarray | None, method: Method, rtol: float,
