@@ -51,11 +51,13 @@ def held(mass: float, inertia: float, far: float) -> System:
 def chain(masses: tuple[float, ...]) -> System:
     """Links of general form on hinges along general axes."""
     bodies = [
-        Body(f"link {k}", m, m * np.array([0.11, 0.12, 0.09]), position=(0.5 + k, 0.1 * k, 0.05 * k), com=(0.05, 0.02, 0.03))
+        Body(f"link {k}", m, m * np.array([0.11, 0.12, 0.09]), com=(0.05, 0.02, 0.03),
+             position=(0.5 + k, 0.1 * k, 0.05 * k))
         for k, m in enumerate(masses)
     ]  # fmt: skip
     hinges = [
-        Revolute(bodies[k - 1] if k else GROUND, body, at=(k, 0.1 * k, 0.02), axis=(0.1 + 0.2 * k, 1.0, 0.3 * k), name=f"h{k}")
+        Revolute(bodies[k - 1] if k else GROUND, body, at=(k, 0.1 * k, 0.02), axis=(0.1 + 0.2 * k, 1.0, 0.3 * k),
+                 name=f"h{k}")
         for k, body in enumerate(bodies)
     ]  # fmt: skip
     return System(bodies, hinges)
