@@ -122,7 +122,7 @@ def pair(what: str, alpha: float, beta: float, angle: float) -> tuple[float, flo
     """(theta_1, theta_2) of a Bennett loop whose first link has the twist alpha."""
     if not np.isfinite(angle) or abs(np.sin(angle)) < PROPORTION or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION:
         raise ValueError(f"{what}: angle {angle:g} at twists {alpha:g} and {beta:g} rad folds the loop onto a line "
-                         "or gives equal links; choose an angle that is no multiple of pi and different twists")  # fmt: skip
+                         "or gives equal links; choose an angle no multiple of pi and unequal twists")  # fmt: skip
     ratio = np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha))
     return float(angle), float(2.0 * np.arctan(ratio / np.tan(0.5 * angle)))
 
