@@ -30,6 +30,9 @@ class Drawable:
     ) -> "View | LiveView":
         """A page that shows the mechanism in space; one HTML file that needs no network.
 
+        The `View` has ``.html``, ``.save(path)`` and ``.open()``; notebooks show it. With ``live`` it is a `LiveView`.
+        ValueError for a state of another system, a shape that cannot be drawn, an unknown layer, a missing package.
+
         Parameters
         ----------
         path : str or Path, optional
@@ -44,16 +47,6 @@ class Drawable:
             None = what the reader's system prefers.
         live : bool
             Show it by a server on this machine instead; ``path`` is not written then.
-
-        Returns
-        -------
-        View
-            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
-
-        Raises
-        ------
-        ValueError
-            For a state of another system, a shape that cannot be drawn, an unknown layer, a missing package.
         """
         from ..view.page.show import show_system
 
@@ -69,7 +62,9 @@ class Drawable:
         size: Sequence[float] = (6.4, 4.8),
         dark: bool = False,
     ) -> "Figure":
-        """A shaded matplotlib figure.
+        """A shaded matplotlib figure; `mbsd3d.save_figure` writes it.
+
+        ValueError if the state is one of another system, a shape cannot be drawn, or an option is invalid.
 
         Parameters
         ----------
@@ -84,16 +79,6 @@ class Drawable:
             Width and height [inch].
         dark : bool
             On dark paper.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Not shown; `mbsd3d.save_figure` writes it.
-
-        Raises
-        ------
-        ValueError
-            If the state is one of another system, a shape cannot be drawn, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_system
 

@@ -15,7 +15,7 @@ from .system import System
 def load(path: str | Path) -> Solution:
     """Read a file written by ``solution.save``; the result is a full `Solution`.
 
-    The same numbers, bit for bit; the certificate is checked anew. ``path`` with or without ".npz". ValueError if the
+    The same numbers, bit for bit; the certificate is made again. ``path`` with or without ".npz". ValueError if the
     file is missing, truncated, of another kind or version, or its parts do not fit together.
 
     >>> from tempfile import TemporaryDirectory

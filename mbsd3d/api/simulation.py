@@ -60,14 +60,14 @@ def simulate(
     Returns
     -------
     Solution
-        Also after Ctrl-C, with what was computed; its certificate says so.
+        Also after Ctrl-C, with the samples so far; its certificate says so.
 
     Raises
     ------
     ValueError
         For input that makes no sense.
     IntegrationError
-        With time, part and advice; ``error.solution`` holds what was computed.
+        With time, part and advice; ``error.solution`` holds the samples so far.
 
     Examples
     --------

@@ -75,7 +75,7 @@ class Linearization(linearization.Linearization):
     generator : Generator
         The steady motion that was found.
     residual : float
-        Largest violation of what was assumed, in the model's own units of length and time.
+        Largest violation of the assumptions, in the model's units of length and time.
 
     Examples
     --------

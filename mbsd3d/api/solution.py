@@ -88,7 +88,7 @@ class Solution(RunResult, Viewable):
             by component (reactions: by magnitude).
         against : str or (str, part), optional
             What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
-            means that of the same parts. The start is marked.
+            is taken of the same parts. The start is marked.
         degrees : bool
             Angles in degrees instead of radians.
         dark : bool

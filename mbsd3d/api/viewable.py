@@ -42,6 +42,9 @@ class Viewable:
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
+        The `View` has ``.html``, ``.save(path)`` and ``.open()``; notebooks show it. With ``live`` it is a `LiveView`.
+        ValueError naming the option, part or package and the remedy.
+
         Parameters
         ----------
         path : str or Path, optional
@@ -65,16 +68,6 @@ class Viewable:
         follow : Body or str, optional
             Body that the camera of a page follows from near; None = the view holds the whole motion. The reader may
             choose another body.
-
-        Returns
-        -------
-        View
-            With ``.html``, ``.save(path)`` and ``.open()``; shown by notebooks. With ``live`` a `LiveView`.
-
-        Raises
-        ------
-        ValueError
-            Naming the option, part or package and the remedy.
         """
         from ..view.page.show import animate
 
@@ -96,6 +89,9 @@ class Viewable:
     ) -> "Figure":
         """A shaded matplotlib figure of a moment, or of several in one picture, with the time in it.
 
+        `mbsd3d.save_figure` writes it. ValueError if a time is outside the run, a part or a layer is unknown, or an
+        option is invalid.
+
         Parameters
         ----------
         t : float, sequence of float, or None
@@ -109,16 +105,6 @@ class Viewable:
             open are pale.
         view, size, dark
             See `System.picture`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Not shown; `mbsd3d.save_figure` writes it.
-
-        Raises
-        ------
-        ValueError
-            If a time is outside the run, a part or a layer is unknown, or an option is invalid.
         """
         from ..view.picture.picture import picture_of_solution
 
@@ -140,14 +126,16 @@ class Viewable:
         view: Sequence[float] | None = None,
         dark: bool = False,
     ) -> Path:
-        """Write the motion as an animated GIF that loops; the same run gives the same bytes.
+        """Write the motion as an animated GIF that loops; the same run gives the same bytes. Returns the file.
+
+        ValueError if an option is invalid, the folder does not exist, or the run has a single moment.
 
         Parameters
         ----------
         path : str or Path
             ".gif" is appended if missing.
         fps : float
-            Frames per second of the film > 0, at most 50 (viewers slow down what is faster).
+            Frames per second of the film > 0, at most 50 (viewers play faster ones slowly).
         speed : float, optional
             Model time per real time; None = real time for runs of 2 ... 6 s, else a round factor for about 4 s.
         width, height : int
@@ -156,16 +144,6 @@ class Viewable:
             Below the scene, as in `animate`; None = the most telling ones; () = none.
         traces, shown, hidden, view, dark
             See `picture`.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        ValueError
-            If an option is invalid, the folder does not exist, or the run has a single moment.
         """
         from ..view.film.film import export_gif
 

@@ -1,7 +1,7 @@
 """The house style: colours that are told apart with any colour vision, on light and on dark paper.
 
 A figure gets its colours explicitly (`dress`), and what matplotlib looks up by itself from its own defaults (`house`):
-neither the settings of the user nor those of the machine change a figure, and it changes none of them.
+settings of the user or the machine do not change a figure, nor does a figure change them.
 """
 
 from collections.abc import Iterator
@@ -86,7 +86,7 @@ def rgb(colour: str, brightness: float = 1.0) -> tuple[int, int, int]:
 
 
 def paler(colour: str) -> str:
-    """The colour of what is not certain, or stands back."""
+    """The paler colour of uncertain or auxiliary things."""
     return "#" + bytes(np.rint((1.0 - FADED) * channels(colour) + FADED * channels(PALE)).astype(np.uint8)).hex()
 
 

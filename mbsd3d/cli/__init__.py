@@ -1,4 +1,4 @@
-"""The command line, one file a command. Commands import what is heavy when they run, so that help comes at once."""
+"""The command line, one file a command. Commands import heavy packages when they run, so that help comes at once."""
 
 import click
 

@@ -10,9 +10,9 @@ from .support import INTERRUPTED, can_view, drop_option, keep, load_system, read
 @click.option("--t-end", type=float, required=True, help="End of the run [s].")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
-@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the motion.")
+@click.option("--view", "viewed", is_flag=True, help="Also write a page (.html) that shows the motion.")
 @click.option(
-    "--report", "reported", is_flag=True, help="Write a report (_report.html) too: certificate, tables, curves."
+    "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
 @drop_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
@@ -30,7 +30,7 @@ def run(
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. Writes a solution (.npz, read by mbsd3d.load), a table (.csv) and a figure of the energies. Ctrl-C
-    keeps what was computed. The exit code is 1 if the certificate fails.
+    keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
     system = load_system(file, drop)

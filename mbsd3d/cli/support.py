@@ -38,10 +38,10 @@ class Failure(click.ClickException):
 
 
 class Commands(click.Group):
-    """The own commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
+    """Built-in commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Own commands, then those of other packages."""
+        """Built-in commands, then those of other packages."""
         own = super().list_commands(ctx)
         return own + sorted({entry.name for entry in metadata.entry_points(group=GROUP)} - set(own))
 
@@ -89,7 +89,7 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
 
 
 def load_system(file: str, drop: tuple[str, ...]) -> "System":
-    """The System of a file of any kind; what an import did with it goes to stderr."""
+    """The System of a file of any kind; notes on an import go to stderr."""
     from ..api.model_input import load_model
 
     system, notes = load_model(file, drop)

@@ -45,7 +45,7 @@ class Row:
 
 
 class Show(NamedTuple):
-    """A run as it is shown in space: options are those of `Solution.animate`."""
+    """A run to animate, with options of `Solution.animate`."""
 
     solution: "Solution"
     options: Mapping[str, object] = {}

@@ -18,6 +18,7 @@ from ..saddle.solve import SOLVED, factor, solve
 from .loads import loads
 
 PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
+SINGULAR, LET_GO = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape
 FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time
 
 
@@ -161,7 +162,8 @@ def project_positions(m, d, s, t, y, near):
             break
     if not fresh and factor(m, d, s) != SOLVED:
         return NO_FACTOR
-    return PROJECTED if residual <= 1e3 * floor else NOT_CLOSED
+    enough = 1e3 * floor if s.state.pivot > SINGULAR else max(1e3 * floor, LET_GO)
+    return PROJECTED if residual <= enough else NOT_CLOSED
 
 
 @merged_kernel

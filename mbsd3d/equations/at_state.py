@@ -91,7 +91,7 @@ def check_quaternions(system: Mechanism, state: State) -> None:
 def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tuple[np.ndarray, str] | None:
     """(residual of all rows, its unit) of a start, loaded in ``data``, whose c or J v - b is too large; else None.
 
-    ``tolerance`` is that of c, in units of the model's length and radians; that of J v - b ten times as much.
+    ``tolerance`` of c, in units of the model's length and radians; J v - b may reach ten times as much.
     """
     row, scale = data.row, compiled.model.row["scale"]
     if not row.size:

@@ -13,8 +13,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_joint_rows
-
-PROXIMAL = 1e-8  # times the largest inertia of a body, mu: singular values of J below its root are let go
+from ..saddle.loops import PROXIMAL
 
 
 def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:

@@ -1,6 +1,6 @@
 """Systems as plain data: type names and fields, for files and for everything that is sent elsewhere.
 
-Parts are referred to by their names, and what a constructor fills in by itself is left out. The types a description
+Parts are referred to by name, and values that a constructor derives are left out. The types a description
 names are looked up in the package's own parts; nothing is imported or evaluated because a description says so.
 """
 
@@ -43,7 +43,7 @@ def same(first: Any, second: Any) -> bool:
 
 
 def needed(part: Any) -> dict[str, Any]:
-    """The fields from which the constructor makes the same part: what it fills in by itself is left out."""
+    """The fields from which the constructor makes the same part, without those it derives itself."""
     values = {x.name: getattr(part, x.name) for x in fields(part) if x.init and getattr(part, x.name) is not x.default}
     optional = [x.name for x in fields(part) if x.default is not MISSING or x.default_factory is not MISSING]
     for name in (name for name in optional if name in values):
@@ -67,7 +67,7 @@ class Writer:
         self.names |= {id(force): ("force", system.name(force)) for force in system.forces}
 
     def value(self, value: Any, what: str, role: str = "") -> Any:
-        """One value; ``what`` names it in errors, ``role`` is that of its field."""
+        """One value; ``what`` names it in errors, ``role`` is its field's."""
         if id(value) in self.names:
             kind, name = self.names[id(value)]
             return name if kind == role else {kind: name}
@@ -118,7 +118,7 @@ class Reader:
         self.forces = [self.listed("force", name, ()) for name in self.places["force"]]
 
     def value(self, value: Any, path: tuple, role: str = "") -> Any:
-        """One value; ``path`` leads to it, ``role`` is that of its field."""
+        """One value at ``path``; ``role`` is its field's."""
         if isinstance(value, list):
             if set(map(type, value)) == {float} and all(map(math.isfinite, value)):
                 return tuple(value)

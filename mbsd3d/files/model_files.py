@@ -108,7 +108,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -
     with named(path):
         again = form.read(text)
     if again != data:
-        raise ValueError(f"'{path}': the model would not come back from {path.suffix} as it is; use another kind")
+        raise ValueError(f"'{path}': {path.suffix} cannot hold this model without loss; use the other format")
     return write_atomically(path, content, replace=replace)
 
 

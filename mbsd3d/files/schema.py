@@ -51,7 +51,7 @@ PLAIN = (float, int, str, bool, NoneType)
 
 @cache
 def types() -> Mapping[str, type]:
-    """Name -> class of all a file may hold: every part class without subclasses, and what a record is made of."""
+    """Name -> class of all a file may hold: every part class without subclasses, and the parts of a record."""
     for module in pkgutil.walk_packages(mechanism.__path__, f"{mechanism.__name__}."):  # so that all classes are known
         import_module(module.name)
     found = {kind.__name__: kind for base in BASES for kind in below(base) if not below(kind)}

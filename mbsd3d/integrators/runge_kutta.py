@@ -13,9 +13,8 @@ from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STE
 from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 
-AMPLIFIED = (
-    3e-16  # over the smallest pivot of a step: what rounding makes of the accelerations near a singular position
-)
+# What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
+AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-9
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -102,7 +101,8 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, AMPLIFIED / run.rows.least_pivot)
+    rounding = min(MOST_AMPLIFIED, AMPLIFIED / run.rows.least_pivot)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, rounding)
 
 
 @merged_kernel

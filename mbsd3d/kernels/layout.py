@@ -190,7 +190,8 @@ TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
     ("weak", int),  # 1: some loop rows are nearly dependent on others
-    ("rank", int),  # most loop rows that have been independent
+    ("independent", int),  # loop rows that are so at the factorisation at hand,
+    ("rank", int),  # and the most at the end of any step: off c = 0 rows that repeat others seem independent
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
 ]

@@ -217,7 +217,7 @@ class GearMesh(Coupling):
         raise ValueError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
     def gear(self, hinge: Joint) -> Body | Ground:
-        """The gear on a hinge: what is not the carrier."""
+        """The gear on a hinge: the body that is not the carrier."""
         return hinge.a if hinge.b is self.support() else hinge.b
 
     def axle(self, hinge: Joint) -> Axle:

@@ -17,7 +17,7 @@ from .signals import Signal, as_signal, three_signals
 
 
 class Driver(Joint):
-    """A joint that prescribes a motion; `Solution.effort` gives what it takes.
+    """A joint that prescribes a motion; `Solution.effort` gives the torque or force it needs.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Base class of force elements: the record a kernel reads, checks of what they are given."""
+"""Base class of force elements: the record their laws read, and checks of input."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 """Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,10 +12,8 @@ from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
 from .joints import Joint, coordinate_of
+from .mechanism import Mechanism
 from .primitives import ZERO, Coordinate, check_kind
-
-if TYPE_CHECKING:
-    from .mechanism import Mechanism
 
 MEASURES = {
     "coordinate": kinds.COORDINATE,
@@ -94,7 +92,7 @@ class Condition:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
 
 
-def check_members(system: "Mechanism", measure: Measure, what: str) -> None:
+def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     """A measure speaks of bodies and forces of this system, or a ValueError."""
     members = {id(part) for part in (*system.bodies, *system.forces, GROUND)}
     for part in (measure.a, measure.b, measure.part or GROUND):

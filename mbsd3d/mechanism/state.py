@@ -1,4 +1,4 @@
-"""The state of a mechanism: what a run starts from and ends with."""
+"""The state of a mechanism, at the start and the end of a run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

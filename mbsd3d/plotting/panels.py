@@ -173,7 +173,7 @@ def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ..
     if quantity not in PANELS:
         raise ValueError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in OF_THE_SYSTEM:
-        raise ValueError(f"{quantity} is that of the whole system; give no parts")
+        raise ValueError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
 
 

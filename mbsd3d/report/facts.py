@@ -61,7 +61,7 @@ def run_facts(solution: RunResult) -> list[tuple[str, str]]:
 
 
 def method_text(method: object) -> str:
-    """A method with what was set."""
+    """A method with its settings that are not defaults."""
     chosen = [(x.name, getattr(method, x.name)) for x in fields(method) if getattr(method, x.name) != x.default]
     return " ".join([type(method).__name__, ", ".join(f"{name} = {value}" for name, value in chosen)]).strip()
 
@@ -76,7 +76,7 @@ def warnings(solution: RunResult) -> list[str]:
     }
     for switch, term in terms.items():
         if not getattr(record.switches, switch):
-            found.append(f"Switched off: {term}. The motion is not that of the real mechanism.")
+            found.append(f"Switched off: {term}. The real mechanism moves otherwise.")
     if record.switches.stabilisation != "projection":
         found.append(f"The joints are held by stabilisation “{record.switches.stabilisation}”, not by projection.")
     if record.stopped_by:

@@ -1,4 +1,4 @@
-"""Poses over time, read by part: what a run and a mode have in common."""
+"""Poses over time, read by part: the common base of runs and modes."""
 
 import numpy as np
 from numpy.typing import ArrayLike

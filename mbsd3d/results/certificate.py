@@ -1,4 +1,4 @@
-"""The certificate of a result: what was checked, how large the errors are, and why it fails if it does.
+"""The certificate of a result: the checks, the size of the errors, and why it fails if it does.
 
 Every check is made from the stored samples with the true equations, whatever the teaching switches dropped:
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.

@@ -24,7 +24,7 @@ STEP = 1e-7  # of central differences, in model lengths and radians; a rate need
 def check_forces(compiled: Compiled, y: np.ndarray, t: float, h: float, solution: Callable[[], RunResult]) -> None:
     """IntegrationError naming the force whose own rate [1/s] explains why steps h [s] cannot be longer, if one does.
 
-    ``solution()`` gives what was computed so far.
+    ``solution()`` returns the result so far.
     """
     rates = [force_rate(compiled, compiled.data(), y, t, k) for k in range(len(compiled.system.forces))]
     k = int(np.argmax(rates)) if rates else 0

@@ -12,10 +12,12 @@ import numpy as np
 from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 
+PROXIMAL = 1e-8  # times the compliance of the heaviest body, mu: singular values of J below its root are let go
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
-SWEEPS, MORE_SWEEPS = 1, 6
+SWEEPS, MORE_SWEEPS = 1, 20  # as a rule; near a singular position
+SPREAD = 1e5  # of the compliance that loop rows feel over that of the heaviest body: S alone has too few digits then
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
@@ -46,9 +48,11 @@ def independence(s):
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         if row.off == 0 and row.most > FELT * row.mu:
-            shares[min(int(-np.log2(row.pivot / row.most)), shares.shape[0] - 1)] += 1
+            fallen = -np.log2(row.pivot / row.most)
+            k = shares.shape[0] - 1
+            shares[int(fallen) if 0.0 <= fallen < k else k] += 1
             now += row.pivot > FELT * row.mu
-    s.state.rank = max(s.state.rank, now)
+    s.state.independent = now
     left = s.state.rank
     for k in range(shares.shape[0]):
         left -= shares[k]
@@ -61,10 +65,11 @@ def independence(s):
 def factor_loops(s):
     """Cholesky factor of S + mu (symmetric also for complex steps); notes how independent its rows are."""
     S, L, loop = s.skyline[0], s.skyline[1], s.loop
-    s.state.weak = 0
+    s.state.weak, softest = 0, 0.0
     for i in range(loop.shape[0]):
         line_i, first_i, mu = loop[i].line, loop[i].first, loop[i].mu
         diagonal = S[line_i + i]
+        softest = max(softest, diagonal.real / mu)
         pivot = diagonal + mu
         for j in range(first_i, i):
             line_j = loop[j].line
@@ -88,6 +93,8 @@ def factor_loops(s):
             s.state.weak = 1
         L[line_i + i] = 1.0 / np.sqrt(pivot)
     s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
+    if s.state.weak == 1 and softest > SPREAD / PROXIMAL:
+        s.state.dense, s.state.pivot = 1, 1.0
 
 
 @fused_kernel

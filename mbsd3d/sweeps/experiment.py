@@ -76,7 +76,7 @@ class Experiment:
 
 
 def plain(name: str, value: Any) -> float | list[float]:
-    """A float or a list of floats, or MisuseError naming what it is."""
+    """A float or a list of floats; MisuseError for anything else."""
     try:
         array = np.asarray(value)
         real = array.dtype.kind in "fiub"

@@ -54,7 +54,7 @@ def title(function: Callable) -> str:
 class Ledger:
     """Finished cells in a file; failed ones are not kept, they are tried again.
 
-    Every cell is committed as it comes: what a killed process had finished is there. Floats are stored as JSON, which
+    Every cell is committed at once, so nothing finished is lost with a killed process. Floats are stored as JSON, which
     reads back bit for bit.
     """
 

@@ -52,7 +52,7 @@ def sweep(
         SQLite file that keeps every finished cell; the same sweep with the same ledger goes on where it stopped. Cells
         that failed are tried again.
     tag : str
-        Part of the identity of the sweep, e.g. a version of ``build``: what a function contains is not compared.
+        Part of the identity of the sweep, e.g. a version of ``build``: the code of functions is not compared.
     units : mapping
         Parameter or measure -> unit, for the dataset.
     progress : bool or None

@@ -126,7 +126,7 @@ def test_rods_and_plates_are_seen_and_points_are_not_guessed():
     assert radii[1] == pytest.approx(np.sqrt(5 / 12) * 1.5) and np.allclose(radii[[0, 2]], THIN * radii[1])
     assert shapes_of(Body("pin", 0.0, (0, 0, 0))) == () == shapes_of(Body("mass", 1.0, (0, 0, 0)))
     for shape, message in (("box", "its inertia, which is 0"), ("cylinder", "its inertia, which is 0")):
-        with pytest.raises(ValueError, match=f"body 'pin': shape '{shape}' is that of {message}; give a shape"):
+        with pytest.raises(ValueError, match=f"body 'pin': shape '{shape}' follows from {message}; give a shape"):
             Body("pin", 1.0, (0, 0, 0), shape=shape)
     with pytest.raises(ValueError, match="body 'b': shape 'cylinder' needs two equal principal moments"):
         Body("b", 1.0, random_inertia(np.random.default_rng(1), 1.0), shape="cylinder")
@@ -152,7 +152,7 @@ def test_normals_leave_rims_sharp_and_sides_round():
         (lambda: Cylinder(1, 1, "w"), "Cylinder: axis is 'w'; give 'x', 'y', 'z' or a vector that is not zero"),
         (lambda: Disc(1, axis=(0, 0, 0)), r"Disc: axis is \(0, 0, 0\); give"),
         (lambda: Disc(1, thickness=-2), "Disc: thickness: -2.0 is not positive"),
-        (lambda: Torus(0.1, 0.1), "Torus: tube 0.1 is not below radius 0.1; give that of its centre line"),
+        (lambda: Torus(0.1, 0.1), "Torus: tube 0.1 is not below radius 0.1; give the radius of the centre line"),
         (lambda: Capsule("wide", 1), "Capsule: radius: expected a number, got 'wide'"),
         (lambda: Sphere(1, at=(0, 0)), "Sphere: at: expected three numbers"),
         (lambda: Sphere(1, orientation=(1, 1, 0, 0)), "Sphere: orientation: the quaternion .* has norm"),

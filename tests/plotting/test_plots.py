@@ -63,7 +63,7 @@ def test_refusals_name_what_there_is(solution):
         solution.plot("com", "foot")
     with pytest.raises(ValueError, match="no joint of this system has the quantity slide"):
         solution.plot("slide")
-    with pytest.raises(ValueError, match="energy is that of the whole system"):
+    with pytest.raises(ValueError, match="energy belongs to the whole system"):
         solution.plot("energy", WHEEL)
 
 
@@ -156,7 +156,7 @@ def test_a_long_legend_is_cut():
         (lambda s: s.plot(["energy"], WHEEL), "with several quantities each has its own parts"),
         (lambda s: s.plot("energy", against="position"), "against 'position' is not a single axis; give a scalar"),
         (lambda s: s.plot("energy", against="reaction"), "against 'reaction' is not a single axis"),
-        (lambda s: s.plot("omega", WHEEL, against="energy"), "that of the whole system"),
+        (lambda s: s.plot("omega", WHEEL, against="energy"), "belongs to the whole system"),
         (lambda s: s.plot("omega", WHEEL, against=("energy",)), "has the lines kinetic, .*, none of 'x'; give one"),
         (lambda s: s.plot("energy", against=3), "3.* is not a quantity"),
     ],

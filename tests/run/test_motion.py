@@ -244,7 +244,7 @@ def test_what_one_door_hinge_carries_is_said_to_be_open():
     [
         (["speed"], "quantity 'speed' is unknown; give one of energy, position"),
         ([("angle", "foot")], "'foot' is not one of the joints of this system"),
-        ([("energy", WHEEL)], "energy is that of the whole system"),
+        ([("energy", WHEEL)], "energy belongs to the whole system"),
         (["slide"], "no joint of this system has the quantity slide"),
         ([3], r"\[3\] is not a quantity"),
         ([()], r"\[\(\)\] is not a quantity"),

@@ -23,11 +23,11 @@ SMALL = 1e-9  # [1, m] what axes and points that are taken as one may differ by:
 
 
 class Imported(NamedTuple):
-    """A system and what was done on the way.
+    """An imported system, and what the import merged, renamed and dropped.
 
     ``merged`` maps bodies without a joint to the body they are part of; ``renamed`` maps names the system uses to those
-    of the file (a joint of the name of a body); ``dropped`` lists what was left out because ``drop`` says so; ``idle``
-    counts what has no effect on the motion (geoms, sites, cameras, sensors, key frames).
+    of the file (a joint of the name of a body); ``dropped`` lists everything left out on behalf of ``drop``; ``idle``
+    counts elements without effect on the motion (geoms, sites, cameras, sensors, key frames).
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Builder:
         self.joint_of: dict[int, Joint] = {}  # number of a MuJoCo joint that is a joint of its own
 
     def build(self) -> Imported:
-        """All parts, or an error that names what is left over."""
+        """Build all parts, or raise an error that names the rest."""
         bodies, merged = self.facts["bodies"], {}
         for i, body in enumerate(bodies):
             if i and body["weld"] == i:

@@ -212,7 +212,7 @@ def plain(value: Any, what: str) -> Any:
 
 
 def main() -> None:
-    """Print ``{"facts": ...}`` or ``{"error": ...}`` on what was standard output; MuJoCo's own messages go nowhere."""
+    """Print ``{"facts": ...}`` or ``{"error": ...}`` on the former standard output; MuJoCo's messages are dropped."""
     out, quiet = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)
     os.dup2(quiet, 2)

@@ -1,7 +1,7 @@
 """What an XML model would open or multiply, found before anything opens it.
 
 A file may name files only inside its own folder, and nothing may grow beyond a limit: MuJoCo reads any path an include
-names, and copies a body as often as it is told.
+names, and makes as many copies of a body as it says.
 """
 
 from dataclasses import dataclass, field

@@ -55,7 +55,7 @@ def homogeneous(body: Shaped, kind: str) -> Shape:
     """
     if not body.inertia.any():
         raise ValueError(
-            f"body '{body.name}': shape '{kind}' is that of its inertia, which is 0; give a shape with sizes or None"
+            f"body '{body.name}': shape '{kind}' follows from its inertia, which is 0; give a shape with sizes or None"
         )
     moments, axes = principal(body.inertia / body.mass)
     place = {"orientation": quaternion_from_matrix(axes)}

@@ -123,7 +123,7 @@ class Torus(Round):
         super().check(what)
         if self.tube >= self.radius:
             raise ValueError(
-                f"{what}: tube {self.tube} is not below radius {self.radius}; give that of its centre line"
+                f"{what}: tube {self.tube} is not below radius {self.radius}; give the radius of the centre line"
             )
 
     def about_z(self) -> Mesh:
@@ -151,7 +151,7 @@ class Capsule(Round):
 class MeshFile(Solid):
     """Triangles of an STL, OBJ, PLY or GLB file times ``scale`` [m per unit of the file], from O or ``at``.
 
-    The path is kept as it is given, a relative one counts from the working folder; the file is read when drawn, and
+    A relative path counts from the working folder; the file is read when the body is drawn, and
     refused if it has more than 20 000 triangles. Colours and materials of the file are not used.
 
     >>> MeshFile("crank.stl", 0.001).path

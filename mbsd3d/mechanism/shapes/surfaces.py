@@ -28,7 +28,7 @@ class Mesh(NamedTuple):
 
 
 def normals(mesh: Mesh) -> np.ndarray:
-    """(k, 3) unit normals of the vertices: those of their faces, weighted with the angles there."""
+    """(k, 3) unit normals of the vertices: means over their faces, weighted with the angles there."""
     corners = mesh.vertices[mesh.faces]  # (m, 3, 3)
     following, previous = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     across = np.cross(following, previous)

@@ -1,7 +1,7 @@
 """Base class of signals: values and derivatives, sums, multiples, and numbers as constant signals.
 
 A signal is lowered to `terms`, rows of numbers that Python and the kernels evaluate alike; it has no other evaluation,
-so what a user plots is what the model is driven by.
+so the plotted signal is the one that drives the model.
 """
 
 from abc import ABC, abstractmethod
@@ -19,7 +19,7 @@ EVERYWHERE = (-np.inf, np.inf)
 
 
 class Signal(Frozen, ABC):
-    """A function of time f(t), twice differentiable, in the unit of what it drives; t in s.
+    """A function of time f(t), twice differentiable, in the unit of the driven quantity; t in s.
 
     Signals add up, with each other and with numbers, and are multiplied by numbers.
 

@@ -29,7 +29,7 @@ NO_FFMPEG = (
 
 
 def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
-    """See `Solution.export_gif`; ``options`` are those of `FilmFrames`."""
+    """See `Solution.export_gif`; ``options`` as `FilmFrames`."""
     if number(fps, "fps", positive=True) > GIF_FASTEST:
         raise ValueError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
     path = ready_path(path, ".gif")
@@ -52,7 +52,7 @@ def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object
 
 
 def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
-    """See `Solution.export_mp4`; ``options`` are those of `FilmFrames`."""
+    """See `Solution.export_mp4`; ``options`` as `FilmFrames`."""
     command, path = ffmpeg(), ready_path(path, ".mp4")
     film = FilmFrames(motion, **options)
     for side, length in (("width", film.width), ("height", film.height)):

@@ -51,7 +51,7 @@ def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, fl
 
 
 class FilmFrames:
-    """The frames of a film, (height, width, 3) uint8, and its size; options are those of `Solution.export_mp4`.
+    """The frames of a film, (height, width, 3) uint8, and its size; options as `Solution.export_mp4`.
 
     ``usual``: if the speed is not given, the longest run shown in real time, and the length of any other film [s].
     """

@@ -28,7 +28,7 @@ class Player(Protocol):
     time: float  # [s]
 
     def refresh(self) -> None:
-        """Make the picture anew."""
+        """Redraw the picture."""
 
 
 class Panel:

@@ -91,7 +91,7 @@ def client_head() -> str:
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
     start, end = page.find("<script data-p="), page.find("</head>")
     if start < 0 or end < start:
-        raise ValueError("the client of viser is built in an unknown way; install it anew: pip install 'viser==1.1.*'")
+        raise ValueError("the client of viser has an unknown form; reinstall it: pip install 'viser==1.1.*'")
     return page[start:end]
 
 

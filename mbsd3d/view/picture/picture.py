@@ -134,7 +134,7 @@ def picture_of_solution(
 
 
 def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Frames:
-    """The poses at the given times, at the last one for None; those of a run are integrated, not interpolated."""
+    """The poses at the given times, at the last one for None; poses of a run are integrated, not interpolated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
     except (TypeError, ValueError):

@@ -1,6 +1,6 @@
 """Solids and arrows for the painter: small triangles and outlines, placed at a pose and shaded.
 
-The painter sorts what it draws by depth, so no triangle and no stroke may be long: both are split beforehand.
+The painter sorts by depth, so no triangle and no stroke may be long: both are split beforehand.
 """
 
 from collections.abc import Sequence
@@ -178,7 +178,7 @@ def shaded(tints: np.ndarray, normals: np.ndarray, lens: Lens) -> np.ndarray:
 
 
 def outlines(corners: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; what has a width is a stroke: a bar."""
+    """(k, 4, 2) polygons of triangles (k, 3, 2), their last corner twice; items with a width are strokes: bars."""
     polygons = corners[:, [0, 1, 2, 2]]
     pen = widths > 0.0
     start, end = corners[pen, 0], corners[pen, 1]

@@ -23,7 +23,7 @@ def draw_system(system: Mechanism) -> Drawing:
 
 
 class Artist:
-    """Makes the drawing of a system, step by step: bodies first, since their size gives that of the marks."""
+    """Makes the drawing of a system, step by step: bodies first, since the marks are sized by them."""
 
     def __init__(self, system: Mechanism) -> None:
         self.system = system
@@ -84,7 +84,7 @@ class Artist:
             add(Tag(self.system.name(joint), "joint names", self.place[id(body)], body.local_point(point), MARK))
 
     def grain(self, size: float) -> float:
-        """Size of joints: a twenty-fifth of the mechanism's, but not more than a part of that of a usual body."""
+        """Size of joints: a twenty-fifth of the mechanism's, but no more than a part of a typical body's."""
         ground = self.place[id(GROUND)]
         extents = [float(np.ptp(own, axis=0).max()) for i, own in corners(self.drawing).items() if i != ground]
         extents = [extent for extent in extents if extent > 0.0]
@@ -112,7 +112,7 @@ class Artist:
                 self.drawing.wires.append(Wire(name, "joints", self.place[id(body)], ends, MARK))
 
     def draw(self) -> Drawing:
-        """The whole drawing: first what is to scale, since that gives the size of the marks."""
+        """The whole drawing: first everything to scale, which gives the size of the marks."""
         self.bodies()
         self.arms()
         self.circles()

@@ -85,7 +85,7 @@ def title_of(system: Mechanism) -> str:
 
 
 def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> tuple[str, ...]:
-    """The visible layers, in their order: the usual ones and those of ``shown``, without those of ``hidden``."""
+    """The visible layers, in their order: the usual ones and ``shown``, without ``hidden``."""
     more, less = known(shown, "shown"), known(hidden, "hidden")
     for layer in more:
         if layer in less:

@@ -29,7 +29,7 @@ class Skin(NamedTuple):
     normals: np.ndarray  # (k, 3) unit vectors
     faces: np.ndarray  # (m, 3)
     shade: np.ndarray  # (m,)
-    closed: bool  # nobody can look at the faces from behind
+    closed: bool  # the faces are never seen from behind
 
 
 def skin(mesh: Mesh) -> Skin:
@@ -153,6 +153,6 @@ def smallest(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def unit_or_z(vectors: np.ndarray) -> np.ndarray:
-    """Unit vectors; z for those of no length."""
+    """Unit vectors; z for vectors of length zero."""
     length = np.sqrt((vectors**2).sum(axis=-1, keepdims=True))
     return np.divide(vectors, length, out=np.broadcast_to(Z, vectors.shape).copy(), where=length > 0.0)
