@@ -80,6 +80,7 @@ def test_the_effort_does_not_depend_on_what_weighs_nothing(mass):
     assert abs(effort - exactly) < 1e-9 * abs(exactly) + 200.0 * 9.81 * mass
 
 
+@pytest.mark.slow  # rational numbers of hundreds of digits
 @pytest.mark.parametrize("ratio", [1e3, 1e6, 1e9, 1e12])
 @pytest.mark.parametrize("order", ["up", "down", "heavy between", "light between"])
 def test_mass_ratios_in_any_order(ratio, order):
@@ -112,6 +113,7 @@ def scaled(name: str, seed: int, k: int, factor: float) -> System:
     return System(list(bodies.values()), hinges, gravity=system.gravity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1e-3, 1e-6, 1e-9, 1e-12, 0.0, 1e6, 1e12])
 @pytest.mark.parametrize("k", [0, 1, 2])
 def test_light_and_heavy_links_in_a_loop(k, factor):
