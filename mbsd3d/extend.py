@@ -22,6 +22,7 @@ NAMES = {
     "base.progress": ("Progress",),
     "base.concurrency": ("on_one_thread", "one_thread"),
     "sweeps.executors": ("outcomes",),
+    "sweeps.ledger": ("Store",),
     # figures and pages in the house style
     "base.style": ("DARK", "LIGHT", "LINE", "THIN", "Theme", "dress", "house", "theme"),
     "base.templates": ("HtmlPage", "page_template"),

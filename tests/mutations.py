@@ -34,7 +34,7 @@ from mbsd3d.base.errors import Mbsd3dError
 from mbsd3d.dynamics import state_rates
 from mbsd3d.kernels import rows
 from validation.crosscheck import cross_check
-from validation.crosscheck.verdict import DIFFERS
+from validation.crosscheck.result import DIFFERS
 
 SPAN = 0.02  # s, of the mistakes that only a run can show; the others are judged at the start
 KERNELS = {

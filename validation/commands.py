@@ -1,12 +1,22 @@
 """``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
 
-from typing import Any
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from mbsd3d.extend import INTERRUPTED, load_system, ready_folder, write_atomically
+
+if TYPE_CHECKING:
+    from validation.suite.suite import Suite
 
 ENGINES = ("mujoco", "exudyn", "definitions")  # of crosscheck.check, which is imported when it is needed
 OF_SUITE = ("quick", "names", "only_list", "fresh", "out")
 """Options of the suite of all cases; the others are those of MODEL."""
+DIFFERENT = 1  # exit code
+OUT = "out/validation"
+BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short list, of the long one
 
 
 @click.command()
@@ -49,10 +59,78 @@ def validate(model: str | None, **options: Any) -> None:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
         raise ValueError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
     if model is None:
-        from validation.suite.cli import validate_all
-
         validate_all(**given)
-        return
-    from validation.crosscheck.command import validate_model
+    else:
+        validate_model(model, **given)
 
-    validate_model(model, **given)
+
+def validate_model(
+    model: str, json_file: str | None = None, html_file: str | None = None, drop: tuple[str, ...] = (),
+    t_end: float = 1.0, **settings: Any,
+) -> None:  # fmt: skip
+    """Compare a model of any kind, print the table, write what was asked for; exit code 1 if it has not passed."""
+    from validation.crosscheck import cross_check
+
+    for option, target in {"--json": json_file, "--html": html_file}.items():
+        if target is not None:
+            ready_folder(str(Path(target).parent), option)
+            if Path(target).is_dir():
+                raise ValueError(f"{option} '{target}' is a folder; give a file in it")
+    check = cross_check(load_system(model, drop), t_end, **settings)
+    click.echo(check.table())
+    if json_file:
+        text = json.dumps({"model": Path(model).name, **check.to_dict()}, indent=1, ensure_ascii=False, allow_nan=False)
+        write(json_file, f"{text}\n")
+    if html_file:
+        from validation.crosscheck.page import page
+
+        write(html_file, page(check, Path(model).stem))
+    for failure in check.failures:
+        click.echo(f"mbsd3d: {failure}", err=True)
+    if check.interrupted or not check.passed:
+        raise click.exceptions.Exit(INTERRUPTED if check.interrupted else DIFFERENT)
+
+
+def write(file: str, text: str) -> None:
+    """A text file, whole or not at all; says where it is."""
+    write_atomically(Path(file), text.encode())
+    click.echo(file)
+
+
+def validate_all(
+    *, out: str = OUT, names: tuple[str, ...] = (), quick: bool = False, fresh: bool = False, only_list: bool = False
+) -> None:
+    """Run the suite, show and write what it found; exit code 1 if something differs, 130 after Ctrl-C."""
+    from validation.suite.suite import Suite, store
+    from validation.suite.trials import chosen, trials
+
+    found = trials(quick)
+    if only_list:
+        width = max(len(trial.name) for trial in found)
+        click.echo("\n".join(f"{trial.name:{width}}  {trial.title}" for trial in found))
+        return
+    everything, folder, budget = chosen(found, names), ready_folder(out), BUDGETS[quick]
+    suite = Suite(everything, store(folder, fresh, budget=budget), quick, budget)
+    if suite.records:
+        kept = f"{len(suite.records)} of {len(everything)} cases are in {suite.store.path}"
+        click.echo(f"mbsd3d: {kept}; --fresh forgets them", err=True)
+    try:
+        suite.run()
+    except KeyboardInterrupt:
+        show(suite, folder)
+        click.echo(f"mbsd3d: interrupted, {len(suite.left)} cases are left; the same command goes on", err=True)
+        raise click.exceptions.Exit(INTERRUPTED) from None
+    show(suite, folder)
+    if suite.failed:
+        click.echo(f"mbsd3d: {', '.join(record.name for record in suite.failed)} differ", err=True)
+        raise click.exceptions.Exit(DIFFERENT)
+
+
+def show(suite: "Suite", folder: Path) -> None:
+    """Table on the screen, files in the folder."""
+    from validation.suite.findings import table
+
+    if suite.records:
+        click.echo(table(suite.records))
+    for path in suite.write(folder):
+        click.echo(str(path))

@@ -25,8 +25,8 @@ RATE, MOST = 100, 20_000
     "--manoeuvre", type=click.Choice([*MANOEUVRES]), default="push", show_default=True, help="What happens; see --list."
 )
 @click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
-@click.option("--speed", type=float, help="At the start [m/s]; default: that of the manoeuvre.")
-@click.option("--t-end", type=float, help="End of the ride [s]; default: that of the manoeuvre.")
+@click.option("--speed", type=float, help="At the start [m/s]; default: as in the manoeuvre.")
+@click.option("--t-end", type=float, help="End of the ride [s]; default: as in the manoeuvre.")
 @click.option(
     "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends it [°]."
 )
@@ -43,7 +43,7 @@ def ride(
     the settings that were changed. Ctrl-C keeps what was computed. The exit code is 1 if the certificate of the run
     fails.
     """
-    from ..pages.figures import plot_ride
+    from ..rides.motion import plot_ride
     from ..rides.ride import run, view
 
     if only_list:
@@ -97,7 +97,6 @@ def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, o
     Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
     wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
     """
-    from ..pages.figures import plot_circles
     from ..rides.ride import view
     from ..turns import circles as study
 
@@ -112,7 +111,7 @@ def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, o
         interrupted = True
     click.echo(study.summary(families))
     report(study.to_csv(families, [turn for group in held for turn in group], target))
-    report(*saved(plot_circles(parameters, families, held), target))
+    report(*saved(study.plot_circles(parameters, families, held), target))
     if interrupted:
         raise click.exceptions.Exit(INTERRUPTED)
     if viewed and families:

@@ -1,11 +1,15 @@
 """Critical speeds and self-stable ranges of bicycles from their characteristic polynomial, without a grid of speeds.
 
-    p = a s^4 + b v s^3 + c s^2 + d v s + e,   c, d and e linear in w = v^2      (see `bicycle.linear.characteristic`)
+    M q'' + v C1 q' + (g K0 + v^2 K2) q = 0,   q = (lean, steer),   det(s^2 M + s v C1 + g K0 + v^2 K2) = p(s, v)
+    p = a s^4 + b v s^3 + c s^2 + d v s + e,   a and b numbers, c, d and e linear in w = v^2
 
-By Routh and Hurwitz, for a > 0 and v > 0, all motions decay if and only if b, c, d, e and ``h = b c d - a d^2 - b^2 e``
-are positive. That can only change at the root of e (capsize, s = 0) or of h (weave, s = +-i omega): where c or d
-reaches zero first, h = -a d^2 - b^2 e is negative already. Both are at most quadratic in w, so no range is too narrow
-to be found. Speeds are forward; backwards the spectrum is the negative one, so no speed is stable both ways.
+A leaned bicycle rolls straight on, so the first column of K2 vanishes and with it the term of e in w^2. By Routh and
+Hurwitz, for a > 0 and v > 0, all motions decay if and only if b, c, d, e and ``h = b c d - a d^2 - b^2 e`` are
+positive. That can only change at the root of e (capsize, s = 0) or of h (weave, s = +-i omega): where c or d reaches
+zero first, h = -a d^2 - b^2 e is negative already. Both are at most quadratic in w, so no range is too narrow to be
+found. Speeds are forward; backwards the spectrum is the negative one, so no speed is stable both ways.
+
+Arrays of bicycles are handled at once: matrices have shape (..., 2, 2), speeds (...).
 """
 
 from collections.abc import Sequence
@@ -13,12 +17,140 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder
+from numpy.polynomial import Polynomial
+from numpy.polynomial.polynomial import polyder, polyval
 
+from ..model.mechanism import whipple
 from ..parameters import Parameters
-from .characteristic import FASTEST, Array, DoubleRoot, Quartic, double_roots, quartic, value
 from .equations import Canonical, canonical
 from .general import Build, required_equations
+
+Array = np.ndarray
+FASTEST = 1e5  # [m/s] Higher speeds are rounding: there is no such root
+NO_INERTIA = 1e-13
+"""Of the steer, relative to all mass at the wheelbase: rounding leaves 1e-16, a point mass 1 mm off the axis 1e-7."""
+
+
+def value(x: Array, w: Array | complex) -> Array:
+    """Polynomials with rising coefficients x (..., k) at w (...)."""
+    return polyval(w, np.moveaxis(x, -1, 0), tensor=False)
+
+
+class Quartic(NamedTuple):
+    """Coefficients of p: a, b (...,) and c, d, e (..., 2) by rising powers of w."""
+
+    a: Array
+    b: Array
+    c: Array
+    d: Array
+    e: Array
+
+    @property
+    def h(self) -> Array:
+        """(..., 3) b c d - a d^2 - b^2 e by rising powers of w, without its factor w."""
+        f = self.b[..., None] * self.c - self.a[..., None] * self.d
+        (f0, f1), (d0, d1), (e0, e1) = (np.moveaxis(x, -1, 0) for x in (f, self.d, self.b[..., None] ** 2 * self.e))
+        return np.stack([f0 * d0 - e0, f0 * d1 + f1 * d0 - e1, f1 * d1], axis=-1)
+
+    def at(self, v: Array | complex) -> Array:
+        """(..., 5) p at the speed v, by rising powers of s."""
+        c, d, e = (value(x, v * v) for x in (self.c, self.d, self.e))
+        return np.stack(np.broadcast_arrays(e, d * v, c, self.b * v, self.a), axis=-1)
+
+
+def quartic(M: Array, C1: Array, K0: Array, K2: Array) -> Quartic:
+    """p for matrices (..., 2, 2), real or complex; K0 is multiplied by g, the first column of K2 is taken as zero."""
+    M, C1, K0, K2 = np.broadcast_arrays(M, C1, K0, K2)
+    c = np.stack([mixed(M, K0), mixed(M, K2) + mixed(C1, C1) / 2.0], axis=-1)
+    d = np.stack([mixed(C1, K0), mixed(C1, K2)], axis=-1)
+    e = np.stack([mixed(K0, K0) / 2.0, mixed(K0, K2)], axis=-1)
+    return Quartic(mixed(M, M) / 2.0, mixed(M, C1), c, d, e)
+
+
+def mixed(A: Array, B: Array) -> Array:
+    """The coefficient of x y in det(x A + y B); for A = B twice the determinant."""
+    straight = A[..., 0, 0] * B[..., 1, 1] + B[..., 0, 0] * A[..., 1, 1]
+    return straight - A[..., 0, 1] * B[..., 1, 0] - B[..., 0, 1] * A[..., 1, 0]
+
+
+def polynomial(parameters: Parameters) -> Quartic:
+    """p of a bicycle with knife-edge wheels, in closed form; numbers may be arrays (...) or complex.
+
+    Raises
+    ------
+    ValueError
+        For round tyres, or where no mass resists lean or steer.
+    """
+    found = canonical(parameters)
+    q = quartic(found.M, found.C1, np.asarray(found.g)[..., None, None] * found.K0, found.K2)
+    masses = parameters.mR + parameters.mB + parameters.mH + parameters.mF
+    if not np.all(np.real(q.a) > NO_INERTIA * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
+        raise ValueError(
+            f"bicycle '{getattr(parameters, 'name', '')}': lean or steer has no inertia, so there are fewer than two "
+            "freedoms; give masses off the ground and off the steer axis"
+        )
+    return q
+
+
+def model_polynomial(parameters: Parameters, build: Build = whipple, *, check: bool = True) -> Quartic:
+    """The same from the general model, also with round tyres; see `bicycle.general.linear_equations`."""
+    linear = required_equations(build, parameters, check=check)
+    return quartic(linear.M, linear.C1, linear.K0, linear.K2)
+
+
+class DoubleRoot(NamedTuple):
+    """Two real modes meet at a speed [m/s]: ``eigenvalue`` [1/s] counts twice there."""
+
+    speed: float
+    eigenvalue: float
+
+
+def double_roots(q: Quartic) -> list[DoubleRoot]:
+    """All speeds > 0 at which two real modes of one bicycle meet, rising.
+
+    The roots of the discriminant are only starts: it is of high degree. Newton solves p = 0, dp/ds = 0 for (s, v).
+    """
+    unit = float(np.sqrt(abs(q.c[0] / (q.c[1] or 1.0)))) or 1.0  # of speeds, so that powers stay of one size
+    found = []
+    for w in discriminant(q, unit).trim().roots():  # what rounding leaves of higher powers adds starts only
+        if 0.0 < w.real < (FASTEST / unit) ** 2 and abs(w.imag) < 1e-4 * abs(w):
+            found += [x for x in [meeting(q, unit * np.sqrt(w.real))] if x]
+    found.sort()
+    return [x for k, x in enumerate(found) if not k or x.speed - found[k - 1].speed > 1e-9 * x.speed]
+
+
+def discriminant(q: Quartic, unit: float) -> Polynomial:
+    """Of p as a polynomial in s; a polynomial in (v / unit)^2, since odd powers of v enter by b v and d v only."""
+    w = Polynomial([0.0, unit**2])
+    a, b, c, d, e = q.a, q.b, *(x[0] + x[1] * w for x in (q.c, q.d, q.e))
+    bb, bd, dd = b * b * w, b * d * w, d * d * w
+    return (
+        256 * a**3 * e**3 - 192 * a**2 * bd * e**2 - 128 * a**2 * c**2 * e**2 + 144 * a**2 * c * dd * e
+        - 27 * a**2 * dd**2 + 144 * a * bb * c * e**2 - 6 * a * bb * dd * e - 80 * a * bd * c**2 * e
+        + 18 * a * bd * c * dd + 16 * a * c**4 * e - 4 * a * c**3 * dd - 27 * bb**2 * e**2
+        + 18 * bb * bd * c * e - 4 * bb * bd * dd - 4 * bb * c**3 * e + bb * c**2 * dd
+    )  # fmt: skip
+
+
+def meeting(q: Quartic, v: float) -> DoubleRoot | None:
+    """Newton from a speed nearby to a real double root; None if it leads nowhere."""
+    p = Polynomial(q.at(v))
+    s = min(p.deriv().roots(), key=lambda s: abs(p(s))).real
+    for _ in range(30):
+        p = Polynomial(q.at(v))
+        slope, bend = p.deriv(), p.deriv(2)
+        by_v = Polynomial([2 * v * q.e[1], q.d[0] + 3 * v * v * q.d[1], 2 * v * q.c[1], q.b])
+        J = np.array([[slope(s), by_v(s)], [bend(s), by_v.deriv()(s)]])
+        try:
+            step = np.linalg.solve(J, [-p(s), -slope(s)])
+        except np.linalg.LinAlgError:
+            return None
+        s, v = s + step[0], v + step[1]
+        if np.abs(step / [abs(s) + 1e-300, abs(v) + 1e-300]).max() < 1e-15:
+            break
+    p = Polynomial(q.at(v))
+    terms = np.abs(p.coef) @ np.abs(s) ** np.arange(5)
+    return DoubleRoot(float(v), float(s)) if v > 0.0 and abs(p(s)) < 1e-12 * terms else None
 
 
 class Range(NamedTuple):
@@ -37,7 +169,7 @@ def listed(ranges: Sequence[Range]) -> str:
 
 
 def roots(x: Array) -> Array:
-    """(..., 2) real roots of x0 + x1 w + x2 w^2, NaN where there is none; without loss where x2 is small or zero."""
+    """(..., 2) real roots of x0 + x1 w + x2 w^2, NaN where they are complex; without loss where x2 is small or zero."""
     x0, x1, x2 = np.moveaxis(x, -1, 0)
     with np.errstate(all="ignore"):
         larger = -(x1 + np.copysign(np.sqrt(x1 * x1 - 4.0 * x0 * x2), x1)) / 2.0
@@ -98,12 +230,11 @@ def ranges(q: Quartic) -> list[Range]:
 
 
 def first_range(q: Quartic) -> tuple[Array, Array]:
-    """(low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN where there is none."""
+    """(low, high) [m/s] (...) of the self-stable range at the lowest speeds; NaN if no speed is stable."""
     edges, stable = intervals(q)
     k = np.argmax(stable, axis=-1)[..., None]
     ends = (np.take_along_axis(edges, k + i, -1)[..., 0] for i in (0, 1))
-    low, high = (np.where(stable.any(-1), x, np.nan) for x in ends)
-    return low, high
+    return tuple(np.where(stable.any(-1), x, np.nan) for x in ends)
 
 
 def difference(first: list[Range], second: list[Range]) -> float:
@@ -115,13 +246,13 @@ def difference(first: list[Range], second: list[Range]) -> float:
 
 
 def typical_speed(found: list[Range]) -> float:
-    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s if there is none."""
+    """The middle of the first range [m/s], at most 1 m/s above its beginning; 5 m/s without a range."""
     return min((found[0].low + found[0].high) / 2.0, found[0].low + 1.0) if found else 5.0
 
 
 @dataclass(frozen=True)
 class CriticalSpeeds:
-    """The critical speeds of one bicycle [m/s], NaN where there is none.
+    """The critical speeds of one bicycle [m/s], NaN for those it does not have.
 
     Above ``weave`` the weave no longer grows, ``weave_rate`` is its omega there [rad/s]; at ``capsize`` one eigenvalue
     is zero. At ``double_roots`` two real modes meet. In the ranges ``stable`` every motion decays.
@@ -134,14 +265,10 @@ class CriticalSpeeds:
     stable: list[Range]
 
     def __str__(self) -> str:
-        weave = f"{self.weave:.12g} m/s, omega {self.weave_rate:.12g} rad/s"
-        lines = [
-            f"weave     {weave if self.weave > 0.0 else '-'}",
-            f"capsize   {f'{self.capsize:.12g} m/s' if self.capsize > 0.0 else '-'}",
-            *(f"two modes meet at {x.speed:.12g} m/s, {x.eigenvalue:.12g} 1/s" for x in self.double_roots),
-            f"stable    {listed(self.stable)}",
-        ]
-        return "\n".join(lines)
+        weave = f"{self.weave:.12g} m/s, omega {self.weave_rate:.12g} rad/s" if self.weave > 0.0 else "-"
+        capsize = f"{self.capsize:.12g} m/s" if self.capsize > 0.0 else "-"
+        meet = [f"two modes meet at {x.speed:.12g} m/s, {x.eigenvalue:.12g} 1/s" for x in self.double_roots]
+        return "\n".join([f"weave     {weave}", f"capsize   {capsize}", *meet, f"stable    {listed(self.stable)}"])
 
 
 def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed: float = 5.0) -> CriticalSpeeds:
@@ -149,7 +276,6 @@ def critical_speeds(parameters: Parameters, build: Build | None = None, *, speed
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         A model, e.g. `bicycle.whipple`; None = the closed form.
     speed : float

@@ -20,10 +20,8 @@ from ..parameters import Parameters
 
 MODES = ("weave", "capsize", "castering")
 NAMES = ("weave", "weave, conjugate", "capsize", "castering")
-FINEST = 1e-6
-"""[m/s] Smallest step of a branch."""
-ALIKE = 0.05
-"""Largest change of a mode in one step, see `changes`."""
+FINEST = 1e-6  # [m/s] Smallest step of a branch
+ALIKE = 0.05  # Largest change of a mode in one step, see `changes`
 
 
 @dataclass(frozen=True, eq=False)

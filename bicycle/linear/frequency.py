@@ -2,7 +2,7 @@
 
     x' = A x + B u,   H(omega) = C (i omega - A)^-1 B,   x = (lean, steer, rates),   u = (lean torque, steer torque)
 
-A is that of `mbsd3d.linearize`. Accelerations are affine in torques, so the columns of B are differences between the
+A comes from `mbsd3d.linearize`. Accelerations are affine in torques, so the columns of B are differences between the
 accelerations with a torque of 1 N m and without, exact to rounding. Positive to the right; the lean torque acts on the
 frame about the forward direction, the steer torque on the fork from the frame about the steer axis.
 """
@@ -64,7 +64,6 @@ def response(
 
     Parameters
     ----------
-    parameters : Parameters
     speeds : float or (k,) array_like
         [m/s]
     frequencies : (n,) array_like, optional

@@ -33,8 +33,7 @@ Build = Callable[..., System]
 EXACT = 1e-9
 """How well a third speed must confirm two, relative to the largest entry: rounding leaves 1e-12, drag far more."""
 COORDINATES, VELOCITIES, ROWS = 28, 24, 21
-ALLOWED = 1e-9
-"""Largest residual of the rows along a deviation, in units of the largest entry; rounding leaves 1e-14."""
+ALLOWED = 1e-9  # Largest residual of the rows along a deviation, in units of the largest entry; rounding leaves 1e-14
 
 
 def linearization(build: Build, parameters: Parameters, speed: float) -> Linearization:

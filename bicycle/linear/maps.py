@@ -12,7 +12,7 @@ from mbsd3d.extend import Theme, dress
 
 from ..output import collected, new_figure, write_table
 from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters
-from . import characteristic, critical
+from . import critical
 from .general import Build
 from .uncertainty import variants
 
@@ -43,22 +43,16 @@ def stable_map(
     parameters: Parameters, axes: Mapping[str, Sequence[float]], build: Build | None = None, *,
     progress: bool | None = None,
 ) -> StableMap:  # fmt: skip
-    """Solve for the self-stable range of every combination of two parameters.
+    """Solve for the self-stable range of every combination of two parameters; Ctrl-C keeps finished cells.
 
     Parameters
     ----------
-    parameters : Parameters
     axes : mapping of str to (n,) array_like
         Two symbols with their values, SI units.
     build : callable, optional
         None = closed form; `bicycle.whipple` or another ``build(parameters, speed=v)`` = general model.
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    StableMap
-        After Ctrl-C with the cells that were finished.
 
     Raises
     ------
@@ -68,7 +62,7 @@ def stable_map(
     (first, x), (second, y) = checked_axes(parameters, axes, build).items()
     points = np.array([np.repeat(x, y.size), np.tile(y, x.size)])
     if build is None:
-        found, missing = critical.first_range(characteristic.of(variants(parameters, (first, second), points))), 0
+        found, missing = critical.first_range(critical.polynomial(variants(parameters, (first, second), points))), 0
     else:
         found, missing = by_model(parameters, (first, second), points, build, progress)
     low, high = (np.reshape(edge, (x.size, y.size)) for edge in found)
@@ -81,11 +75,11 @@ def by_model(
     """((2, n) low and high, cells that Ctrl-C left out) from the general model at the points (2, n)."""
     n = points.shape[1]
     cells = (replace(parameters, **dict(zip(names, point, strict=True))) for point in points.T.tolist())
-    solved = (characteristic.of_model(cell, build, check=k == 0) for k, cell in enumerate(cells))
+    solved = (critical.model_polynomial(cell, build, check=k == 0) for k, cell in enumerate(cells))
     found = collected(f"{n} bicycles", solved, n, show)
     edges = np.full_like(points, np.nan)
     if found:
-        edges[:, : len(found)] = critical.first_range(characteristic.Quartic(*map(np.array, zip(*found, strict=True))))
+        edges[:, : len(found)] = critical.first_range(critical.Quartic(*map(np.array, zip(*found, strict=True))))
     return edges, n - len(found)
 
 

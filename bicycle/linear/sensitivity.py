@@ -20,8 +20,8 @@ from mbsd3d.extend import dress
 
 from ..output import new_figure, write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
-from . import characteristic, critical
-from .characteristic import Quartic, double_roots, value
+from . import critical
+from .critical import Quartic, double_roots, value
 from .general import Build
 from .maps import StableMap, plot_map, stable_map
 from .uncertainty import MonteCarlo, Sobol, monte_carlo, plot_uncertainty, sobol
@@ -43,8 +43,7 @@ COARSE = 1e-3
 """Step of a difference, relative to the parameter, or to LEAST if that is larger: the error is its fourth power, and
 1e-12 of rounding over it."""
 LEAST = 0.1
-STEP = 1e-30
-"""Complex step: far below rounding, so that its square vanishes."""
+STEP = 1e-30  # Complex step: far below rounding, so that its square vanishes
 
 
 SHOWN = 14  # parameters of a figure: those that matter most
@@ -92,7 +91,6 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         None = closed form, exact, of knife-edge wheels; `bicycle.whipple` = general model by differences, with the
         crown radii of tyres that have them.
@@ -112,7 +110,7 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
     """
     keys = [*SYMBOLS, *(key for key in TYRES if getattr(parameters, key))]
     if build is None:
-        q, stepped = characteristic.of(parameters), characteristic.of(perturbed(parameters))
+        q, stepped = critical.polynomial(parameters), critical.polynomial(perturbed(parameters))
     else:
         q, stepped = varied(parameters, keys, build)
     speeds, slopes = {}, {}
@@ -134,11 +132,11 @@ def perturbed(parameters: Parameters) -> SimpleNamespace:
 
 def varied(parameters: Parameters, keys: list[str], build: Build) -> tuple[Quartic, Quartic]:
     """(p, p with the complex step in parameter k as entry k) of the general model."""
-    q, slopes = characteristic.of_model(parameters, build), []
+    q, slopes = critical.model_polynomial(parameters, build), []
     for key in keys:
         step = COARSE * max(abs(getattr(parameters, key)), LEAST)
         cells, weights = neighbours(parameters, key, step)
-        found = zip(*(characteristic.of_model(cell, build, check=False) for cell in cells), strict=True)
+        found = zip(*(critical.model_polynomial(cell, build, check=False) for cell in cells), strict=True)
         slopes.append([np.tensordot(weights, x, 1) / step for x in map(np.array, found)])
     return q, Quartic(*(x + 1j * STEP * np.array(dx) for x, dx in zip(q, zip(*slopes, strict=True), strict=True)))
 

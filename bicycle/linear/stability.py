@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CriticalSpeeds", "Stability", "canonical", "critical_speeds", "eigenvalues", "figure", "study"]
 
-TYPICAL = 5.0
-"""[m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits."""
+TYPICAL = 5.0  # [m/s] of critical speeds, which a linearisation at far slower ones does not give to all digits
 DOTS = 34  # of the closed form, so that the lines are seen between them
 SHOWN = (0, 2, 3)  # weave (its conjugate is the mirrored line), capsize, castering
 
@@ -81,7 +80,6 @@ def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build 
 
     Parameters
     ----------
-    parameters : Parameters
     speeds : (n,) array_like or None
         [m/s], also negative; None = 0 ... 10 m/s.
     build : callable

@@ -16,9 +16,10 @@ import scipy
 
 from mbsd3d.extend import LINE, dress
 
+from .. import parameters as published
 from ..output import new_figure, write_table
-from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters, published
-from . import characteristic, critical
+from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, Parameters
+from . import critical
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,14 +90,14 @@ def variants(parameters: Parameters, names: tuple[str, ...], x: np.ndarray) -> S
 
 def speeds_of(variant: SimpleNamespace) -> dict[str, np.ndarray]:
     """The outputs [m/s] of n bicycles."""
-    q = characteristic.of(variant)
+    q = critical.polynomial(variant)
     low, high = critical.first_range(q)
     width = np.where(np.isnan(low), 0.0, high - low)
     return dict(zip(OUTPUTS, (critical.weave(q), critical.capsize(q), low, width), strict=True))
 
 
 def published_deviations(parameters: Parameters) -> dict[str, float]:
-    """Standard deviations published with the set of this name; empty if there is none."""
+    """Standard deviations published with the set of this name; empty for other names."""
     return published.deviations(parameters.name) if parameters.name in published.names() else {}
 
 

@@ -18,9 +18,8 @@ from mbsd3d.extend import Theme, dress
 from ..model.mechanism import whipple
 from ..output import collected, new_figure, write_table
 from ..parameters import Parameters, named
-from . import characteristic, critical
-from .characteristic import Quartic
-from .critical import Range
+from . import critical
+from .critical import Quartic, Range
 from .equations import canonical
 from .general import Build, linearization
 
@@ -89,8 +88,8 @@ class Ablation:
 def quartic_of(parameters: Parameters, build: Build | None) -> Quartic:
     """In closed form; of the general model for round tyres, which the closed form does not know."""
     if build is not None and (parameters.tR or parameters.tF):
-        return characteristic.of_model(parameters, build)
-    return characteristic.of(parameters)
+        return critical.model_polynomial(parameters, build)
+    return critical.polynomial(parameters)
 
 
 def ablated(name: str, parameters: Parameters, build: Build | None, speed: float) -> Ablation:
@@ -99,7 +98,7 @@ def ablated(name: str, parameters: Parameters, build: Build | None, speed: float
     found = Ablation(name, parameters, critical.ranges(q), fastest(q, speed))
     if build is None:
         return found
-    model = critical.ranges(characteristic.of_model(parameters, build))
+    model = critical.ranges(critical.model_polynomial(parameters, build))
     return replace(found, model=model, confirmed=len(model) == len(found.ranges) and in_spectrum(found, build, speed))
 
 
@@ -163,16 +162,10 @@ def ablations(parameters: Parameters, build: Build | None = whipple, *, progress
 
     Parameters
     ----------
-    parameters : Parameters
     build : callable or None
         The general model that must confirm them; None = closed form alone.
     progress : bool, optional
         Show a bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    Ablations
-        After Ctrl-C with the rows that were finished.
 
     Examples
     --------

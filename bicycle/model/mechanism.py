@@ -17,8 +17,7 @@ from ..parameters import Parameters
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
-FLIP = np.diag([1.0, -1.0, -1.0])
-"""From the axes of the paper to those of the model."""
+FLIP = np.diag([1.0, -1.0, -1.0])  # From the axes of the paper to those of the model
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +58,6 @@ def whipple(
         At the start, positive to the right [rad]; steer pi is the reversed front end.
     lean_rate, steer_rate : float
         [rad/s]
-
-    Returns
-    -------
-    Bicycle
-        A `System`; its ``state()`` is the start.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""Figures of rides and turns, and the page that compares bicycles."""
+"""The page that compares bicycles."""

@@ -3,20 +3,20 @@
 The page (``index.html``) needs no network; a few of the bicycles have a page of their own with the weave mode in motion
 (``views/``), about 0.8 MB each. Critical speeds are those of the closed form, confirmed by the general model; round
 tyres have the general model alone.
+
+`side_view` draws a bicycle to scale as a small SVG, from its parameters alone; colours are variables of the page. Frame
+and fork are uniform ellipsoids with their mass, centre of mass and inertia, so that one sees where the mass is.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
-import mbsd3d
-from mbsd3d.extend import DARK, LIGHT, LINE, THIN, Progress, digits, dress, inline_svg, write_atomically
+from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, page_template, write_atomically
 
 from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, critical_speeds
@@ -25,11 +25,10 @@ from ..linear.why import plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, new_figure, write_table
 from ..parameters import Meijaard2007, Parameters, entry_of, find, named, names
-from .sketches import side_view
 
+TEMPLATES = Path(__file__).parent / "templates"
 FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
-AGREES = 1e-6
-"""[m/s] Largest difference of critical speeds that counts as the same."""
+AGREES = 1e-6  # [m/s] Largest difference of critical speeds that counts as the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +40,10 @@ class Entry:
     difference: float  # from the ranges of the general model [m/s], NaN for round tyres; infinite if not equally many
 
     @property
-    def mass(self) -> float:
-        """Of everything [kg]."""
-        return self.parameters.mass
-
-    @property
-    def front_load(self) -> float:
-        """Share of the weight that the front wheel carries."""
-        return self.parameters.front_load
-
-    @property
     def height(self) -> float:
         """Of the centre of mass [m]."""
         p = self.parameters
-        return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / self.mass
+        return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / p.mass
 
     @property
     def source(self) -> str:
@@ -67,7 +56,7 @@ class Entry:
 
     @property
     def file(self) -> str:
-        """Name of its own page."""
+        """Name of its page."""
         return file_of(self.parameters.name)
 
 
@@ -161,10 +150,10 @@ def write_page(
             cards.append((x, side_view(x.parameters), growth_svg(x, f"g{k}-"), link))
             bar.update(4 * len(shown) + k + 1)
     ranges = plot_ranges([(x.parameters.name, x.critical.stable) for x in found], "Self-stable ranges")
-    page = template().render(
+    page = page_template("compare.html", TEMPLATES).render(
         cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out,
         difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
-        once=[x.parameters.name for x in found if np.isnan(x.difference)],
+        once=[x.parameters.name for x in found if np.isnan(x.difference)], digits=digits, degrees=np.degrees,
     )  # fmt: skip
     return write_atomically(folder / "index.html", page.encode())
 
@@ -197,14 +186,59 @@ def growth_svg(x: Entry, prefix: str) -> Markup:
     return Markup(inline_svg(figure, prefix))
 
 
-@cache
-def template() -> Template:
-    """Of the page, in the house style of reports; every text put into it is escaped."""
-    folders = [Path(__file__).parent / "templates", Path(mbsd3d.__file__).parent / "templates"]
-    found = Environment(
-        loader=FileSystemLoader(folders), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
-    found.filters |= {"digits": digits}
-    found.globals |= {"light": LIGHT, "dark": DARK, "version": mbsd3d.__version__, "degrees": np.degrees}
-    return found.get_template("compare.html")
+SCALE = 80.0  # units of the drawing per metre: all bicycles of a page have one scale
+LEFT, WIDTH, HEIGHT = 0.7, 2.5, 1.9  # [m] behind the rear contact, of all, above the ground
+MARGIN = 8.0  # below the ground
+
+
+def side_view(parameters: Parameters) -> Markup:
+    """SVG element, forward to the right: wheels, frame, fork, steer axis, trail, and ellipsoids of frame and fork."""
+    p = parameters
+
+    def at(x: float, z: float) -> str:
+        """Place of a point of the paper's axes, z down from the ground."""
+        return f"{SCALE * (LEFT + x):.1f} {SCALE * (HEIGHT + z):.1f}"
+
+    def line(kind: str, *points: tuple[float, float]) -> str:
+        return f'<path class="{kind}" d="M{"L".join(at(*point) for point in points)}"/>'
+
+    rear, front, tilt = (0.0, -p.rR), (p.w, -p.rF), np.tan(p.lam)
+    head = (p.w + p.c - 0.95 * tilt, -0.95) if p.lam < 1.0 else front
+    seat = (0.33 * p.w, -0.85)
+    body = line("ground", (-LEFT, 0.0), (WIDTH - LEFT, 0.0))
+    body += line("axis", head, (p.w + p.c, 0.0)) + line("trail", (p.w, 0.0), (p.w + p.c, 0.0))
+    body += ellipse(p, "B", "t0", at) + ellipse(p, "H", "t1", at)
+    body += line("tube", rear, seat, head, front) + line("tube", seat, (0.45 * p.w, -0.3), rear)
+    for (x, z), radius in ((rear, p.rR), (front, p.rF)):
+        cx, cy = at(x, z).split()
+        body += f'<circle class="wheel" cx="{cx}" cy="{cy}" r="{SCALE * radius:.1f}"/>'
+    label = escape(f"{p.name} from the side")
+    return Markup(
+        f'<svg viewBox="0 0 {SCALE * WIDTH:g} {SCALE * HEIGHT + MARGIN:g}" role="img" aria-label="{label}">{body}</svg>'
+    )
+
+
+def ellipse(p: Parameters, part: str, tint: str, at: Callable[[float, float], str]) -> str:
+    """The ellipsoid of a part seen from the side, with its centre of mass; nothing if it has no mass."""
+    mass = getattr(p, f"m{part}")
+    if mass == 0.0:
+        return ""
+    semi, turn = semi_axes(p.inertia(part), mass)
+    cx, cy = at(getattr(p, f"x{part}"), getattr(p, f"z{part}")).split()
+    a, b = np.maximum(SCALE * semi, 1.5)
+    shape = (
+        f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
+    )
+    return f'{shape}<circle class="centre {tint}" cx="{cx}" cy="{cy}" r="2.6"/>'
+
+
+def semi_axes(inertia: np.ndarray, mass: float) -> tuple[np.ndarray, float]:
+    """(2,) semi-axes [m] of the uniform ellipsoid in the plane of x and z, and the turn of the first from x to z [deg].
+
+    Negative second moments, which only impossible inertias have, are drawn as zero.
+    """
+    Ixx, Iyy, Izz, Ixz = inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 2]
+    moments = np.array([[Iyy + Izz - Ixx, -2.0 * Ixz], [-2.0 * Ixz, Ixx + Iyy - Izz]]) / 2.0
+    values, vectors = np.linalg.eigh(moments)
+    turn = np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0]))
+    return np.sqrt(5.0 * np.maximum(values, 0.0) / mass), float(turn)

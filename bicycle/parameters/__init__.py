@@ -1,10 +1,98 @@
-"""Parameters of bicycles: their definition, published sets, parameter files."""
+"""Parameters of bicycles: their definition, published sets, parameter files.
 
-from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
-from .files import is_file, read_values
-from .published import Meijaard2007, deviations, entry_of, find, library, named, names
+Published are the benchmark bicycle of 2007, measured bicycles with and without rider, and optimised ones.
+"""
+
+import json
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, is_file, read_values
 
 __all__ = [
     "MEANING", "NOT_NEGATIVE", "POSITIVE", "SYMBOL", "SYMBOLS", "TYRES", "UNIT", "Meijaard2007", "Parameters",
     "deviations", "entry_of", "find", "is_file", "library", "named", "names", "read_values",
 ]  # fmt: skip
+
+DATA = Path(__file__).parent / "published.json"
+SKATE_RADIUS = 0.1  # [m] of the massless wheels that replace skates, whose radius is published as zero
+
+
+@cache
+def library() -> dict[str, Any]:
+    """The data file: sets, and published results to compare with."""
+    return json.loads(DATA.read_text(encoding="utf-8"))
+
+
+def Meijaard2007() -> Parameters:
+    """The benchmark bicycle with its rider (Meijaard et al. 2007, Table 1); lam = pi/10.
+
+    Examples
+    --------
+    >>> Meijaard2007().mB
+    85.0
+    """
+    return Parameters(**{**library()["parameters"]["values"], "lam": np.pi / 10}, name="Meijaard2007")
+
+
+def names() -> list[str]:
+    """Names of the published sets for `named`, in alphabetical order."""
+    return sorted((entry["name"] for entry in library()["bicycles"]["sets"]), key=str.lower)
+
+
+def entry_of(name: str) -> dict[str, Any]:
+    """The entry of a set in the data file; an unknown name gets a hint at similar ones."""
+    entries = {entry["name"]: entry for entry in library()["bicycles"]["sets"]}
+    if name in entries:
+        return entries[name]
+    lower = {known.lower(): known for known in ("Meijaard2007", *entries)}
+    near = [lower[text] for text in get_close_matches(str(name).lower(), lower, 3, 0.6)]
+    known = "mbsd3d bicycle compare --list shows all, and parameter files end in .txt, .yml or .yaml"
+    hint = f"did you mean {', '.join(near)}?" if near else known
+    raise ValueError(f"there is no bicycle '{name}'; {hint}")
+
+
+def named(name: str, *, unphysical: bool = False) -> Parameters:
+    """A published set: measured bicycles with and without rider, and optimised ones.
+
+    Values are as published, also where copies contradict each other: APPDATA_Benchmark_ROUNDED is the benchmark with
+    rounded values, and HC_Browser and HC_Pista have I_Rxx and I_Fxx exchanged against Browser and Pista.
+
+    Parameters
+    ----------
+    name : str
+        One of `names`, or "Meijaard2007".
+    unphysical : bool
+        Accept moments of inertia that no rigid body has; a few sets need it.
+
+    Returns
+    -------
+    Parameters
+        Skates (radius 0) get massless wheels of radius `SKATE_RADIUS`, which do not change their motion.
+
+    Examples
+    --------
+    >>> named("Browserins").w
+    1.121
+    """
+    if name == "Meijaard2007":
+        return Meijaard2007()
+    values = dict(entry_of(name)["values"])
+    for wheel in "RF":
+        skate = not any(values[key] for key in (f"r{wheel}", f"m{wheel}", f"I{wheel}xx", f"I{wheel}yy"))
+        values[f"r{wheel}"] = SKATE_RADIUS if skate else values[f"r{wheel}"]
+    return Parameters(**values, name=name, unphysical=unphysical)
+
+
+def deviations(name: str) -> dict[str, float]:
+    """Published standard deviations of a measured set by symbol [SI units], without those that are zero."""
+    return {key: std for key, std in (entry_of(name).get("std") or {}).items() if std}
+
+
+def find(text: str, *, unphysical: bool = False) -> Parameters:
+    """The bicycle of a command line: the name of a set, or a parameter file."""
+    return Parameters.from_file(text, unphysical=unphysical) if is_file(text) else named(text, unphysical=unphysical)

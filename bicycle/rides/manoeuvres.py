@@ -9,8 +9,7 @@ import numpy as np
 
 from mbsd3d import Pulse, Signal
 
-FALLEN = np.radians(60.0)
-"""Default tilt of the frame at which a ride ends [rad]."""
+FALLEN = np.radians(60.0)  # Default tilt of the frame at which a ride ends [rad]
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,30 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mbsd3d import Solution
+from mbsd3d.extend import LINE, Theme, dress
 
 from ..model.kinematics import X, Y, Z
-from ..output import write_table
+from ..output import new_figure, write_table
 from ..parameters import Parameters
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 WHEELS = ("rear", "front")
-NO_ROAD = 2.0
-"""Coefficient of friction that no tyre reaches on any road."""
+NO_ROAD = 2.0  # Coefficient of friction that no tyre reaches on any road
+SLENDER = 6.0  # length over width from which on the tracks are not drawn to scale
+LABELS = {
+    "angles": "angle, right > 0 [°]",
+    "rates": "yaw rate, right > 0 [°/s]",
+    "loads": "load of the wheel [N]",
+    "friction": "friction needed [-]",
+}
 
 
 class Event(NamedTuple):
@@ -176,3 +187,56 @@ class Ride:
             f" momentum {checks['angular momentum'].error:.1e}; certificate {'passed' if checks.passed else 'FAILED'}",
         ]
         return "\n".join(lines)
+
+
+def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "Figure":
+    """Lean, steer, loads of the wheels and friction they need over time, and the tracks of both wheels from above."""
+    with new_figure(10.0, 8.2, dark) as (figure, look):
+        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        axes = figure.subplot_mosaic(
+            [["angles", "loads"], ["rates", "friction"], ["way", "way"]], height_ratios=(1.0, 1.0, 1.3)
+        )
+        for one in axes.values():
+            dress(one, look)
+        lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
+        lines(axes["rates"], ride.t, {"yaw rate": np.degrees(ride.yaw_rate)}, look)
+        lines(axes["loads"], ride.t, {wheel: contact.normal for wheel, contact in ride.contacts.items()}, look)
+        friction = {wheel: contact.friction for wheel, contact in ride.contacts.items()}
+        lines(axes["friction"], ride.t, friction, look)
+        axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, NO_ROAD) or 1.0)
+        for name, label in LABELS.items():
+            axes[name].set_ylabel(label)
+            axes[name].set_xlabel("time [s]")
+        way(axes["way"], ride, look)
+        figure.suptitle(f"{ride.parameters.name}: {title}" if title else ride.parameters.name, fontweight="bold")
+    return figure
+
+
+def lines(axes: "Axes", t: np.ndarray, values: dict[str, np.ndarray], look: Theme) -> None:
+    """Curves over time, named beside the axes if there are several."""
+    for k, (name, line) in enumerate(values.items()):
+        axes.plot(t, line, color=look.colour(k), linewidth=LINE, label=name)
+    if len(values) > 1:
+        legend_above(axes, look)
+
+
+def legend_above(axes: "Axes", look: Theme) -> None:
+    """Names of the lines, above the axes."""
+    axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+
+
+def way(axes: "Axes", ride: Ride, look: Theme) -> None:
+    """Tracks of both wheels from above, to scale unless the way is slender; the end is marked."""
+    points = {wheel: contact.point for wheel, contact in ride.contacts.items()}
+    for k, (wheel, point) in enumerate(points.items()):
+        axes.plot(point[:, 0], -point[:, 1], color=look.colour(k), linewidth=LINE, label=f"{wheel} wheel")
+        axes.plot(point[-1, 0], -point[-1, 1], "o", color=look.colour(k), markersize=5)
+    size = np.ptp(np.concatenate([*points.values()]), axis=0)
+    axes.set_xlabel("way along the first heading [m]")
+    axes.set_ylabel("way to the right [m]")
+    axes.invert_yaxis()  # seen from above, what is to the right is below
+    if size[0] < SLENDER * size[1]:
+        axes.set_aspect("equal", adjustable="datalim")
+    if ride.event:
+        axes.set_title(f"{ride.event.name} at {ride.event.t:.3g} s", loc="right", color=look.ink)
+    legend_above(axes, look)

@@ -38,7 +38,6 @@ def run(
 
     Parameters
     ----------
-    parameters : Parameters
     t_end : float
         End of the ride [s].
     speed, lean, steer, lean_rate, steer_rate : float
@@ -81,9 +80,17 @@ def run(
     system = ridden(
         parameters, torque, push, speed=speed, lean=lean, steer=steer, lean_rate=lean_rate, steer_rate=steer_rate
     )
-    start, upward = system.state(), elevation(system)
+    start = system.state()
     check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
     settings = {"state": start, "rtol": rtol, "output": output, "progress": progress}
+    return ended(parameters, system, t_end, limit, held_down, settings)
+
+
+def ended(
+    parameters: Parameters, system: Bicycle, t_end: float, limit: float, held_down: bool, settings: dict[str, Any]
+) -> Ride:  # fmt: skip
+    """The ride until its end, a fall, or a wheel that lifts: then once more, up to that moment."""
+    upward = elevation(system)
     try:
         found = simulate(system, t_end, stop_when=upward < 0.5 * np.pi - limit, **settings)
     except IntegrationError as error:
@@ -94,7 +101,7 @@ def run(
     if event is None:
         stopped = (found.record.stopped_by or "").startswith(upward.label)
         return Ride(parameters, found, Event("fallen", float(found.final.t)) if stopped else None)
-    if output is not None:
+    if settings["output"] is not None:
         settings["output"] = [*found.t[found.t < event.t], event.t]
     return Ride(parameters, simulate(system, event.t, **settings), event)
 

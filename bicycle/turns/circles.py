@@ -2,16 +2,23 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
-from mbsd3d.extend import Progress, number
+from mbsd3d.extend import LINE, Progress, Theme, dress, number
 
-from ..output import write_table
+from ..output import new_figure, write_table
 from ..parameters import Parameters
+from ..rides.motion import legend_above
 from .families import SECTIONS, Family, Search, follow_all, special_points
 from .turning import Turn, TurnSolver, course
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 LEANS = np.radians([1.0, *np.arange(2.5, 41.0, 2.5)])
 """Of the turns with steer torque in the figure of the command line [rad]."""
@@ -20,6 +27,9 @@ COLUMNS = {
     "friction": "-", "growth": "1/s",
 }  # fmt: skip
 """Of the table: quantities of a turn with their units."""
+MARKS = {"largest lean": "^", "stability changes": "D", "about the rear contact": "s"}
+UNITS = {"steer": "steer angle [°]", "lean": "lean [°]", "speed": "speed of the rear contact [m/s]",
+         "radius": "radius of the rear track, right > 0 [m]"}  # fmt: skip
 
 
 def families(
@@ -29,7 +39,6 @@ def families(
 
     Parameters
     ----------
-    parameters : Parameters
     longest : float
         Longest step in the plane of lean and steer [rad].
     progress : bool or None
@@ -92,7 +101,6 @@ def held(
 
     Parameters
     ----------
-    parameters : Parameters
     speed : float
         Of the rear contact [m/s] > 0.
     leans : sequence of float
@@ -134,7 +142,6 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
 
     Parameters
     ----------
-    parameters : Parameters
     yaw_rate : float
         > 0, to the right [rad/s]; to the left everything is mirrored.
     """
@@ -197,3 +204,74 @@ def summary(found: Sequence[Family]) -> str:
                 f"{turn.speed:8.5f} m/s  radius {turn.radius:9.4f} m  friction {friction}"
             )
     return "\n".join(lines) or "no hands-free circles on the sections that were searched"
+
+
+def plot_circles(
+    parameters: Parameters, found: Sequence[Family], held: Sequence[Sequence[Turn]] = (), *, dark: bool = False
+) -> "Figure":
+    """Lean, speed and radius of the families, and steer torque over lean of the turns ``held`` at one speed each."""
+    with new_figure(10.0, 8.4, dark) as (figure, look):
+        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
+        axes = figure.subplots(2, 2)
+        for one in axes.flat:
+            dress(one, look)
+        draw_families(axes[0, 0], found, "steer", "lean", look)
+        draw_families(axes[0, 1], found, "lean", "speed", look)
+        draw_families(axes[1, 0], found, "speed", "radius", look)
+        axes[1, 0].set_yscale("symlog", linthresh=1.0)
+        axes[1, 0].set_ylim(-100.0, 100.0)
+        axes[1, 0].yaxis.set_major_formatter("{x:g}")
+        draw_torques(axes[1, 1], held, look)
+        figure.suptitle(f"{parameters.name}: steady circles, steered to the right", fontweight="bold")
+        legend(figure, len(found), look)
+    return figure
+
+
+def shown(values: np.ndarray, name: str) -> np.ndarray:
+    """Angles in degrees."""
+    return np.degrees(values) if name in ("steer", "lean") else values
+
+
+def draw_families(axes: "Axes", found: Sequence[Family], x: str, y: str, look: Theme) -> None:
+    """One quantity over another; thick where stable, with marks at special turns."""
+    for k, family in enumerate(found):
+        across, up = (shown(family.values(name), name) for name in (x, y))
+        stable = np.where(family.values("stable"), up, np.nan)
+        axes.plot(across, up, color=look.colour(k), linewidth=LINE)
+        axes.plot(across, stable, color=look.colour(k), linewidth=3.5 * LINE, solid_capstyle="butt")
+        for name, turn in family.special:
+            place = [shown(np.array([getattr(turn, q)]), q) for q in (x, y)]
+            axes.plot(*place, MARKS[name], color=look.colour(k), markersize=5, markeredgecolor=look.ink)
+    axes.set_xlabel(UNITS[x])
+    axes.set_ylabel(UNITS[y])
+
+
+def draw_torques(axes: "Axes", held: Sequence[Sequence[Turn]], look: Theme) -> None:
+    """Steer torque over lean, a smooth line per speed through the points of the turns."""
+    for k, turns in enumerate(turn for turn in held if turn):
+        points = np.array([(np.degrees(turn.lean), turn.torque) for turn in turns])
+        axes.plot(*points.T, "o", color=look.colour(k), markersize=3)
+        axes.plot(*smooth(points).T, color=look.colour(k), linewidth=LINE, label=f"{turns[0].speed:.3g} m/s")
+    axes.set_xlabel("lean [°]")
+    axes.set_ylabel("steer torque that holds it, right > 0 [N m]")
+    if axes.get_legend_handles_labels()[0]:
+        legend_above(axes, look)
+
+
+def smooth(points: np.ndarray) -> np.ndarray:
+    """(k, 2) a curve through points (n, 2) that hardly overshoots; a single point stays as it is."""
+    count = len(points)
+    if count < 2:
+        return points
+    return Akima1DInterpolator(np.arange(count), points, method="makima")(np.linspace(0, count - 1, 10 * count - 9))
+
+
+def legend(figure: "Figure", count: int, look: Theme) -> None:
+    """Families, marks and line widths, below all panels."""
+    from matplotlib.lines import Line2D  # only who draws waits for it
+
+    entries = [Line2D([], [], color=look.colour(k), linewidth=LINE, label=f"family {k + 1}") for k in range(count)]
+    entries.append(Line2D([], [], color=look.muted, linewidth=3.5 * LINE, label="stable"))
+    for name, mark in MARKS.items():
+        entries.append(Line2D([], [], color=look.muted, marker=mark, linestyle="none", markersize=5, label=name))
+    figure.legend(handles=entries, frameon=False, labelcolor=look.ink, loc="outside lower center", ncols=4)

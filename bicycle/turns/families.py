@@ -106,7 +106,7 @@ class Curve:
             length = min(length * (2.0 if miss < 0.02 else 1.0 if miss > 0.1 else 1.3), self.longest)
 
     def step(self, x: np.ndarray, along: np.ndarray, length: float) -> np.ndarray | None:
-        """The point a step further, or None where there is none."""
+        """The point a step further, or None at the end of the curve."""
         try:
             return self.corrected(x + length * along, along, 0.5 * length)
         except ValueError:

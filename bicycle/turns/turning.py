@@ -37,7 +37,7 @@ class Balance(NamedTuple):
 
     @property
     def held(self) -> tuple[float, float]:
-        """(s^2, T) of the steady turn; a negative s^2 is none."""
+        """(s^2, T) of the steady turn; a negative s^2 means that there is no such turn."""
         square, torque = np.linalg.solve(np.column_stack([self.motion, self.torque]), -self.rest)
         return float(square), float(torque)
 

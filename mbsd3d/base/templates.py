@@ -6,7 +6,8 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
-from .paths import with_suffix, write_atomically
+from .paths import package_version, with_suffix, write_atomically
+from .style import DARK, LIGHT
 
 FOLDER = Path(__file__).parent.parent / "templates"
 
@@ -28,6 +29,11 @@ class HtmlPage:
 
 @cache
 def page_template(name: str, *folders: Path) -> Template:
-    """A template from the folders, or of this package; every text that is put into it is escaped."""
+    """A template from the folders, or of this package; every text that is put into it is escaped.
+
+    It knows the themes ``light`` and ``dark`` and the ``version`` of this package.
+    """
     options = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
-    return Environment(loader=FileSystemLoader([*folders, FOLDER]), **options).get_template(name)
+    found = Environment(loader=FileSystemLoader([*folders, FOLDER]), **options)
+    found.globals |= {"light": LIGHT, "dark": DARK, "version": package_version()}
+    return found.get_template(name)

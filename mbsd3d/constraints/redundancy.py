@@ -101,8 +101,7 @@ def diagnose(system: Mechanism, as_built: float) -> Diagnosis:
     load_state(compiled, data, pose)
     spins = free_spins(compiled, data, rows)
     orthonormal = scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N
-    slack = 10.0 * as_built / length if misaligned else TOLERANCE
-    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=slack)
+    clash = find_contradiction(compiled, data, pose.t, N=orthonormal, slack=max(TOLERANCE, 10.0 * as_built / length))
     verdict = stuck or verdict_text(compiled, found.m, rank, n, misfit, as_built, offset)
     loose_ends = [spin for spin in spins if spin.massless]
     if clash or loose_ends:

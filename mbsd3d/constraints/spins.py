@@ -58,10 +58,11 @@ def free_spins(compiled: Compiled, data: Data, rows: BlockRows, members: list[Bo
         joints = holding[id(body)]
         if len({id(other) for joint in joints for other in joint.bodies()}) < 3:
             continue
-        b = compiled.body_index[id(body)]
-        on = rows.body == b
-        J = np.where(on[:, :, None], rows.J, 0.0).sum(axis=1)[on.any(axis=1)]
-        s, Vt = np.linalg.svd(J)[1:]
+        own = np.r_[tuple(compiled.rows[id(joint)] for joint in joints)]
+        if own.size < 5:
+            continue
+        on = rows.body[own] == compiled.body_index[id(body)]
+        s, Vt = np.linalg.svd((on[:, :, None] * rows.J[own]).sum(axis=1))[1:]
         if (s > RANK_TOLERANCE * s.max(initial=0.0)).sum() == 5:
             spin = spin_of(compiled, data, body, joints, Vt[5] * displacement_units(compiled.model.length, 1))
             found += [spin] if spin else []

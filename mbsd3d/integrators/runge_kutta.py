@@ -14,7 +14,7 @@ from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
 
 # What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
-AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-9
+AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass

@@ -80,6 +80,7 @@ def rows_hold(m, d, s, run):
     rows, tolerance = run.rows, run.task.tolerance
     rows.residual = 0.0
     rows.pivot = s.state.pivot
+    rows.lowest = min(rows.lowest, rows.pivot)
     s.state.rank = max(s.state.rank, s.state.independent)
     if not nearly_singular(run):
         rows.on_manifold = 0

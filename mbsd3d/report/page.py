@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base.concurrency import on_one_thread
-from ..base.paths import package_version
-from ..base.style import DARK, LIGHT, theme
+from ..base.style import theme
 from ..base.templates import HtmlPage, page_template
 from ..constraints.redundancy import diagnose
 from ..plotting.panels import Wanted
@@ -72,7 +71,6 @@ def make_report(
     page = page_template("report.html").render(
         title=title,
         solution=solution,
-        version=package_version(),
         certificate=certificate,
         checks=[check_row(check) for check in certificate.checks],
         warnings=[*facts.warnings(solution), *([f"Reactions and efforts: {thin}"] if thin else [])],
@@ -83,8 +81,6 @@ def make_report(
         figures=figures,
         tables=facts.tables(solution, few, diagnosis),
         digits=digits,
-        light=LIGHT,
-        dark=DARK,
         paper={None: "auto", True: "dark", False: "light"}[None if dark is None else bool(dark)],
     )
     report = Report(page, title, certificate.passed)

@@ -25,6 +25,7 @@ class Record:
     seconds: float = 0.0  # the whole run
     loop_seconds: float = 0.0  # of these, in the compiled time loop
     rows_left_out: int | None = None  # redundant rows at the last choice; None = not chosen
+    nearest: float = 1.0  # least pivot of the loop rows over its largest: how near the run came to a singular position
     stopped_by: str | None = None
     inputs: dict = field(default_factory=dict)  # name -> ((time [s], value), ...): what each was set to, and when
 

@@ -89,6 +89,7 @@ class Job:
         if self.stop_when is not None:
             task.condition, task.stop, task.direction = 0, self.stop_when.value, self.stop_when.direction
         now.t, now.fresh, run.rows.pivot, run.stiffness.patience = t, 1, 1.0, method.patience
+        run.rows.lowest = 1.0
         return run
 
     def run(self, progress: Progress) -> RunResult:
@@ -258,7 +259,7 @@ class Job:
         self.drain()
         run, record = self.memory, self.record
         record.steps, record.rejected = int(run.now.steps), int(run.now.rejected)
-        record.evaluations = int(run.now.evaluations)
+        record.evaluations, record.nearest = int(run.now.evaluations), float(run.rows.lowest)
         arrays = self.samples.finished()
         arrays["t"] = arrays["t"][:, 0]
         return RunResult.from_run(self.compiled, arrays, record, run.y.copy(), float(run.now.t), self.data)

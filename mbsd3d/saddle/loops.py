@@ -16,7 +16,7 @@ PROXIMAL = 1e-8  # times the compliance of the heaviest body, mu: singular value
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
-SWEEPS, MORE_SWEEPS = 1, 20  # as a rule; near a singular position
+SWEEPS, MORE_SWEEPS = 1, 6  # as a rule; near a singular position
 SPREAD = 1e5  # of the compliance that loop rows feel over that of the heaviest body: S alone has too few digits then
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 

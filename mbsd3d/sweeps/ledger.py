@@ -1,9 +1,9 @@
-"""The ledger of a sweep: a SQLite file that holds every finished cell, so that an interrupted sweep goes on."""
+"""Finished work in a SQLite file, so that an interrupted run goes on; of a sweep, its cells."""
 
 import hashlib
 import json
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from .grids import Grid
 FORMAT = 1  # rises when an older ledger cannot be read any more
 TABLES = (
     "CREATE TABLE IF NOT EXISTS sweep (digest TEXT NOT NULL, identity TEXT NOT NULL)",
-    "CREATE TABLE IF NOT EXISTS cells (cell INTEGER PRIMARY KEY, outcome TEXT NOT NULL)",
+    "CREATE TABLE IF NOT EXISTS cells (cell PRIMARY KEY, outcome TEXT NOT NULL)",
 )
 
 
@@ -51,61 +51,66 @@ def title(function: Callable) -> str:
     return getattr(function, "__qualname__", type(function).__name__)
 
 
-class Ledger:
-    """Finished cells in a file; failed ones are not kept, they are tried again.
+class Store:
+    """Finished work by its key in a SQLite file, with the identity of what made it.
 
-    Every cell is committed at once, so nothing finished is lost with a killed process. Floats are stored as JSON, which
-    reads back bit for bit.
+    Every piece is committed as it comes: what a killed process had finished is there. Values are stored as JSON, which
+    reads floats back bit for bit.
+
+    ``identity`` is what makes two runs the same, as JSON: settings, versions; ``what`` names the work in messages, e.g.
+    "sweep". If the file holds other work, ``replace`` begins anew; else that is a `LedgerError` that says what differs,
+    as is a file that cannot be used, read or written.
     """
 
-    def __init__(self, path: str | Path, own: dict[str, Any], cells: int) -> None:
-        self.path, self.cells = Path(path), cells
+    def __init__(self, path: str | Path, identity: Mapping[str, Any], what: str, *, replace: bool = False) -> None:
+        self.path, self.what = Path(path), what
         try:
             self.file = sqlite3.connect(self.path, isolation_level=None)
             self.file.execute("PRAGMA journal_mode=WAL")
             self.file.execute("PRAGMA synchronous=NORMAL")
             for table in TABLES:
                 self.file.execute(table)
-            self.check(own)
+            self.check(dict(identity), replace)
         except sqlite3.Error as error:
             raise LedgerError(
-                f"sweep: ledger '{self.path}' cannot be used: {error}; give a file in a folder that exists and is "
-                "yours, and that is new or the ledger of this sweep"
+                f"{what}: ledger '{self.path}' cannot be used: {error}; give a file in a folder that exists and is "
+                f"yours, and that is new or the ledger of this {what}"
             ) from error
 
-    def check(self, own: dict[str, Any]) -> None:
-        """Refuse the ledger of another sweep and name the differences; a new ledger gets the identity of this sweep."""
+    def check(self, own: dict[str, Any], replace: bool) -> None:
+        """Refuse or forget other work, and say what differs; a new file gets the identity of this work."""
         text = json.dumps(own, sort_keys=True)
-        digest = hashlib.sha256(text.encode()).hexdigest()
-        found = self.file.execute("SELECT digest, identity FROM sweep").fetchone()
-        if found is None:
-            self.file.execute("INSERT INTO sweep VALUES (?, ?)", (digest, text))
-        elif found[0] != digest:
-            other = json.loads(found[1])
+        found = self.file.execute("SELECT identity FROM sweep").fetchone()
+        if found == (text,):
+            return
+        if found is not None and not replace:
+            other = json.loads(found[0])
             names = sorted(name for name in own.keys() | other.keys() if own.get(name) != other.get(name))
             raise LedgerError(
-                f"sweep: ledger '{self.path}' belongs to another sweep, it differs in {', '.join(names)}; "
+                f"{self.what}: ledger '{self.path}' belongs to another {self.what}, it differs in {', '.join(names)}; "
                 "give another file, or delete this one"
             )
+        self.clear()
+        self.file.execute("DELETE FROM sweep")
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        self.file.execute("INSERT INTO sweep VALUES (?, ?)", (digest, text))
 
-    def finished(self) -> dict[int, Outcome]:
-        """The cells that need not run again."""
+    def clear(self) -> None:
+        """Forget all that is finished."""
+        self.file.execute("DELETE FROM cells")
+
+    def all(self) -> dict[int | str, Any]:
+        """What is finished, by key."""
         try:
             rows = self.file.execute("SELECT cell, outcome FROM cells").fetchall()
-            found = {cell: Outcome(**json.loads(text)) for cell, text in rows}
-        except (sqlite3.Error, ValueError, TypeError) as error:
-            raise LedgerError(f"sweep: ledger '{self.path}' cannot be read: {error}; delete it") from error
-        if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in found):
-            raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")
-        return found
+            return {key: json.loads(text) for key, text in rows}
+        except (sqlite3.Error, ValueError) as error:
+            raise LedgerError(f"{self.what}: ledger '{self.path}' cannot be read: {error}; delete it") from error
 
-    def put(self, cell: int, outcome: Outcome) -> None:
-        """Store a finished cell; LedgerError if that fails."""
-        if outcome.error:
-            return
-        text = json.dumps({"values": outcome.values, "settings": outcome.settings})
+    def put(self, key: int | str, value: Any) -> None:
+        """Store a finished piece; it is in the file when this returns."""
         try:
-            self.file.execute("INSERT OR REPLACE INTO cells VALUES (?, ?)", (cell, text))
+            self.file.execute("INSERT OR REPLACE INTO cells VALUES (?, ?)", (key, json.dumps(value)))
         except sqlite3.Error as error:
             raise LedgerError(f"ledger '{self.path}' cannot be written: {error}") from error
 
@@ -113,3 +118,26 @@ class Ledger:
         """Close the file."""
         with suppress(sqlite3.Error):  # what could not be written has been reported by `put`
             self.file.close()
+
+
+class Ledger(Store):
+    """Finished cells of a sweep; failed ones are not kept, they are tried again."""
+
+    def __init__(self, path: str | Path, own: Mapping[str, Any], cells: int) -> None:
+        super().__init__(path, own, "sweep")
+        self.cells = cells
+
+    def finished(self) -> dict[int, Outcome]:
+        """The cells that need not run again."""
+        try:
+            found = {cell: Outcome(**stored) for cell, stored in self.all().items()}
+        except TypeError as error:
+            raise LedgerError(f"sweep: ledger '{self.path}' cannot be read: {error}; delete it") from error
+        if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in found):
+            raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")
+        return found
+
+    def keep(self, cell: int, outcome: Outcome) -> None:
+        """Store a finished cell."""
+        if not outcome.error:
+            self.put(cell, {"values": outcome.values, "settings": outcome.settings})

@@ -157,7 +157,7 @@ def collect(
                 first = agree(grid, units, first, cell, outcome)
                 results[cell] = outcome
                 if book is not None:
-                    book.put(cell, outcome)
+                    book.keep(cell, outcome)
                 bar.update(len(results))
     except KeyboardInterrupt:
         return None

@@ -7,20 +7,20 @@ import matplotlib
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from closed_forms.steady_turn import steady_turn
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, circles
 from bicycle.linear.equations import canonical
 from bicycle.model.kinematics import Height, placed
 from bicycle.model.mechanism import steer_torque
-from bicycle.pages.figures import plot_circles
 from bicycle.parameters import library, named
+from bicycle.turns.circles import plot_circles
 from bicycle.turns.families import SECTIONS, Curve, Search
 from bicycle.turns.turning import TurnSolver
 from mbsd3d import accelerations
 from mbsd3d.cli import main
 from mbsd3d.mechanism.signals import Pulse
-from validation.theory.steady_turn import steady_turn
 
 matplotlib.use("Agg")
 BENCHMARK = Meijaard2007()

@@ -6,6 +6,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from closed_forms.small_motions import bicycle_matrix
 from scipy.optimize import brentq
 
 from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, whipple
@@ -24,7 +25,7 @@ ROUND = replace(
 """Wheels of unequal size and crown, nothing zero or equal."""
 
 
-MODULES = ("parameters.definition", "parameters.published", "model.mechanism", "linear.equations", "linear.general")
+MODULES = ("parameters.definition", "parameters", "model.mechanism", "linear.equations", "linear.general")
 
 
 @pytest.mark.parametrize("module", [*MODULES, "linear.stability", "linear.critical"])
@@ -265,7 +266,7 @@ def test_accelerations_in_generic_states(p, motion):
 
 def test_linear_equations_with_round_tyres_and_unequal_wheels():
     for speed in (-3.0, 4.6):
-        expected = whipple_lagrange.lateral_matrix(ROUND, speed)
+        expected = bicycle_matrix(ROUND, speed)
         found = general.linearization(whipple, ROUND, speed).A
         assert found == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())  # differences twice over
     sharp = general.linearization(whipple, replace(ROUND, tR=0.0, tF=0.0), 4.6).A
@@ -295,7 +296,7 @@ def test_two_mass_skate():
     found, expected = general.linearization(whipple, p, 4.0), canonical(p)
     rounding = np.finfo(float).eps * np.linalg.cond(expected.M) * np.abs(found.A).max()
     assert found.A == pytest.approx(expected.A(4.0), abs=rounding)
-    assert found.A == pytest.approx(whipple_lagrange.lateral_matrix(p, 4.0), abs=1e-9)
+    assert found.A == pytest.approx(bicycle_matrix(p, 4.0), abs=1e-9)
     assert np.all(found.eigenvalues.real < 0.0)
     assert np.any(general.linearization(whipple, p, 2.8).eigenvalues.real > 0.0)
     large = replace(p, rR=0.3, rF=0.2)  # the size of the wheels does not matter

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from numpy.polynomial import Polynomial
 
 from bicycle import Meijaard2007, critical, general, named, parameters, stability, whipple
-from bicycle.linear.characteristic import double_roots
+from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import NAMES, canonical, follow
 from bicycle.model.mechanism import Bicycle, outputs
 from bicycle.parameters import library

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_forms import cardan as shafts
+from closed_forms import rotations
 from matplotlib.figure import Figure
 
 import mbsd3d
@@ -109,13 +111,13 @@ def test_theory_of_the_top_agrees_with_validation():
     a, c, weight = heavy_top.ABOUT_PIVOT, heavy_top.AXIAL, heavy_top.WEIGHT_MOMENT
     rates = theory.steady_precession(a, c, heavy_top.SPIN, weight, heavy_top.TILT)
     assert heavy_top.steady_rates(heavy_top.TILT) == pytest.approx(rates, rel=1e-13)
-    curve = theory.nutation(a, c, heavy_top.SPIN, weight, np.pi / 2, 0.0, heavy_top.PRECESSION)
+    curve = rotations.nutation(a, c, heavy_top.SPIN, weight, np.pi / 2, 0.0, heavy_top.PRECESSION)
     t = np.linspace(0.0, 2.0, 41)
     assert heavy_top.height(t) == pytest.approx(curve.height(t), abs=1e-12)
 
 
 def test_theory_of_the_free_body_agrees_with_validation():
-    expected = theory.flip_interval(dzhanibekov.MOMENTS, dzhanibekov.spins(1))
+    expected = rotations.flip_interval(dzhanibekov.MOMENTS, dzhanibekov.spins(1))
     assert dzhanibekov.flip_interval() == pytest.approx(expected, rel=1e-13)
 
 
@@ -124,7 +126,7 @@ def test_theory_of_the_cross_agrees_with_validation():
     quarter = np.pi / 2  # there the angle counts from the other yoke
     rates = theory.cardan_rate(angle + quarter, cardan.BEND), theory.cardan_rate(angle, cardan.BEND)
     assert any(np.allclose(cardan.ratio(angle, cardan.BEND), rate, rtol=1e-13) for rate in rates)
-    assert cardan.harmonics(cardan.BEND) == pytest.approx(theory.cardan_harmonics(cardan.BEND, 3), rel=1e-13)
+    assert cardan.harmonics(cardan.BEND) == pytest.approx(shafts.cardan_harmonics(cardan.BEND, 3), rel=1e-13)
 
 
 def test_theory_of_the_door_agrees_with_the_case():
@@ -147,8 +149,8 @@ def test_theory_of_the_crank_agrees_with_the_engine_data():
 
 def test_theory_of_the_wall_agrees_with_validation():
     turns = np.linspace(0.0, 1.0, 11)
-    assert np.radians(wall.ghost_angle(turns)) == pytest.approx(theory.ghost_angle(turns), rel=1e-14)
-    ghost = theory.ghost_quaternion(np.linspace(0.0, 1.0, wall.STEPS + 1), (0.0, 0.0, wall.TURN))
+    assert np.radians(wall.ghost_angle(turns)) == pytest.approx(rotations.ghost_angle(turns), rel=1e-14)
+    ghost = rotations.ghost_quaternion(np.linspace(0.0, 1.0, wall.STEPS + 1), (0.0, 0.0, wall.TURN))
     assert wall.quaternions(h_dot=False) == pytest.approx(ghost, abs=1e-12)
     assert np.linalg.norm(wall.quaternions(h_dot=True), axis=1) == pytest.approx(1.0, abs=1e-9)
 

@@ -5,6 +5,13 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.optimize
+from closed_forms.small_motions import (
+    circling_disc_rate,
+    nutation_rate,
+    sleigh_rate,
+    upright_disc,
+    whirling_pendulum_rate,
+)
 from models import Evaluation, all_joints_mechanism, direction, random_body, random_inertia, random_orientation
 
 from mbsd3d import (
@@ -40,15 +47,7 @@ from mbsd3d.equations.dense_solvers import mass_matrix
 from mbsd3d.linear.variations import Field
 from mbsd3d.mechanism import measures
 from validation import cases
-from validation.theory.small_motions import (
-    circling_disc_rate,
-    nutation_rate,
-    rolling_circle,
-    sleigh_rate,
-    upright_disc,
-    whirling_pendulum_rate,
-)
-from validation.theory.top import steady_precession
+from validation.theory.top import rolling_circle, steady_precession
 
 EXACT = 1e-11
 """Rounding of some hundred operations, times the condition of eigenvalues that lie well apart."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from closed_forms import rotations
 from models import all_joints_mechanism, consistent_state, moved_reference, same_rotation
 from scipy.integrate import solve_ivp
 
@@ -26,11 +27,11 @@ def racket(off, shift_seed=None):
 def flips(off, count, shift_seed=None, rtol=1e-12, **options):
     """(greatest error of the quaternion, of the angular velocity over |w|) in ``count`` flips."""
     body, omega = racket(off, shift_seed), np.array([off, MIDDLE, off])
-    t_end = count * theory.flip_interval(MOMENTS, omega)
+    t_end = count * rotations.flip_interval(MOMENTS, omega)
     system = System(bodies=[body], gravity=(0.0, 0.0, 0.0))
     solution = simulate(system, t_end, rtol=rtol, output=10 * count + 1, **options)
     exact = theory.free_body(solution.t, MOMENTS, omega)
-    turned = same_rotation(solution.orientation(body), theory.quaternion(exact.rotation.astype(float)))
+    turned = same_rotation(solution.orientation(body), rotations.quaternion(exact.rotation.astype(float)))
     return turned, np.abs(solution.omega_body(body) - exact.omega_body).max() / MIDDLE
 
 
@@ -58,7 +59,7 @@ def test_flips_with_the_reference_point_off_the_centre_of_mass(seed):
 def scipy_flips(off, count):
     """The same error of the angular velocity for Euler's three equations alone, by scipy's DOP853."""
     omega = np.array([off, MIDDLE, off])
-    times = np.linspace(0.0, count * theory.flip_interval(MOMENTS, omega), 10 * count + 1)
+    times = np.linspace(0.0, count * rotations.flip_interval(MOMENTS, omega), 10 * count + 1)
 
     def euler(_, w):
         return np.cross(MOMENTS * w, w) / MOMENTS
@@ -194,7 +195,7 @@ def test_ablation_another_rate_is_not_steady():
 
 def greatest_tilt(factor):
     """Greatest tilt [rad] in 20 s of a top that starts upright within 1e-3 rad, spun at a factor of the threshold."""
-    spin = factor * theory.sleeping_spin(ABOUT_PIVOT, AXIAL, WEIGHT)
+    spin = factor * rotations.sleeping_spin(ABOUT_PIVOT, AXIAL, WEIGHT)
     system, body = top(1e-3, 0.0, spin)
     heights = simulate(system, 20.0, rtol=1e-10, output=2001).com(body)[:, 2]
     return np.arccos(np.clip(heights / LEVER, -1.0, 1.0)).max()
@@ -206,7 +207,7 @@ def test_sleeping_top_stays_up_above_its_threshold_and_falls_below():
 
 
 def test_sleeping_top_reaches_the_tilt_of_its_cubic():
-    spin = 0.95 * theory.sleeping_spin(ABOUT_PIVOT, AXIAL, WEIGHT)
-    motion = theory.nutation(ABOUT_PIVOT, AXIAL, spin, WEIGHT, 1e-3, 0.0, 0.0)
+    spin = 0.95 * rotations.sleeping_spin(ABOUT_PIVOT, AXIAL, WEIGHT)
+    motion = rotations.nutation(ABOUT_PIVOT, AXIAL, spin, WEIGHT, 1e-3, 0.0, 0.0)
     # sampled 2000 times: the lowest point is missed by 1e-4 at most
     assert greatest_tilt(0.95) == pytest.approx(np.arccos(motion.lowest), abs=1e-3)

@@ -28,6 +28,7 @@ from sweep_models import (
 )
 
 from mbsd3d.base.errors import SweepError
+from mbsd3d.extend import Store
 from mbsd3d.sweeps import executors as workers
 from mbsd3d.sweeps.sweep import sweep
 
@@ -230,3 +231,16 @@ def test_whatever_an_executor_does_the_finished_cells_are_kept(error, words):
     with pytest.raises(SweepError, match=words) as caught:
         sweep(wheel, GRID, speed, run=RUN, executor=Failing(error))
     assert np.isfinite(caught.value.dataset["speed"].values.ravel()[:3]).all()
+
+
+def test_a_store_refuses_other_work_or_begins_anew(tmp_path):
+    first = Store(tmp_path / "work.db", {"setting": 1, "version": "a"}, "study")
+    first.put("case", {"value": 0.1 + 0.2})
+    assert Store(tmp_path / "work.db", {"setting": 1, "version": "a"}, "study").all() == {"case": {"value": 0.1 + 0.2}}
+    with pytest.raises(ValueError, match="study: ledger .* belongs to another study, it differs in setting; give"):
+        Store(tmp_path / "work.db", {"setting": 2, "version": "a"}, "study")
+    other = Store(tmp_path / "work.db", {"setting": 2, "version": "a"}, "study", replace=True)
+    assert other.all() == {}
+    other.put("case", 1)
+    other.clear()
+    assert other.all() == {}

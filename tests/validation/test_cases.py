@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from conditions import measure_condition
 
 from mbsd3d import accelerations, simulate
+from mbsd3d.extend import matrix
 from validation.cases import reference as cases
-from validation.cases.comparison import compare
+from validation.cases.comparison import compare, condition
 from validation.cases.robot import hinge_accelerations, robot_poses
 from validation.suite.trials.references import PASSES, allowed
 from validation.suite.trials.trial import RTOL
@@ -84,5 +86,14 @@ def test_robot_accelerates_as_its_torques_say(pose, shift):
         found = hinge_accelerations(solution)[0]
         # the arm's mass matrix has a condition of 1e5; accelerations up to 50 rad/s^2
         assert np.abs(found - expected).max() < 1e-8
-        tool = known.tool_position(solution.com("link6")[0], solution.rotation("link6")[0])
-        assert np.abs(tool - known.tool).max() < 1e-12
+        raw = cases.read("robot6r_inverse_dynamics")
+        link, at = raw["bodies"][-1], raw["outputs"][0]["p"]
+        arm = matrix(np.array(link["q0"])).T @ np.subtract(at, link["r0"])
+        tool = solution.com("link6")[0] + solution.rotation("link6")[0] @ arm
+        assert np.abs(tool - raw["reference"]["values"][pose]["ee_position"]).max() < 1e-12
+
+
+def test_a_stored_condition_is_the_measured_one():
+    case = cases.load("coriolis_slider")
+    # the greatest of five seeded changes, rounded to the digits of the file
+    assert measure_condition(case) == pytest.approx(condition("coriolis_slider"), rel=0.05)

@@ -20,13 +20,11 @@ from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simu
 from mbsd3d.cli import main
 from validation import cross_check
 from validation.cases.mechanisms import chain
-from validation.crosscheck import causes, formulation, ladder
 from validation.crosscheck import check as checking
+from validation.crosscheck import formulation, judge, ladder
 from validation.crosscheck import ours as own
-from validation.crosscheck.ours import motion_of, ours_at
-from validation.crosscheck.quantities import momenta, rotation_matrices
-from validation.crosscheck.result import CrossCheck
-from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, Finding
+from validation.crosscheck.ours import momenta, motion_of, ours_at, rotation_matrices
+from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, Compared, CrossCheck, Finding
 from validation.tax import pairs as twins
 from validation.twins.base import EngineFailed, EngineMissing
 
@@ -256,9 +254,9 @@ def suspect(difference, uncertainty=1e-9):
     ],
 )
 def test_what_a_cause_leaves_is_small_by_itself(monkeypatch, stays, before, after, status):
-    monkeypatch.setitem(causes.CAUSES, "Exudyn", (causes.Cause("the cause", "tolerance", 1e-13, stays),))
-    monkeypatch.setattr(causes, "changed", lambda *arguments: {"position": after})
-    (found,) = causes.explained([suspect(before)], None, None, None, None)
+    monkeypatch.setitem(judge.CAUSES, "Exudyn", (judge.Cause("the cause", "tolerance", 1e-13, stays),))
+    monkeypatch.setattr(judge, "changed", lambda *arguments: {"position": after})
+    (found,) = judge.explained([suspect(before)], None, None, None, None)
     assert found.status == status
 
 

@@ -7,7 +7,6 @@ import pytest
 from click.testing import CliRunner
 
 from validation.engine_balance import cli, gas, phasor, report, shafts, spatial
-from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine, Layout, layout
 from validation.engine_balance.spectrum import spectrum
 
@@ -17,7 +16,7 @@ UNEVEN = dict(rpm=37.0, radius=0.8, rod_length=1.7, crank_centre=0.35, rod_fract
 
 def balanced(engine: Engine, wanted: list, **options: object) -> tuple[list, np.ndarray, np.ndarray]:
     """Shafts, what they should leave, what the spatial engine with them has left."""
-    load = Harmonics(*phasor.block_load(engine, dyno=bool(options)))
+    load = phasor.block_load(engine, dyno=bool(options))
     found = shafts.balance(engine, load, wanted, **options)
     system = spatial.build(engine, driver="dyno" if options else "block")
     turn = spatial.turn(shafts.with_shafts(system, engine, found), engine)

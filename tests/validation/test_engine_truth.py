@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from closed_forms.slider_crank import SliderCrank, slider_crank_loads
 
 from validation.engine_balance import cli, report
 from validation.engine_balance.layouts import data
 from validation.engine_balance.published import corrections, truth
-from validation.theory.slider_crank import SliderCrank, slider_crank_loads
 
 KNOWN = {
     "all (flat-vs-boxer article table)": {

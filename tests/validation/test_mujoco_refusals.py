@@ -105,7 +105,6 @@ def test_aligned_shafts_and_bodies_without_mass_are_refused():
 def test_settings_and_states_out_of_range():
     system = tree(Revolute)
     for settings, text in (
-        ({"integrator": "RK5"}, "integrator 'RK5' is unknown; give one of RK4"),
         ({"softness": 0.0}, "softness: 0.0 is not positive"),
         ({"rods": "ropes"}, "rods 'ropes' is unknown"),
     ):
@@ -231,5 +230,4 @@ def test_settings_say_what_was_done():
     assert twin(tree(Revolute)).settings == f"MuJoCo {mujoco.__version__}: RK4"
     ready = twin(loop(Spherical))
     assert ready.settings.endswith("RK4, solref (16 h, 0.5)") and ready.order == 2.0
-    assert twin(tree(Revolute), integrator="implicit").order == 1.0
     assert twin(loop(Spherical), softness=1.0).model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from closed_forms import slider_crank as crank_theory
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
@@ -14,7 +15,7 @@ from validation.twins import planar
 from validation.twins.planar.march import evaluate
 
 G = (0.0, -9.81)
-ENGINE = theory.SliderCrank(0.31, 0.83, 2.3, 0.12, 1.7, 0.37, 0.09, 0.9, crank_inertia=0.05)
+ENGINE = crank_theory.SliderCrank(0.31, 0.83, 2.3, 0.12, 1.7, 0.37, 0.09, 0.9, crank_inertia=0.05)
 SPEED, START, GRAVITY = 17.0, 0.4, (-3.1, 7.7)  # rad/s; rad at the reference pose; along the bore and across it
 
 
@@ -271,7 +272,7 @@ def largest(values):
 def test_slider_crank_forces_equal_the_closed_form():
     times = np.linspace(0.0, 2 * np.pi / SPEED, 37)
     run = planar.kinematics(slider_crank(), times)
-    closed = theory.slider_crank_loads(ENGINE, START + SPEED * times, SPEED, gravity=GRAVITY)
+    closed = crank_theory.slider_crank_loads(ENGINE, START + SPEED * times, SPEED, gravity=GRAVITY)
     pairs = [(run.reaction(name).force, getattr(closed, name)) for name in ("bearing", "crankpin", "wristpin")]
     pairs += [(run.reaction("bore").force[:, 1], closed.guide), (run.effort("motor"), closed.torque)]
     for mine, exact in pairs:
@@ -288,7 +289,7 @@ def test_slider_crank_under_an_accelerated_driver():
     ):  # fmt: skip
         run = planar.kinematics(slider_crank(drive), np.linspace(0, 1.2, 25))
         for k, t in enumerate(run.t):
-            closed = theory.slider_crank_loads(
+            closed = crank_theory.slider_crank_loads(
                 ENGINE, [START + angle(t)], speed(t), gravity=GRAVITY, acceleration=acceleration(t)
             )
             assert run.effort("motor")[k] == pytest.approx(closed.torque[0], abs=1e-10)  # of some 40 N m: rounding
@@ -453,7 +454,7 @@ def test_errors_name_part_value_and_remedy():
     one, two = pair.bodies
     _, b, gear = pair.joints
     ground = planar.GROUND
-    with pytest.raises(ValueError, match="Rolling 'wheel': radius 0.3 m, but the centre stands 0.25 m.*equal"):
+    with pytest.raises(ValueError, match="Rolling 'wheel': radius 0.3 m, but the centre is 0.25 m.*equal"):
         planar.Rolling(ground, body("d", (0, 0.25), 0, com=(0, 0)), at=(1, 0), along=(1, 0), radius=0.3, name="wheel")
     rail = planar.Slider(ground, one, at=(0, 0), axis=(1, 0), name="rail")
     with pytest.raises(ValueError, match=r"Gear 'pair': 'rail' \(Slider\) is not a Revolute"):

@@ -2,18 +2,20 @@
 
 import subprocess
 import sys
+from dataclasses import asdict
+from functools import partial
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from mbsd3d import DOP853, save_figure, simulate
-from validation.benchmark import candidates, ladders, store, tables
+from mbsd3d.extend import Store
+from validation.benchmark import candidates, precision, tables
 from validation.benchmark.cli import main
-from validation.benchmark.figure import front, work_precision
-from validation.benchmark.ladders import Climb, Point, Reached
-from validation.benchmark.precision import Row, measure
+from validation.benchmark.precision import Climb, Point, Reached, Row, measure
 from validation.benchmark.problems import PROBLEMS, Poses, four_bar_poses, poses
+from validation.benchmark.tables import front, work_precision
 
 SMALL = [name for name in PROBLEMS if name.split()[-1] not in ("30", "40", "100", "150", "300", "1000")]
 
@@ -32,25 +34,25 @@ def row():
 
 def test_time_to_an_error_is_exact_on_a_power_law():
     # error t^-2 is 1e-4 at t = 100 s, between the points 64 s and 128 s
-    assert ladders.time_to(power_law(2), 1e-4) == Reached(pytest.approx(100.0, rel=1e-12), "", "law")
+    assert precision.time_to(power_law(2), 1e-4) == Reached(pytest.approx(100.0, rel=1e-12), "", "law")
 
 
 def test_bounds_are_said_and_nothing_is_extrapolated():
-    assert ladders.time_to(power_law(1), 1e-8) == Reached(2.0**13, ">", "law")
-    assert ladders.time_to(power_law(2, at=1e-3), 1e-4) == Reached(1.0, "<", "law")
+    assert precision.time_to(power_law(1), 1e-8) == Reached(2.0**13, ">", "law")
+    assert precision.time_to(power_law(2, at=1e-3), 1e-4) == Reached(1.0, "<", "law")
 
 
 def test_an_error_that_is_small_by_chance_does_not_count():
     points = [Point(k, float(k), error) for k, error in ((1, 1e-2), (2, 1e-9), (3, 1e-3), (4, 1e-5))]
-    reached = ladders.time_to(Climb("Exudyn", "lucky", tuple(points)), 1e-4)
+    reached = precision.time_to(Climb("Exudyn", "lucky", tuple(points)), 1e-4)
     assert 3.0 < reached.seconds < 4.0 and not reached.bound
 
 
 def test_the_best_candidate_depends_on_the_error():
     low, high = power_law(1, at=1e-3, label="low"), power_law(4, at=2.0, label="high")
-    assert ladders.best([low, high], 1e-1).label == "low"
-    assert ladders.best([low, high], 1e-8).label == "high"
-    assert ladders.best([], 1e-4) is None
+    assert precision.best([low, high], 1e-1).label == "low"
+    assert precision.best([low, high], 1e-8).label == "high"
+    assert precision.best([], 1e-4) is None
 
 
 def test_goals_are_decided_by_bounds_on_the_right_side_only():
@@ -138,11 +140,13 @@ def test_tables_and_figure(row, tmp_path):
 @pytest.mark.slow
 def test_rows_survive_the_disk_and_an_interrupted_run_goes_on(row, tmp_path):
     path = tmp_path / "precision.json"
-    store.save(path, [row], "here", complete=False)
-    assert store.load(path) == [row] == store.load(path, unfinished=True)
+    precision.save(path, [row], "here", complete=False)
+    assert precision.load(path) == [row]
+    store = partial(Store, tmp_path / "precision.db", precision.identity(), "benchmark")
+    store().put(row.name, asdict(row))
     done = CliRunner().invoke(main, ["--mechanism", "free body", "--out", str(tmp_path)])
     assert done.exit_code == 0 and "going on" in done.stderr and "1/1" not in done.stderr
-    assert store.load(path, unfinished=True) == []  # complete: the next run begins anew
+    assert store().all() == {} and precision.load(path) == [row]  # complete: the next run begins anew
     again = CliRunner().invoke(main, ["--stored", "--out", str(tmp_path), "--pictures", str(tmp_path / "docs")])
     assert again.exit_code == 0 and (tmp_path / "docs" / "work_precision.svg").is_file()
 
@@ -150,7 +154,7 @@ def test_rows_survive_the_disk_and_an_interrupted_run_goes_on(row, tmp_path):
 def test_what_no_engine_expresses_is_not_compared():
     rolling = PROBLEMS["bicycle M1"]()
     candidate = candidates.of_peer(rolling, "MuJoCo")[0]
-    climbed, run = ladders.climb(candidate, rolling.truth(), 1.0, 1.0)
+    climbed, run = precision.climb(candidate, rolling.truth(), 1.0, 1.0)
     assert run is None and climbed.points == () and "RollingDisc" in climbed.note
     row = Row("bicycle M1", "bicycle", 4, 21, (climbed,))
     assert row.reached("MuJoCo", 1e-6) is None and "not compared: joint" in "\n".join(tables.chosen([row]))
@@ -159,7 +163,7 @@ def test_what_no_engine_expresses_is_not_compared():
 def test_a_missing_engine_is_not_compared(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     problem = PROBLEMS["free body"]()
-    climbed, _ = ladders.climb(candidates.of_peer(problem, "MuJoCo")[0], problem.exact(), 1.0, 1.0)
+    climbed, _ = precision.climb(candidates.of_peer(problem, "MuJoCo")[0], problem.exact(), 1.0, 1.0)
     assert "not installed" in climbed.note and not climbed.points
 
 
@@ -212,7 +216,8 @@ def test_ctrl_c_keeps_what_was_measured(tmp_path):
     command = [sys.executable, "-c", code, "--mechanism", "free body", "--mechanism", "Andrews", "--out", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 130 and "interrupted; 1 problems" in done.stderr and "Traceback" not in done.stderr
-    assert [row.name for row in store.load(tmp_path / "precision.json", unfinished=True)] == ["free body"]
+    assert [row.name for row in precision.load(tmp_path / "precision.json")] == ["free body"]
+    assert list(Store(tmp_path / "precision.db", precision.identity(), "benchmark").all()) == ["free body"]
 
 
 def test_a_run_of_ours_that_takes_too_long_is_ended(monkeypatch):

@@ -7,8 +7,7 @@ import pytest
 from models import consistent_state, random_body
 
 from mbsd3d import IntegrationError, System, accelerations, simulate
-from validation.cases.examples import EXAMPLES
-from validation.cases.random_systems import mechanism, rows_of
+from validation.cases.examples import EXAMPLES, mechanism, rows_of
 from validation.twins.definitions import equations as reference_point
 from validation.twins.definitions import rows as definitions
 

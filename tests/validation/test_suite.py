@@ -9,7 +9,8 @@ import pytest
 from mbsd3d.demos.base import discover
 from validation import cases
 from validation.engine_balance.layouts import names
-from validation.suite import table
+from validation.suite import findings as words
+from validation.suite import trials as listing
 from validation.suite.findings import (
     AGREES,
     CERTIFICATE,
@@ -28,7 +29,7 @@ from validation.suite.findings import (
     not_compared,
 )
 from validation.suite.suite import examined, lost
-from validation.suite.trials import bicycles, engines, ladders, listing, plane, randoms, references
+from validation.suite.trials import bicycles, engines, families, references
 from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")
@@ -41,8 +42,8 @@ def test_the_list_holds_everything():
     assert set(cases.names()) <= set(found)
     assert {f"demo_{demo}" for demo in discover()} <= {name.removesuffix("_") for name in found}
     assert {f"engine_{name}" for name in names()} <= set(found)
-    assert sum(trial.group == "random mechanisms" for trial in everything) == randoms.MANY == 200
-    assert sum(trial.group == "random mechanisms" for trial in short) == randoms.FEW == 20
+    assert sum(trial.group == "random mechanisms" for trial in everything) == families.MANY == 200
+    assert sum(trial.group == "random mechanisms" for trial in short) == families.FEW == 20
     assert {trial.name for trial in short} <= set(found)
     assert set(references.STANDING) == set(cases.names()) - set(cases.names(timed=True))
 
@@ -77,11 +78,11 @@ def test_wrong_equations_differ_from_file_and_theory(switch):
 
 def test_a_planar_model_a_thousandth_heavier_differs():
     made = references.moving("iftomm_A03_andrews")
-    system, flat = plane.flatten(made.system)
-    (clean,) = plane.by_ladder(made, system, flat.frame)
+    system, flat = engines.flatten(made.system)
+    (clean,) = engines.by_ladder(made, system, flat.frame)
     object.__setattr__(system.bodies[0], "mass", 1.001 * system.bodies[0].mass)
     object.__setattr__(system.bodies[0], "inertia", 1.001 * system.bodies[0].inertia)
-    (heavier,) = plane.by_ladder(made, replaced(system), flat.frame)
+    (heavier,) = engines.by_ladder(made, replaced(system), flat.frame)
     assert clean.verdict == AGREES and heavier.verdict == DIFFERS and heavier.error > 100 * clean.error
 
 
@@ -99,7 +100,7 @@ def test_what_leaves_the_plane_is_named():
 def test_engines_and_planar_mechanisms_agree():
     for trial in engines.trials(quick=True):
         found = examine(trial)[0]
-        assert found.verdict == AGREES, table.differences([found])
+        assert found.verdict == AGREES, words.differences([found])
         assert found.worst(PLANE).verdict == AGREES
 
 
@@ -114,7 +115,7 @@ def test_bicycles_follow_lagrange_and_a_heavier_one_does_not():
 
 
 def test_four_bars_in_a_row_have_the_rows_that_counting_gives():
-    (trial,) = ladders.trials(quick=True)
+    (trial,) = families.ladders(quick=True)
     found = examine(trial)[0]
     assert found.verdict == AGREES
     assert {finding.verdict for finding in found.of(FREEDOMS)} == {AGREES} and len(found.of(FREEDOMS)) == 2
@@ -123,22 +124,22 @@ def test_four_bars_in_a_row_have_the_rows_that_counting_gives():
 
 @pytest.mark.slow
 def test_forty_four_bars_with_605_rows_of_rank_485():
-    found = examine(ladders.trials(quick=False)[1])[0]
+    found = examine(families.ladders(quick=False)[1])[0]
     assert found.verdict == AGREES and "rows 605, rank 485" in found.of(FREEDOMS)[0].note
 
 
 @pytest.mark.slow
 def test_random_mechanisms_move_and_keep_their_seed():
     for seed in range(4):
-        first, second = (randoms.started(seed) for _ in range(2))
-        assert np.abs(first.state.v).max() > 0.3 and first.t_end >= randoms.SHORTEST
+        first, second = (families.started(seed) for _ in range(2))
+        assert np.abs(first.state.v).max() > 0.3 and first.t_end >= families.SHORTEST
         assert np.array_equal(first.solution.arrays["q"], second.solution.arrays["q"])
 
 
 @pytest.mark.slow
 def test_reactions_of_a_gear_whose_hinges_stand_on_one_body():
     """Its body b bears the torques of both hinges; seed 10 has such a gear, and MuJoCo can express it."""
-    found = examined(randoms.trial_of(10), 2.0)  # s: three halvings of the step take a fraction of it
+    found = examined(families.random(10), 2.0)  # s: three halvings of the step take a fraction of it
     moments = [finding for finding in found.of(MUJOCO) if finding.quantity == "reaction moment"]
     # how many runs fit into the time decides whether the error of the peer's step is seen
     assert len(moments) == 1 and moments[0].verdict in (AGREES, EXPLAINED)
@@ -180,4 +181,4 @@ def test_an_engine_that_is_missing_is_not_compared(monkeypatch):
     found = examined(references.trial_of("coriolis_slider"), 0.05)
     assert found.verdict != DIFFERS and found.worst(MUJOCO).verdict == NOT_COMPARED
     assert "install" in found.worst(MUJOCO).note
-    assert "MuJoCo, not compared" in table.text([found])
+    assert "MuJoCo, not compared" in words.table([found])

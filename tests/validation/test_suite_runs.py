@@ -5,9 +5,11 @@ import os
 import re
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing, suppress
 from dataclasses import replace
 
 import pytest
@@ -17,8 +19,7 @@ from click.testing import CliRunner
 from mbsd3d.cli import main
 from validation.cases import comparison
 from validation.cases import reference as cases
-from validation.suite import table
-from validation.suite.document import content_of, encoded
+from validation.suite import findings
 from validation.suite.findings import (
     AGREES,
     DIFFERS,
@@ -30,9 +31,8 @@ from validation.suite.findings import (
     Record,
     not_compared,
 )
-from validation.suite.ledger import Ledger, identity
-from validation.suite.page import page_of
-from validation.suite.suite import Suite, examined
+from validation.suite.page import content_of, encoded, page_of
+from validation.suite.suite import Suite, examined, store
 from validation.suite.trials import references
 from validation.suite.trials.trial import Trial
 
@@ -59,32 +59,33 @@ def record(verdict=AGREES, judge=THEORY, name="case", **numbers):
     return Record(name, "group", "title", (Finding(judge, verdict, "quantity", **numbers),))
 
 
-def test_ledger_keeps_records_and_leaves_out_a_line_cut_off(tmp_path):
-    own = identity(budget=1.0)
-    ledger = Ledger(tmp_path, own)
+def test_finished_records_are_kept_bit_for_bit(tmp_path):
     full = examined(references.trial_of("coriolis_slider"), 0.05)
-    ledger.put(full)
-    ledger.put(record(error=1e-9, limit=1e-8))
-    assert Ledger(tmp_path, own).records == {"coriolis_slider": full, "case": record(error=1e-9, limit=1e-8)}
-    text = ledger.path.read_text()
-    ledger.path.write_text(text[:-30])
-    assert list(Ledger(tmp_path, own).records) == ["coriolis_slider"]
-    assert Ledger(tmp_path, {**own, "sources": "others"}).records == {}
+    other = record(error=1e-9, limit=1e-8)
+    kept = store(tmp_path, budget=1.0)
+    for found in (full, other):
+        kept.put(found.name, found.to_dict())
+    assert Suite([], store(tmp_path, budget=1.0)).found == {"coriolis_slider": full, "case": other}
+    assert store(tmp_path, fresh=True, budget=1.0).all() == {}
 
 
-def test_identity_follows_sources_and_settings(monkeypatch, tmp_path):
-    assert identity(budget=1.0) == identity(budget=1.0) != identity(budget=2.0)
-    assert re.fullmatch("[0-9a-f]{64}", identity()["sources"])
+def test_records_of_other_sources_or_settings_are_forgotten(monkeypatch, tmp_path):
+    store(tmp_path, budget=1.0).put("case", 1)
+    assert store(tmp_path, budget=1.0).all() == {"case": 1}
+    assert store(tmp_path, budget=2.0).all() == {}
+    store(tmp_path, budget=2.0).put("case", 1)
+    monkeypatch.setattr("validation.suite.suite.SOURCES", ("*.py",))  # as if the references were others
+    assert store(tmp_path, budget=2.0).all() == {}
 
 
 def test_table_and_page_of_every_verdict():
-    many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(table.MANY)]
+    many = [record(name=f"many {k}", error=1e-9, limit=1e-8) for k in range(findings.MANY)]
     many.append(record(DIFFERS, name="wrong <b>", error=0.3, limit=1e-8, note="<script>alert(1)</script>"))
     other = Record("other", "few", "title", (not_compared(MUJOCO, "no element for Screw"),))
     explained = record(EXPLAINED, MUJOCO, "soft", error=0.1, limit=1e-6)
     explained = replace(explained, group="few", attributions=({"engine": MUJOCO, "before": 0.1, "after": 0.025},))
     shown = [*many, other, explained]
-    text = table.text(shown)
+    text = findings.table(shown)
     assert "group: 31 cases" in text and "30 agrees, 1 differs" in text and "0.1*" not in text and "1e-01*" in text
     assert "wrong <b>: theory: quantity 3.00e-01 (limit 1e-08): <script>" in text
     assert "MuJoCo, not compared 1 times: no element for Screw (1)" in text
@@ -137,7 +138,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path):
         raise KeyboardInterrupt
 
     first = references.trial_of("eig_hanging_pendulum")
-    suite = Suite([first, Trial("second", "g", "t", interrupted)], Ledger(tmp_path, {}), True, 0.05, show=False)
+    suite = Suite([first, Trial("second", "g", "t", interrupted)], store(tmp_path), True, 0.05, show=False)
     with pytest.raises(KeyboardInterrupt):
         suite.run()
     assert [found.name for found in suite.records] == [first.name] and [left.name for left in suite.left] == ["second"]
@@ -161,8 +162,9 @@ def test_bad_input_ends_in_one_line_before_any_work(tmp_path):
 
 def in_ledger(folder):
     """Number of finished cases in a ledger that is being written."""
-    path = folder / "validation.jsonl"
-    return max(path.read_text().count("\n") - 1, 0) if path.is_file() else 0
+    with suppress(sqlite3.OperationalError), closing(sqlite3.connect(folder / "validation.db")) as file:
+        return file.execute("SELECT COUNT(*) FROM cells").fetchone()[0]
+    return 0  # it is being made
 
 
 @pytest.mark.slow

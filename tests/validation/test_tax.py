@@ -11,9 +11,8 @@ from click.testing import CliRunner
 
 from mbsd3d import Kinematic, simulate
 from validation.tax import cost as tax
-from validation.tax import noise
-from validation.tax.noise import Floor
-from validation.tax.pairs import mechanisms
+from validation.tax import pairs as noise
+from validation.tax.pairs import Floor, mechanisms
 from validation.twins import planar
 
 MECHANISMS = {m.name: m for m in mechanisms()}

@@ -6,6 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_forms import cardan as shafts
+from closed_forms import rotations
+from closed_forms import slider_crank as crank_theory
 
 from validation import theory
 
@@ -24,7 +27,7 @@ def columns(name, *labels):
 
 def same_rotation(rotation, quaternions):
     """Greatest difference between rotations and reference quaternions up to sign."""
-    mine = theory.quaternion(rotation).astype(float)
+    mine = rotations.quaternion(rotation).astype(float)
     signs = np.sign(np.sum(mine * quaternions, axis=1))[:, None]
     return np.abs(signs * mine - quaternions).max()
 
@@ -47,7 +50,7 @@ def test_taylor_series_do_not_depend_on_body_axes():
     turn = theory.rotation_matrix((0.3, -0.5, 0.2, 0.9)).astype(float)
     plain = theory.spinning_body([0.7, 1.9], inertia, omega, weight_moment=moment)
     turned = theory.spinning_body(
-        [0.7, 1.9], turn.T @ inertia @ turn, turn.T @ omega, theory.quaternion(turn), weight_moment=turn.T @ moment
+        [0.7, 1.9], turn.T @ inertia @ turn, turn.T @ omega, rotations.quaternion(turn), weight_moment=turn.T @ moment
     )
     # body axes turned by R_0 from the same start: R = R_plain R_0; double-precision inputs
     assert np.abs(turned.rotation - plain.rotation @ turn).max() < 1e-13
@@ -56,7 +59,7 @@ def test_taylor_series_do_not_depend_on_body_axes():
 def test_nutation_of_the_fast_top():
     t, z = columns("heavy_top_fast", "com_z")
     closed = read("heavy_top_fast")["reference"]["closed_form"]
-    motion = theory.nutation(15.234375, 0.46875, 150.0, 15 * 9.81, np.pi / 2, 0.0, -4.61538)
+    motion = rotations.nutation(15.234375, 0.46875, 150.0, 15 * 9.81, np.pi / 2, 0.0, -4.61538)
     assert np.abs(motion.height(t) - z[:, 0]).max() < 1e-14
     assert [motion.lowest, motion.highest, motion.third] == pytest.approx(
         [closed["u1"], closed["u2"], closed["u3"]], abs=1e-14
@@ -72,7 +75,7 @@ def test_nutation_starting_anywhere_equals_the_taylor_series():
     half = (np.cos(tilt / 2), np.sin(tilt / 2), 0.0, 0.0)
     t = np.array([0.11, 0.57, 1.9])
     series = theory.spinning_body(t, (A, A, C), omega, half, weight_moment=(0, 0, moment))
-    height = theory.nutation(A, C, spin, moment, tilt, tilt_rate, precession).height(t)
+    height = rotations.nutation(A, C, spin, moment, tilt, tilt_rate, precession).height(t)
     # roots of a cubic in double precision
     assert np.abs(height - series.rotation[:, 2, 2]).max() < 1e-13
 
@@ -102,13 +105,13 @@ def test_gimbal_wheel_precesses_at_the_slow_root_of_a_horizontal_axis():
 
 def test_sleeping_top_threshold_is_where_small_tilts_start_to_grow():
     A, C, moment = 0.31, 0.12, 2.7
-    critical = theory.sleeping_spin(A, C, moment)
+    critical = rotations.sleeping_spin(A, C, moment)
     assert theory.steady_precession(A, C, critical * (1 + 1e-12), moment, 0.0) == pytest.approx(
         [C * critical / (2 * A)] * 2, rel=1e-5
     )
     for factor, lowest in ((1.05, np.cos(1e-3) - 1e-4), (0.95, 0.97)):
         # tilted by 1e-4 and upright in momentum: a stable top stays near that, an unstable one falls
-        top = theory.nutation(A, C, factor * critical, moment, 1e-4, 0.0, C * factor * critical / (2 * A))
+        top = rotations.nutation(A, C, factor * critical, moment, 1e-4, 0.0, C * factor * critical / (2 * A))
         assert (top.lowest > lowest) == (factor > 1)
 
 
@@ -116,7 +119,7 @@ def test_top_errors_name_value_and_remedy():
     with pytest.raises(ValueError, match="steady precession needs at least"):
         theory.steady_precession(1.0, 0.1, 1.0, 5.0, 0.2)
     with pytest.raises(ValueError, match="weight_moment"):
-        theory.nutation(1.0, 0.5, 10.0, -1.0, 0.3, 0.0, 0.0)
+        rotations.nutation(1.0, 0.5, 10.0, -1.0, 0.3, 0.0, 0.0)
     with pytest.raises(ValueError, match="sort them"):
         theory.spinning_body([1.0, 0.5], (1, 2, 3), (0, 0, 1))
 
@@ -130,7 +133,7 @@ def test_flips_equal_the_reference():
     assert same_rotation(motion.rotation, q) < 1.8e-10
     reference = read("free_dzhanibekov")["reference"]
     # the file takes 1 - m from a rounded m = 1 - 8e-8, which costs 1e-9 of the quarter period
-    assert theory.flip_interval((1, 2, 3), (1e-3, 5, 1e-3)) == pytest.approx(reference["flip_interval"], abs=2e-9)
+    assert rotations.flip_interval((1, 2, 3), (1e-3, 5, 1e-3)) == pytest.approx(reference["flip_interval"], abs=2e-9)
 
 
 def decimal_motion(t_end, steps, inertia, omega, order=30):
@@ -162,7 +165,7 @@ def decimal_cross(axes, rates, i, n):
 def test_twenty_flips_equal_integration_with_34_digits():
     inertia, omega = (1, 2, 3), (-1e-2, 5.0, 1e-2)
     t_end = 101.0
-    assert 20 <= t_end / theory.flip_interval(inertia, omega) < 21
+    assert 20 <= t_end / rotations.flip_interval(inertia, omega) < 21
     # step 0.134 s: the series of order 30 end at 1e-16 of the smallest digit that matters (order 36: same digits)
     w, rotation = decimal_motion(t_end, 750, inertia, omega)
     motion = theory.free_body([t_end], inertia, omega)
@@ -197,7 +200,7 @@ def test_free_body_on_the_separatrix():
     # I_p (I_m - I_p) w_p^2 = I_q (I_q - I_m) w_q^2, exactly in binary: 1 * 3 * 4^2 = 6 * 2 * 2^2
     inertia, omega = (1.0, 4.0, 6.0), (4.0, 0.5, -2.0)
     assert theory.polhode(inertia, omega).m1 == 0.0
-    assert theory.flip_interval(inertia, omega) == np.inf
+    assert rotations.flip_interval(inertia, omega) == np.inf
     t = np.array([0.0, 0.4, 1.1, 2.3])
     closed, series = theory.free_body(t, inertia, omega), theory.spinning_body(t, inertia, omega)
     # the series leave the separatrix by exp(lam t) times 1e-19
@@ -213,13 +216,13 @@ def test_steady_rotations():
         motion = theory.free_body(t, inertia, omega, (0.2, 0.4, -0.1, 0.7))
         series = theory.spinning_body(t, inertia, omega, (0.2, 0.4, -0.1, 0.7))
         assert np.abs(motion.rotation - series.rotation).max() < 1e-15
-        assert theory.flip_interval(inertia, omega) == np.inf
+        assert rotations.flip_interval(inertia, omega) == np.inf
     assert np.abs(theory.free_body(t, (1, 2, 3), (0, 0, 0)).rotation - np.eye(3)).max() == 0.0
 
 
 def test_middle_axis_changes_sides_at_the_flip_interval():
     inertia, omega = (1.3, 2.2, 3.0), (0.02, 1.9, -0.05)
-    interval = theory.flip_interval(inertia, omega)
+    interval = rotations.flip_interval(inertia, omega)
     t = np.linspace(0.0, 2.0, 7)
     first, second, third = (theory.free_body(t + k * interval, inertia, omega).omega_body for k in range(3))
     assert np.abs(second[:, 1] + first[:, 1]).max() < 1e-14
@@ -228,7 +231,7 @@ def test_middle_axis_changes_sides_at_the_flip_interval():
 
 def test_symmetric_free_body_equals_the_general_one():
     t, omega, start = np.linspace(0, 9, 7), (0.3, -1.2, 2.6), (0.1, 0.8, -0.5, 0.4)
-    simple = theory.free_symmetric_body(t, 1.7, 2.3, omega, start)
+    simple = rotations.free_symmetric_body(t, 1.7, 2.3, omega, start)
     general = theory.free_body(t, (1.7, 1.7, 2.3), omega, start)
     assert np.abs(simple.rotation - general.rotation).max() < 1e-14
     assert np.abs(simple.omega_body - general.omega_body).max() < 1e-14
@@ -238,8 +241,8 @@ def test_free_rod_point_follows_the_rod():
     t = np.linspace(0, 3, 5)
     centre, velocity, omega = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.7]), np.array([0.9, -1.4, 0.0])
     arm = np.array([0.0, 0.0, 0.8])
-    position, speed = theory.free_rod_point(t, centre, velocity, arm, omega)
-    body = theory.free_symmetric_body(t, 0.6, 0.0, omega)
+    position, speed = rotations.free_rod_point(t, centre, velocity, arm, omega)
+    body = rotations.free_symmetric_body(t, 0.6, 0.0, omega)
     path = centre + velocity * t[:, None] + 0.8 * body.rotation[:, :, 2]
     spin = np.einsum("nij,nj->ni", body.rotation, body.omega_body)
     assert np.abs(position - path).max() < 1e-14
@@ -250,9 +253,9 @@ def test_free_body_errors_name_value_and_remedy():
     with pytest.raises(ValueError, match="three positive principal moments"):
         theory.free_body([0.0], (1, -2, 3), (1, 1, 1))
     with pytest.raises(ValueError, match="along the rod"):
-        theory.free_rod_point([0.0], (0, 0, 0), (0, 0, 0), (0, 0, 1), (0, 0.1, 1))
+        rotations.free_rod_point([0.0], (0, 0, 0), (0, 0, 0), (0, 0, 1), (0, 0.1, 1))
     with pytest.raises(ValueError, match="transverse must be positive"):
-        theory.free_symmetric_body([0.0], 0.0, 1.0, (1, 1, 1))
+        rotations.free_symmetric_body([0.0], 0.0, 1.0, (1, 1, 1))
     with pytest.raises(ValueError, match="m1"):
         theory.quarter_period(1.5)
     with pytest.raises(ValueError, match="reflect the motion"):
@@ -280,7 +283,7 @@ def test_cardan_joint_equals_the_reference():
     angle = 10.0 * t
     mine = [
         angle,
-        theory.cardan_angle(angle, bend),
+        shafts.cardan_angle(angle, bend),
         theory.cardan_rate(angle, bend, 10.0),
         theory.cardan_motor_torque(angle, bend, 10.0, 0.08),
     ]
@@ -292,7 +295,7 @@ def test_cardan_joint_equals_the_reference():
     assert peak == pytest.approx(case["reference"]["max_motor_torque"], rel=5e-5)
     rates = theory.cardan_rate(np.array([0.0, np.pi / 2]), bend, 10.0)
     assert rates == pytest.approx([case["reference"]["w_out_min"], case["reference"]["w_out_max"]], rel=1e-14)
-    assert rates[1] / rates[0] == pytest.approx(theory.cardan_ratio(bend), rel=1e-14)
+    assert rates[1] / rates[0] == pytest.approx(shafts.cardan_ratio(bend), rel=1e-14)
 
 
 def test_cardan_rates_are_derivatives_of_the_angle():
@@ -302,7 +305,7 @@ def test_cardan_rates_are_derivatives_of_the_angle():
     def angle(t):
         return rate * t + acceleration * t**2 / 2
 
-    out = [theory.cardan_angle(angle(t + k * h), bend) for k in (-1, 0, 1)]
+    out = [shafts.cardan_angle(angle(t + k * h), bend) for k in (-1, 0, 1)]
     speed = rate + acceleration * t
     # central differences: h^2 of the third derivative, and rounding over h^2
     assert np.abs((out[2] - out[0]) / (2 * h) - theory.cardan_rate(angle(t), bend, speed)).max() < 2e-6
@@ -311,25 +314,25 @@ def test_cardan_rates_are_derivatives_of_the_angle():
 
 
 def test_cardan_harmonics():
-    amplitudes = theory.harmonic_amplitudes(lambda angle: theory.cardan_rate(angle, np.pi / 6), 8)
+    amplitudes = crank_theory.harmonic_amplitudes(lambda angle: theory.cardan_rate(angle, np.pi / 6), 8)
     assert amplitudes[0] == pytest.approx(1.0, rel=1e-14)
-    assert amplitudes[2::2] == pytest.approx(theory.cardan_harmonics(np.pi / 6, 4), abs=1e-15)
+    assert amplitudes[2::2] == pytest.approx(shafts.cardan_harmonics(np.pi / 6, 4), abs=1e-15)
     assert np.abs(amplitudes[1::2]).max() < 1e-15
-    assert theory.cardan_harmonics(np.pi / 6, 2) == pytest.approx([0.14359, 0.01031], abs=5e-6)
+    assert shafts.cardan_harmonics(np.pi / 6, 2) == pytest.approx([0.14359, 0.01031], abs=5e-6)
 
 
 def test_double_cardan_shaft():
     angle = np.linspace(-4.0, 9.0, 41)
-    assert np.abs(theory.double_cardan_angle(angle, 0.5, 0.5) - angle).max() < 1e-14
-    assert np.abs(theory.double_cardan_ratio(angle, 0.5, 0.5) - 1).max() < 1e-14
+    assert np.abs(shafts.double_cardan_angle(angle, 0.5, 0.5) - angle).max() < 1e-14
+    assert np.abs(shafts.double_cardan_ratio(angle, 0.5, 0.5) - 1).max() < 1e-14
     # yokes crossed: the two errors add up instead
-    ratio = theory.double_cardan_ratio(np.linspace(0, np.pi, 1801), 0.5, 0.5, np.pi / 2)
-    assert ratio.max() / ratio.min() == pytest.approx(theory.cardan_ratio(0.5) ** 2, rel=1e-12)
+    ratio = shafts.double_cardan_ratio(np.linspace(0, np.pi, 1801), 0.5, 0.5, np.pi / 2)
+    assert ratio.max() / ratio.min() == pytest.approx(shafts.cardan_ratio(0.5) ** 2, rel=1e-12)
     h = 1e-5
-    slope = [theory.double_cardan_angle(angle + k * h, 0.5, 0.3, 0.4) for k in (-1, 1)]
-    assert np.abs((slope[1] - slope[0]) / (2 * h) - theory.double_cardan_ratio(angle, 0.5, 0.3, 0.4)).max() < 1e-9
+    slope = [shafts.double_cardan_angle(angle + k * h, 0.5, 0.3, 0.4) for k in (-1, 1)]
+    assert np.abs((slope[1] - slope[0]) / (2 * h) - shafts.double_cardan_ratio(angle, 0.5, 0.3, 0.4)).max() < 1e-9
     with pytest.raises(ValueError, match="right angle"):
-        theory.cardan_angle(0.1, 1.6)
+        shafts.cardan_angle(0.1, 1.6)
 
 
 def test_pendulum_released_horizontally():
@@ -339,7 +342,7 @@ def test_pendulum_released_horizontally():
     # the reference claims 1e-13
     assert np.abs(np.transpose([s, -c, rate * c, rate * s]) - values).max() < 5e-13
     period = read("iftomm_A01_pendulum")["reference"]["period"]
-    assert theory.pendulum_period(np.sqrt(9.81), np.pi / 2) == pytest.approx(period, rel=1e-15)
+    assert rotations.pendulum_period(np.sqrt(9.81), np.pi / 2) == pytest.approx(period, rel=1e-15)
 
 
 def test_parallel_fourbars_turn_like_one_pendulum():
@@ -350,7 +353,7 @@ def test_parallel_fourbars_turn_like_one_pendulum():
     # 3e-15 against 40-digit arithmetic; the angles in the file are 9e-12 off, not 1e-12 as it says
     assert np.abs(angle - np.pi - values[:, 0]).max() < 1e-11
     assert np.abs(np.transpose([rate * np.cos(angle), rate * np.sin(angle)]) - values[:, 1:]).max() < 1e-10
-    assert theory.pendulum_period(frequency, np.pi, -1.0) == pytest.approx(reference["period_full_turn"], rel=1e-14)
+    assert rotations.pendulum_period(frequency, np.pi, -1.0) == pytest.approx(reference["period_full_turn"], rel=1e-14)
     hanging = read("eig_fourbar2_hanging")["reference"]["omega"][0]
     assert frequency == pytest.approx(hanging, rel=1e-15)
 
@@ -368,7 +371,7 @@ def test_door_with_tilted_hinges():
     centre = np.array(case["bodies"][0]["r0"])
     inertia, mass, arm = 20 * (0.9**2 + 0.04**2) / 12 + 20 * 0.45**2, 20.0, 0.45
     frequency = theory.pendulum_frequency(inertia, mass, arm, 9.81 * np.sin(tilt))
-    assert theory.pendulum_period(frequency, np.pi / 3) == pytest.approx(case["reference"]["period"], rel=1e-13)
+    assert rotations.pendulum_period(frequency, np.pi / 3) == pytest.approx(case["reference"]["period"], rel=1e-13)
     angle, rate = theory.pendulum_motion(t, frequency, np.pi / 3)
     assert np.abs(np.transpose([angle - np.pi / 3, rate]) - values[:, :2]).max() < 1e-12
     for key, when, place in (
@@ -377,7 +380,7 @@ def test_door_with_tilted_hinges():
     ):
         phi, phi_dot = theory.pendulum_motion(when, frequency, np.pi / 3)
         phi_ddot = -(frequency**2) * np.sin(phi)
-        force = theory.hinge_force(mass, place, axis, phi_dot, phi_ddot, (0, 0, -9.81))
+        force = rotations.hinge_force(mass, place, axis, phi_dot, phi_ddot, (0, 0, -9.81))
         assert force == pytest.approx(case["reference"][key], abs=1e-11)
 
 
@@ -397,7 +400,7 @@ def test_pendulum_obeys_its_equation(angle, rate):
 
 
 def test_pendulum_limits():
-    assert theory.pendulum_period(2.0, 1e-6) == pytest.approx(np.pi, rel=1e-12)
+    assert rotations.pendulum_period(2.0, 1e-6) == pytest.approx(np.pi, rel=1e-12)
     angle, rate = theory.pendulum_motion([0.0, 1.0], 2.0, 0.0, 0.0)
     assert np.all(angle == 0) and np.all(rate == 0)
     # rate 2 w0 at the bottom just reaches the top: sin(phi / 2) = tanh(w0 t)
@@ -445,7 +448,7 @@ RATE = TOY["omega"]
 
 def toy(length=None, crank_centre=None):
     crank, rod = TOY["crank"], TOY["rod"]
-    return theory.SliderCrank(
+    return crank_theory.SliderCrank(
         radius=TOY["R"],
         rod_length=length or TOY["L"],
         crank_mass=crank["mass"],
@@ -465,31 +468,31 @@ DOWN = (0.0, -9.81)
 @pytest.mark.parametrize("lam", [1 / 4, 0.3, 1 / 3, 0.5, 2 / 3])
 def test_rod_coefficients(lam):
     reference = ENGINE["coefficients"][f"lam={lam:.6f}"]
-    mine = theory.slider_crank_coefficients(lam, 4)
+    mine = crank_theory.slider_crank_coefficients(lam, 4)
     # the file's a8 comes from a transform with an absolute error of 1e-16, the elliptic a2 of 1e-15
     assert mine[1:] == pytest.approx([reference[f"a{k}"] for k in (2, 4, 6, 8)], rel=1e-9, abs=1e-17)
     assert mine[1] == pytest.approx(reference["a2_elliptic"], abs=1e-14)
     assert 4 * mine[1] / lam**2 == pytest.approx(reference["F2_over_leading_order"], rel=1e-12)
-    samples = theory.harmonic_amplitudes(lambda q: np.sqrt(1 - (lam * np.sin(q)) ** 2), 8)
+    samples = crank_theory.harmonic_amplitudes(lambda q: np.sqrt(1 - (lam * np.sin(q)) ** 2), 8)
     assert samples[::2] == pytest.approx(np.abs(mine), abs=1e-15)
 
 
 def test_block_force_harmonics():
     published = ENGINE["single_cylinder_closed_form_N"]
-    true, without = (theory.slider_crank_harmonics(toy(), RATE, 3, flag) for flag in (True, False))
+    true, without = (crank_theory.slider_crank_harmonics(toy(), RATE, 3, flag) for flag in (True, False))
     assert true.bore == pytest.approx([published[k] for k in ("1x_true", "2x", "4x", "6x")], rel=1e-12)
     assert without.bore[0] == pytest.approx(published["1x_article"], rel=1e-14)
     assert without.bore[1:] == pytest.approx(true.bore[1:], rel=1e-15)
     assert true.across == pytest.approx(published["perp_1x"], rel=1e-14)
     assert (toy().reciprocating, toy().rotating_moment) == (TOY["m_recip"], TOY["U_rot_full"])
-    assert theory.slider_crank_harmonics(toy(crank_centre=0.0), RATE, 1).bore[0] == pytest.approx(without.bore[0])
+    assert crank_theory.slider_crank_harmonics(toy(crank_centre=0.0), RATE, 1).bore[0] == pytest.approx(without.bore[0])
 
 
 @pytest.mark.parametrize("centripetal", [True, False])
 def test_block_force_has_these_harmonics_and_no_others(centripetal):
-    expected = theory.slider_crank_harmonics(toy(), RATE, 4, centripetal)
+    expected = crank_theory.slider_crank_harmonics(toy(), RATE, 4, centripetal)
     bore, across = (
-        theory.harmonic_amplitudes(lambda q, i=i: theory.block_force(toy(), q, RATE, centripetal)[:, i], 8)
+        crank_theory.harmonic_amplitudes(lambda q, i=i: crank_theory.block_force(toy(), q, RATE, centripetal)[:, i], 8)
         for i in (0, 1)
     )
     found = np.zeros(9)
@@ -502,17 +505,17 @@ def test_block_force_has_these_harmonics_and_no_others(centripetal):
 
 def test_rod_ratio_sweep_of_the_inline_four():
     for key, force in ENGINE["sweep_RL_I4_2x"].items():
-        second = theory.slider_crank_harmonics(toy(length=float(key[2:])), RATE, 1).bore[1]
+        second = crank_theory.slider_crank_harmonics(toy(length=float(key[2:])), RATE, 1).bore[1]
         assert 4 * second == pytest.approx(force, rel=1e-12)
 
 
 def test_driving_torque_peaks():
-    with_gravity = theory.slider_crank_torque(toy(), ANGLES, RATE, gravity=DOWN)
-    without = theory.slider_crank_torque(toy(), ANGLES, RATE)
+    with_gravity = crank_theory.slider_crank_torque(toy(), ANGLES, RATE, gravity=DOWN)
+    without = crank_theory.slider_crank_torque(toy(), ANGLES, RATE)
     # published with 6 digits; 0.1 deg sampling is 3e-7 off the peak
     assert np.abs(with_gravity).max() == pytest.approx(33.1231, abs=1e-4)
     assert np.abs(without).max() == pytest.approx(6.8925, abs=1e-4)
-    amplitudes = theory.harmonic_amplitudes(lambda q: theory.slider_crank_torque(toy(), q, RATE), 6)
+    amplitudes = crank_theory.harmonic_amplitudes(lambda q: crank_theory.slider_crank_torque(toy(), q, RATE), 6)
     # inertia torque of the inline four, 17.43 N m at twice shaft speed, and 3.19 N m per cylinder at three times
     assert [4 * amplitudes[2], amplitudes[3]] == pytest.approx([17.43, 3.19], abs=0.005)
     assert amplitudes[0] < 1e-14
@@ -521,7 +524,7 @@ def test_driving_torque_peaks():
 def test_pin_forces_of_the_toy_engine():
     published = ENGINE["single_cylinder_inverse_dynamics_g_9.81"]["theta0"]
     true, without = (
-        theory.slider_crank_loads(toy(), ANGLES, RATE, gravity=DOWN, centripetal=flag) for flag in (True, False)
+        crank_theory.slider_crank_loads(toy(), ANGLES, RATE, gravity=DOWN, centripetal=flag) for flag in (True, False)
     )
     mine = {
         "bearing_full": true.bearing,
@@ -539,13 +542,13 @@ def test_pin_forces_of_the_toy_engine():
 
 
 def test_torque_by_energy_equals_torque_by_forces():
-    mechanism = theory.SliderCrank(0.31, 0.83, 1.7, 0.12, 0.9, 0.37, 0.041, 1.3, crank_inertia=0.07)
+    mechanism = crank_theory.SliderCrank(0.31, 0.83, 1.7, 0.12, 0.9, 0.37, 0.041, 1.3, crank_inertia=0.07)
     arguments = dict(gravity=(2.1, -7.3), acceleration=-4.4)
-    torque = theory.slider_crank_torque(mechanism, ANGLES, 5.2, **arguments)
-    loads = theory.slider_crank_loads(mechanism, ANGLES, 5.2, **arguments)
+    torque = crank_theory.slider_crank_torque(mechanism, ANGLES, 5.2, **arguments)
+    loads = crank_theory.slider_crank_loads(mechanism, ANGLES, 5.2, **arguments)
     assert torque == pytest.approx(loads.torque, abs=1e-12)
     # work of the driving torque over a turn at constant speed is zero, with gravity too
-    steady = theory.slider_crank_torque(mechanism, ANGLES, 5.2, gravity=(2.1, -7.3))
+    steady = crank_theory.slider_crank_torque(mechanism, ANGLES, 5.2, gravity=(2.1, -7.3))
     assert abs(steady.mean()) < 1e-13
 
 
@@ -553,17 +556,17 @@ def test_slider_crank_errors_name_value_and_remedy():
     with pytest.raises(ValueError, match="must exceed the crank radius"):
         toy(length=0.9)
     with pytest.raises(ValueError, match="lam"):
-        theory.slider_crank_coefficients(1.0, 2)
+        crank_theory.slider_crank_coefficients(1.0, 2)
 
 
 def test_ghost_quaternion_after_one_turn():
     omega = np.array([1.2, -0.4, 2.0])
-    e = theory.ghost_quaternion([2 * np.pi / np.linalg.norm(omega)], omega)[0]
+    e = rotations.ghost_quaternion([2 * np.pi / np.linalg.norm(omega)], omega)[0]
     assert np.linalg.norm(e) == pytest.approx(np.sqrt(1 + np.pi**2), rel=1e-15)
-    assert theory.ghost_norm(1.0) == pytest.approx(np.sqrt(1 + np.pi**2), rel=1e-15)
+    assert rotations.ghost_norm(1.0) == pytest.approx(np.sqrt(1 + np.pi**2), rel=1e-15)
     turned = np.trace(theory.rotation_matrix(e).astype(float))
-    assert np.arccos((turned - 1) / 2) == pytest.approx(theory.ghost_angle(1.0), rel=1e-12)
-    assert theory.ghost_angle(1.0) == pytest.approx(2 * np.arctan(np.pi), rel=1e-15)
+    assert np.arccos((turned - 1) / 2) == pytest.approx(rotations.ghost_angle(1.0), rel=1e-12)
+    assert rotations.ghost_angle(1.0) == pytest.approx(2 * np.arctan(np.pi), rel=1e-15)
 
 
 def test_quaternion_inverts_rotation_matrix():

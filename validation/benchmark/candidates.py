@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import DOP853
+from mbsd3d import DOP853, System
 from mbsd3d.extend import matrix
 from validation.benchmark.problems import PLANAR_CUTS, Poses, Problem, poses, whole
 from validation.twins import exudyn, mujoco
@@ -23,6 +23,7 @@ from validation.twins.base import NotComparable
 TOLERANCES = tuple(10.0 ** -np.arange(1.5, 12.1, 0.5))
 STEPS = tuple(2 ** np.arange(4, 23))
 PEERS = ("MuJoCo", "Exudyn")
+ENGINES = ("mbsd3d", *PEERS)
 CONSTRAINTS = "constraints"  # in the label of what has joints as we have them
 SOFTNESS = ((2.0, 1.0), (1.0, 1.0), (16.0, 0.5))  # solref of MuJoCo's loops: (softness h, dampratio)
 TREES = ("rk44", "dopri5", "rk67")
@@ -129,7 +130,11 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
         yield adaptive(problem, problem.system, {})
         return
     if problem.tree is not None and len(problem.tree.bodies) > LARGEST_TREE:
-        yield untried("Exudyn", "kinematic tree", f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+
+        def refuse() -> Callable[[float], Run]:
+            raise NotComparable(f"a tree of more than {LARGEST_TREE} links; a step takes too long")
+
+        yield Candidate("Exudyn", "kinematic tree", (), refuse)
         return
     if problem.tree is not None:
         tree = {"formulation": "kinematic tree"}
@@ -155,21 +160,12 @@ def of_exudyn(problem: Problem) -> Iterator[Candidate]:
         )
 
 
-def untried(engine: str, label: str, why: str) -> Candidate:
-    """A candidate that is not run, and says why."""
-
-    def start() -> Callable[[float], Run]:
-        raise NotComparable(why)
-
-    return Candidate(engine, label, (), start)
-
-
-def twin(engine: str, system: Any, settings: dict[str, Any]) -> Any:
+def twin(engine: str, system: System, settings: dict[str, Any]) -> Any:
     """The twin of a system in a peer."""
     return (mujoco if engine == "MuJoCo" else exudyn).twin(system, **settings)
 
 
-def stepped(engine: str, label: str, problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+def stepped(engine: str, label: str, problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
     """Equal steps."""
 
     def start() -> Callable[[float], Run]:
@@ -179,7 +175,7 @@ def stepped(engine: str, label: str, problem: Problem, system: Any, settings: di
     return Candidate(engine, label, STEPS, start)
 
 
-def adaptive(problem: Problem, system: Any, settings: dict[str, Any]) -> Candidate:
+def adaptive(problem: Problem, system: System, settings: dict[str, Any]) -> Candidate:
     """Exudyn's DOPRI5 with its own steps."""
 
     def start() -> Callable[[float], Run]:
@@ -193,7 +189,7 @@ def adaptive(problem: Problem, system: Any, settings: dict[str, Any]) -> Candida
     return Candidate("Exudyn", label, TOLERANCES, start)
 
 
-def read(problem: Problem, system: Any, motion: Any) -> Run:
+def read(problem: Problem, system: System, motion: Any) -> Run:
     """End of a motion, for the bodies of the problem: a form may have massless bodies before them."""
     extra = len(system.bodies) - len(problem.system.bodies)
     return Run(motion.seconds, Poses(motion.position[-1, extra:], matrix(motion.orientation[-1, extra:])))

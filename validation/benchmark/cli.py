@@ -1,19 +1,16 @@
 """``python -m validation.benchmark``: work against precision, redundancy against peers, and our own speed."""
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import click
 
+from mbsd3d.extend import INTERRUPTED, Failure, ready_folder
+
 PARTS = ("precision", "redundancy", "speed")
-STORE, TEXT, FIGURE = "precision.json", "precision.txt", "work_precision"
-
-
-class Failure(click.ClickException):
-    """Bad input: one line, exit code 2."""
-
-    exit_code = 2
+LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -56,7 +53,10 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
         click.echo("\n".join(PROBLEMS))
         return
     if stored:
-        show_stored(out, pictures)
+        from validation.benchmark.precision import load
+
+        ready(out, pictures)
+        show(load(out / DATA), out, pictures)
         return
     sys.exudynFast = True  # its build without range checks, which is what one measures; read at its first import
     if "precision" in parts:
@@ -73,41 +73,41 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
 
 def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> None:
     """Measure problems one by one, storing after each; Ctrl-C keeps what there is."""
-    from validation.benchmark import store
-    from validation.benchmark.precision import measure
+    from mbsd3d.extend import Store
+    from validation.benchmark.precision import PACKAGES, from_dict, identity, measure, save
     from validation.benchmark.problems import PROBLEMS
     from validation.machine import machine
 
-    path, where = out / STORE, machine("mbsd3d", *store.PACKAGES[1:])
-    prepare(out, pictures)
-    rows = [] if fresh else store.load(path, unfinished=True)
+    ready(out, pictures)
+    store, where = Store(out / LEDGER, identity(), "benchmark", replace=True), machine(*PACKAGES)
+    if fresh:
+        store.clear()
+    rows = [from_dict(row) for row in store.all().values()]
     if rows:
-        click.echo(f"going on with {path}: {len(rows)} measured (--fresh begins anew)", err=True)
+        click.echo(f"going on with {store.path}: {len(rows)} measured (--fresh begins anew)", err=True)
     try:
         for k, name in enumerate(names):
             if name in {row.name for row in rows}:
                 continue
             click.echo(f"{k + 1}/{len(names)} {name} ...", err=True)
             rows.append(measure(PROBLEMS[name](), note))
-            store.save(path, rows, where, complete=False)
+            store.put(name, asdict(rows[-1]))
     except KeyboardInterrupt:
-        click.echo(f"\ninterrupted; {len(rows)} problems are in {path}, the same command goes on", err=True)
+        save(out / DATA, rows, where, complete=False)
+        click.echo(f"\ninterrupted; {len(rows)} problems are in {store.path}, the same command goes on", err=True)
         show(rows, out, pictures)
-        sys.exit(130)
-    store.save(path, rows, where, complete=True)
+        sys.exit(INTERRUPTED)
+    save(out / DATA, rows, where, complete=True)
+    store.clear()
     click.echo(where)
     show(rows, out, pictures)
 
 
-def prepare(out: Path, pictures: Path | None) -> None:
+def ready(out: Path, pictures: Path | None) -> None:
     """Folders that can be written, before anything is measured."""
-    for folder in filter(None, (out, pictures)):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / ".writable").touch()
-            (folder / ".writable").unlink()
-        except OSError as error:
-            raise ValueError(f"{folder}: cannot be written ({error.strerror}); give another folder") from None
+    for option, folder in {"--out": out, "--pictures": pictures}.items():
+        if folder:
+            ready_folder(str(folder), option)
 
 
 def note(text: str) -> None:
@@ -116,19 +116,10 @@ def note(text: str) -> None:
         click.echo(f"\r\x1b[2K    {text}", nl=False, err=True)
 
 
-def show_stored(out: Path, pictures: Path | None) -> None:
-    """Table and figure of stored rows."""
-    from validation.benchmark import store
-
-    prepare(out, pictures)
-    show(store.load(out / STORE), out, pictures)
-
-
 def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
     """Print and write."""
     from mbsd3d import save_figure
-    from validation.benchmark.figure import SHOWN, work_precision
-    from validation.benchmark.tables import report
+    from validation.benchmark.tables import SHOWN, report, work_precision
 
     if not rows:
         return

@@ -34,8 +34,7 @@ class Counts(NamedTuple):
 
     name: str
     ours: Count
-    exudyn: Count | str
-    """Or why it was not compared."""
+    exudyn: Count | str  # Or why it was not compared
     file: Count | None
 
     @property
@@ -64,30 +63,14 @@ def counted_by_exudyn(system: System) -> Count | str:
 
 
 def redundancy(names: Sequence[str] | None = None, windows: Sequence[int] = WINDOWS) -> list[Counts]:
-    """Counts of reference cases and of N-four-bars.
-
-    Parameters
-    ----------
-    names : sequence of str, optional
-        Reference cases; None = all.
-    windows : sequence of int
-        Sizes of N-four-bars.
-
-    Raises
-    ------
-    ValueError
-        If there is no such case.
-    """
+    """Counts of reference cases (None: of all) and of N-four-bars; ValueError if there is no such case."""
     found = []
     for name in cases.names() if names is None else names:
         case = cases.load(name)
         said = Count(*(case.dof_info.get(key) for key in ("rows", "rank", "dof", "redundant")))
-        file = said if case.dof_info else None
-        found.append(Counts(name, counted(case.system), counted_by_exudyn(case.system), file))
-    for n in windows:
-        system = mechanisms.four_bars(n)
-        found.append(Counts(f"four-bar {n}", counted(system), counted_by_exudyn(system), None))
-    return found
+        found.append((name, case.system, said if case.dof_info else None))
+    found += [(f"four-bar {n}", mechanisms.four_bars(n), None) for n in windows]
+    return [Counts(name, counted(system), counted_by_exudyn(system), said) for name, system, said in found]
 
 
 class Large(NamedTuple):
@@ -97,8 +80,7 @@ class Large(NamedTuple):
     rank: int
     check_seconds: float
     run_seconds: float
-    error: float
-    """At the end, against the closed form: metres over the rod length, and radians."""
+    error: float  # At the end, against the closed form: metres over the rod length, and radians
 
 
 def large(windows: int = 40, t_end: float = 10.0, rtol: float = 1e-3) -> Large:
@@ -150,7 +132,5 @@ def report() -> list[str]:
     except NotComparable as error:
         return [*said, f"  Exudyn: not compared: {error}"]
     ratio = peer / (one.check_seconds + one.run_seconds)
-    return [
-        *said,
-        f"  Exudyn, all rows: {STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours",
-    ]
+    times = f"{STEPS} steps take {peer:.0f} s by the time of the first, {ratio:.0f} times ours"
+    return [*said, f"  Exudyn, all rows: {times}"]

@@ -1,16 +1,146 @@
-"""Error against wall time of one problem: a search over all candidates, then the best of each engine in turns."""
+"""Error against wall time of one problem: every candidate from coarse to fine, then the best of each engine in turns.
 
+The time to an error is read between two runs; nothing is extrapolated.
+"""
+
+import json
 import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d.extend import one_thread
-from validation.benchmark.candidates import CONSTRAINTS, PEERS, Run, of_peer, ours
-from validation.benchmark.ladders import TARGETS, Climb, Point, Reached, around, best, climb, retimed
-from validation.benchmark.problems import Problem
+from mbsd3d import IntegrationError
+from mbsd3d.extend import one_thread, write_atomically
+from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS, Candidate, Run, of_peer, ours
+from validation.benchmark.problems import Poses, Problem
+from validation.machine import installed
+from validation.twins.base import NotComparable
+
+PACKAGES = ("mbsd3d", "mujoco-core", "exudyn", "numpy", "numba")
+TARGETS = (1e-4, 1e-6, 1e-8)  # errors: distances over the length of the model, and angles in radians
+DOMINATED, CLIMBED = 4.0, 4
+"""After so many settings one gives up where a rival took a quarter of the time for less error."""
+REPEATS, SHORT = 3, 0.03  # runs of a setting, while they take less than so many seconds together
+NOISE = 3.0  # an error that rises by this factor at a finer setting has met rounding
+
+
+class Point(NamedTuple):
+    """One setting: seconds of the time loop, error at the end."""
+
+    setting: float
+    seconds: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Climb:
+    """What was measured of a candidate."""
+
+    engine: str
+    label: str
+    points: tuple[Point, ...] = ()  # from coarse to fine, without settings that failed
+    failed: int = 0  # settings that ended in an error or in numbers that are not finite
+    note: str = ""  # why there are no points, or what the last failure said
+
+
+class Reached(NamedTuple):
+    """Time to an error: seconds, and "" (measured), "<" (the coarsest setting does better) or ">" (never reached)."""
+
+    seconds: float
+    bound: str
+    label: str = ""
+
+
+def climb(
+    candidate: Candidate, truth: Poses, length: float, limit: float, rivals: Sequence[Point] = ()
+) -> tuple[Climb, Callable[[float], Run] | None]:
+    """Run a candidate until its error is below all targets, a run takes more than half of ``limit``, or a rival wins.
+
+    Returns what was measured and the function that runs it again.
+    """
+    try:
+        run = candidate.start()
+    except NotComparable as error:
+        return Climb(candidate.engine, candidate.label, note=str(error)), None
+    points: list[Point] = []
+    failed, note = 0, ""
+    for setting in candidate.ladder:
+        began = time.perf_counter()
+        try:
+            seconds, end = least(run, setting)
+        except (NotComparable, IntegrationError) as error:
+            failed, note = failed + 1, str(error)
+            if time.perf_counter() - began > limit / 2:
+                note += f"; given up, that took {time.perf_counter() - began:.1f} s"
+                break
+            continue
+        points.append(Point(float(setting), seconds, end.distance(truth, length)))
+        if finished(points, limit, rivals):
+            break
+    return Climb(candidate.engine, candidate.label, tuple(points), failed, note), run
+
+
+def least(run: Callable[[float], Run], setting: float) -> Run:
+    """The fastest of a few runs, or one that is long."""
+    runs = [run(setting)]
+    while len(runs) < REPEATS and sum(done.seconds for done in runs) < SHORT:
+        runs.append(run(setting))
+    return min(runs, key=lambda done: done.seconds)
+
+
+def finished(points: list[Point], limit: float, rivals: Sequence[Point]) -> bool:
+    """Whether a finer setting tells nothing more."""
+    _, seconds, error = points[-1]
+    best = min(point.error for point in points)
+    below = len(points) > 1 and all(point.error <= TARGETS[-1] for point in points[-2:])
+    rounding = best <= TARGETS[-1] and error > NOISE * best
+    beaten = any(rival.seconds * DOMINATED < seconds and rival.error < error for rival in rivals)
+    return below or rounding or seconds > limit / 2 or (beaten and len(points) >= CLIMBED)
+
+
+def in_bounds(climbed: Climb, target: float) -> int:
+    """First point from which on all errors are at most ``target``."""
+    inside = len(climbed.points)
+    while inside and climbed.points[inside - 1].error <= target:
+        inside -= 1
+    return inside
+
+
+def time_to(climbed: Climb, target: float) -> Reached:
+    """Time to an error, on the line between the two settings around it in logarithms.
+
+    The finer one is the coarsest from which on all errors are in bounds: no error that is small by chance.
+    """
+    points, label, inside = climbed.points, climbed.label, in_bounds(climbed, target)
+    if inside == len(points):
+        return Reached(max((point.seconds for point in points), default=0.0), ">", label)
+    if inside == 0:
+        return Reached(points[0].seconds, "<", label)
+    coarse, fine = points[inside - 1], points[inside]
+    share = np.log(coarse.error / target) / np.log(coarse.error / max(fine.error, 1e-300))
+    seconds = np.exp((1 - share) * np.log(coarse.seconds) + share * np.log(fine.seconds))
+    return Reached(float(min(seconds, fine.seconds)), "", label)
+
+
+def best(climbs: Sequence[Climb], target: float) -> Reached | None:
+    """The fastest candidate; if none comes so far, the longest time that was tried. None without any measurement."""
+    found = [time_to(climbed, target) for climbed in climbs if climbed.points]
+    met = [reached for reached in found if reached.bound != ">"]
+    if met:
+        return min(met, key=lambda reached: reached.seconds)
+    return max(found, key=lambda reached: reached.seconds, default=None)
+
+
+def retimed(climbed: Climb, seconds: dict[int, float]) -> Climb:
+    """With the least time of some points."""
+    points = [
+        point._replace(seconds=min(point.seconds, seconds.get(k, np.inf))) for k, point in enumerate(climbed.points)
+    ]
+    return replace(climbed, points=tuple(points))
+
 
 LEAST, MOST = 0.6, 8.0  # s: bounds of what the longest run of a peer may take
 PATIENCE = 210.0  # the same in times of ours to the middle error; half of that is tried for sure: a ratio of 100
@@ -20,17 +150,13 @@ TURNS, TURN_SECONDS = 5, 3.0  # rounds in which the engines take turns, and what
 
 @dataclass(frozen=True)
 class Row:
-    """One problem, measured.
-
-    ``name, family``: of the problem; ``bodies, rows``: size of the system as built; ``climbs``: everything that was
-    tried.
-    """
+    """One problem, measured."""
 
     name: str
     family: str
-    bodies: int
+    bodies: int  # of the system as built
     rows: int
-    climbs: tuple[Climb, ...]
+    climbs: tuple[Climb, ...]  # everything that was tried
 
     def of(self, engine: str) -> list[Climb]:
         """The candidates of an engine."""
@@ -52,15 +178,32 @@ class Row:
         """Least error of a peer: how far its limit is from the truth; None where it was not compared."""
         return min((point.error for climbed in self.of(peer) for point in climbed.points), default=None)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
-
 
 def from_dict(data: dict[str, Any]) -> Row:
     """Back from JSON."""
     climbs = [{**x, "points": tuple(Point(*point) for point in x["points"])} for x in data["climbs"]]
     return Row(**{**data, "climbs": tuple(Climb(**x) for x in climbs)})
+
+
+def identity() -> dict[str, Any]:
+    """What rows of one run have in common."""
+    return {"versions": [installed(package) for package in PACKAGES], "targets": list(TARGETS)}
+
+
+def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
+    """Write all rows as JSON; ValueError if the folder cannot be written."""
+    data = {"machine": machine, **identity(), "complete": complete, "rows": [asdict(row) for row in rows]}
+    write_atomically(path, json.dumps(data, indent=1).encode())
+
+
+def load(path: Path) -> list[Row]:
+    """The rows of a file of `save`; ValueError if it is missing or something else."""
+    if not path.is_file():
+        raise ValueError(f"{path}: not found; measure first, python -m validation.benchmark --out {path.parent}")
+    try:
+        return [from_dict(row) for row in json.loads(path.read_text(encoding="utf-8"))["rows"]]
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{path}: no rows of a benchmark ({error}); move it away, or give another --out") from None
 
 
 def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) -> Row:
@@ -91,13 +234,14 @@ def in_turns(found: list[tuple[Climb, Callable[[float], Run] | None]]) -> tuple[
     """Time the points that decide once more, engine after engine, round by round, and keep the least times."""
     climbs = [climbed for climbed, _ in found]
     wanted: dict[tuple[int, int], float] = {}
-    for engine in ("mbsd3d", *PEERS):
+    for engine in ENGINES:
         mine = [climbed for climbed in climbs if climbed.engine == engine]
         for target in TARGETS:
             reached = best(mine, target)
             for i, climbed in enumerate(climbs):
                 if reached is not None and climbed.engine == engine and climbed.label == reached.label:
-                    wanted |= {(i, k): climbed.points[k].seconds for k in around(climbed, target)}
+                    inside, points = in_bounds(climbed, target), climbed.points
+                    wanted |= {(i, k): points[k].seconds for k in (inside - 1, inside) if 0 <= k < len(points)}
     began = time.perf_counter()
     for _ in range(TURNS):
         for i, k in wanted:

@@ -11,23 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    Cylindrical,
-    Joint,
-    PointOnLine,
-    Revolute,
-    SpeedDriver,
-    Spherical,
-    System,
-    Universal,
-    simulate,
-)
+import mbsd3d
 from mbsd3d.extend import matrix
 from validation import cases
 from validation.cases import mechanisms
-from validation.theory.pendulum import pendulum_motion
+from validation.theory.one_freedom import pendulum_motion
 from validation.theory.torque_free import free_body
 
 PLANAR_CUTS = "planar cuts"  # of planar loops; in joint coordinates the other body becomes two that are welded
@@ -49,15 +37,15 @@ class Poses(NamedTuple):
         return float(max(shift.max(), (2.0 * np.arcsin(np.minimum(chord, 1.0))).max()))
 
 
-def whole(system: System, t_end: float, output: int = 2, **options: Any) -> Any:
+def whole(system: mbsd3d.System, t_end: float, output: int = 2, **options: Any) -> Any:
     """A run to its end: `simulate` keeps what there is after Ctrl-C, which here is of no use."""
-    solution = simulate(system, t_end, output=output, progress=False, **options)
+    solution = mbsd3d.simulate(system, t_end, output=output, progress=False, **options)
     if solution.record.stopped_by:
         raise KeyboardInterrupt(solution.record.stopped_by)
     return solution
 
 
-def poses(solution: Any) -> Poses:
+def poses(solution: mbsd3d.Solution) -> Poses:
     """End of a solution."""
     bodies = solution.system.bodies
     return Poses(
@@ -72,18 +60,18 @@ class Problem:
 
     ``name, family``: "four-bar 40", "loop"; ``system``: as one would build it; ``t_end``: [s]; ``forms``: text ->
     System with the same motion, other joints at the cuts; ``tree``: the mechanism as a tree of hinges, if it is one;
-    massless bodies it adds stand before the others; ``exact``: poses at ``t_end`` in closed form.
+    massless bodies it adds come before the others; ``exact``: poses at ``t_end`` in closed form.
     """
 
     name: str
     family: str
-    system: System
+    system: mbsd3d.System
     t_end: float
-    forms: Mapping[str, System] = field(default_factory=dict)
-    tree: System | None = None
+    forms: Mapping[str, mbsd3d.System] = field(default_factory=dict)
+    tree: mbsd3d.System | None = None
     exact: Callable[[], Poses] | None = None
 
-    def determinate(self) -> dict[str, System]:
+    def determinate(self) -> dict[str, mbsd3d.System]:
         """Forms without rows that repeat others: what an implicit solver needs."""
         return {
             **({} if self.repeats else {"as built": self.system}),
@@ -102,29 +90,29 @@ class Problem:
         return poses(whole(self.system, self.t_end, rtol=TRUTH))
 
 
-def cut(system: System, kind: Callable[[Joint], Joint], names: tuple[str, ...]) -> System:
+def cut(system: mbsd3d.System, kind: Callable[[mbsd3d.Joint], mbsd3d.Joint], names: tuple[str, ...]) -> mbsd3d.System:
     """The system with some hinges replaced by weaker joints; these come last, where a tree of joints ends."""
     chosen = [joint for joint in system.joints if joint.name in names]
     kept = [joint for joint in system.joints if joint.name not in names]
     return replace(system, joints=[*kept, *map(kind, chosen)])
 
 
-def on_line(hinge: Any) -> PointOnLine:
+def on_line(hinge: Any) -> mbsd3d.PointOnLine:
     """Planar cut: the two rows of a hinge that a planar mechanism needs."""
-    return PointOnLine(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
+    return mbsd3d.PointOnLine(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
 
 
-def ball(hinge: Any) -> Spherical:
+def ball(hinge: Any) -> mbsd3d.Spherical:
     """The three rows of a hinge that hold its point."""
-    return Spherical(hinge.a, hinge.b, at=hinge.at, name=hinge.name)
+    return mbsd3d.Spherical(hinge.a, hinge.b, at=hinge.at, name=hinge.name)
 
 
-def sliding(hinge: Any) -> Cylindrical:
+def sliding(hinge: Any) -> mbsd3d.Cylindrical:
     """A hinge that may slide."""
-    return Cylindrical(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
+    return mbsd3d.Cylindrical(hinge.a, hinge.b, at=hinge.at, axis=hinge.axis, name=hinge.name)
 
 
-def planar_forms(system: System, names: tuple[str, ...]) -> dict[str, System]:
+def planar_forms(system: mbsd3d.System, names: tuple[str, ...]) -> dict[str, mbsd3d.System]:
     """Forms of a mechanism whose loops are planar, one hinge of each loop named."""
     return {PLANAR_CUTS: cut(system, on_line, names), POINT_CUTS: cut(system, ball, names)}
 
@@ -141,12 +129,14 @@ def coasting(name: str, case: str, supports: tuple[str, ...]) -> Problem:
     The hinges named repeat rows; another form has points on lines there.
     """
     found = cases.load(case)
-    system = replace(found.system, joints=[joint for joint in found.system.joints if type(joint) is not SpeedDriver])
+    system = replace(
+        found.system, joints=[joint for joint in found.system.joints if type(joint) is not mbsd3d.SpeedDriver]
+    )
     forms = {"point-on-line support": cut(system, on_line, supports)} if supports else {}
     return Problem(name, "loop", system, found.t_end, forms)
 
 
-def top(name: str, system: System, t_end: float) -> Problem:
+def top(name: str, system: mbsd3d.System, t_end: float) -> Problem:
     """A top on a ball; as a tree: three hinges, the first along the direction from which the axis stays away most."""
     body, pivot = system.bodies[0], system.joints[0].at
     path = whole(system, t_end, output=200).com(body) - pivot
@@ -154,13 +144,15 @@ def top(name: str, system: System, t_end: float) -> Problem:
     directions = np.random.default_rng(1).normal(size=(500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     first = directions[np.argmin(np.abs(directions @ path.T).max(axis=1))]
-    ring = Body("ring", 0.0, (0.0, 0.0, 0.0), position=pivot)
-    outer = Revolute(GROUND, ring, at=pivot, axis=first, name="outer")
-    inner = Universal(ring, body, at=pivot, axis_a=np.cross(path[0], first), axis_b=path[0], name="inner and spin")
+    ring = mbsd3d.Body("ring", 0.0, (0.0, 0.0, 0.0), position=pivot)
+    outer = mbsd3d.Revolute(mbsd3d.GROUND, ring, at=pivot, axis=first, name="outer")
+    inner = mbsd3d.Universal(
+        ring, body, at=pivot, axis_a=np.cross(path[0], first), axis_b=path[0], name="inner and spin"
+    )
     return Problem(name, "top", system, t_end, tree=replace(system, bodies=[ring, body], joints=[outer, inner]))
 
 
-def tree(name: str, family: str, system: System, t_end: float) -> Problem:
+def tree(name: str, family: str, system: mbsd3d.System, t_end: float) -> Problem:
     """A tree of hinges."""
     return Problem(name, family, system, t_end, tree=system)
 
@@ -209,11 +201,6 @@ def chain(n: int) -> Problem:
     return tree(f"chain {n}", "chain", mechanisms.chain(n), 0.5)
 
 
-def stewart() -> Problem:
-    """The platform on its sprung legs."""
-    return Problem("Stewart platform", "loop", mechanisms.stewart(), 2.0)
-
-
 CHAINS = (10, 30, 100, 150, 300, 1000)
 PROBLEMS: dict[str, Callable[[], Problem]] = {
     "top fast": lambda: top("top fast", cases.load("heavy_top_fast").system, 2.0),
@@ -229,7 +216,7 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
         forms=lambda system: planar_forms(system, ("E1", "A1", "A2")),
     ),
     "RSSR": lambda: coasting("RSSR", "rssr_driven", ()),
-    "Stewart platform": stewart,
+    "Stewart platform": lambda: Problem("Stewart platform", "loop", mechanisms.stewart(), 2.0),
     "four-bar 2": partial(four_bar, 2),
     "four-bar 40": partial(four_bar, 40),
     "ladder 10": partial(ladder, 10),

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d import simulate
-from validation.cases.reference import REFERENCES, Array, Case, _rotation, build
+from mbsd3d import Solution
+from validation.cases.reference import REFERENCES, Array, Case, _rotation
 
 
 class Comparison(NamedTuple):
@@ -16,15 +16,12 @@ class Comparison(NamedTuple):
 
     columns: dict[str, tuple[Array, Array]]
     """By label: computed and reference values at the times of the case, (n,) each."""
-    error: float
-    """Greatest absolute difference, SI units."""
-    scaled_error: float
-    """The same with each column divided by its largest reference value where that exceeds 1."""
-    left_out: tuple[str, ...]
-    """Reference columns without a rule."""
+    error: float  # Greatest absolute difference, SI units
+    scaled_error: float  # The same with each column divided by its largest reference value where that exceeds 1
+    left_out: tuple[str, ...]  # Reference columns without a rule
 
 
-def compare(case: Case, solution: Any) -> Comparison:
+def compare(case: Case, solution: Solution) -> Comparison:
     """Evaluate the outputs of a case in a solution and hold them against the reference.
 
     Quaternions are compared up to sign, angles up to whole turns (the computed value is brought next to the reference).
@@ -48,7 +45,7 @@ def _scale(column: Array) -> float:
     return max(1.0, np.abs(column).max())
 
 
-def _columns(case: Case, solution: Any, near: Mapping[str, Array]) -> dict[str, Array]:
+def _columns(case: Case, solution: Solution, near: Mapping[str, Array]) -> dict[str, Array]:
     """All columns that the case defines, by label; ``near`` holds values that fix signs and turns."""
     sample = _Sample(case, solution)
     columns = {}
@@ -69,7 +66,7 @@ def _columns(case: Case, solution: Any, near: Mapping[str, Array]) -> dict[str, 
 class _Sample:
     """A solution at the reference times of a case, read by body name."""
 
-    def __init__(self, case: Case, solution: Any) -> None:
+    def __init__(self, case: Case, solution: Solution) -> None:
         self.case = case
         self.solution = solution
         t = np.asarray(solution.t)
@@ -191,53 +188,10 @@ EXTRAS: dict[str, Callable[[_Sample], Array]] = {
 def condition(name: str) -> float:
     """Stored condition of a case: change of its outputs per relative change of the mechanism.
 
-    It was measured by `measure_condition` [-]. ValueError if none is stored.
+    It was measured by ``tests/validation/conditions.py`` [-]. ValueError if none is stored.
     """
     path = REFERENCES / "conditions.json"
     stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     if name not in stored:
-        raise ValueError(f"case '{name}': no condition stored; measure it with measure_condition")
+        raise ValueError(f"case '{name}': no condition stored; measure it with tests/validation/conditions.py")
     return float(stored[name])
-
-
-def measure_condition(case: Case, perturbation: float = 1e-7, *, rtol: float = 1e-12, seeds: int = 5) -> float:
-    """How much a small change of the mechanism is amplified at the output times.
-
-    Gravity, the speed of everything (initial velocities and motors alike), masses and moments of inertia are changed by
-    the relative amount ``perturbation`` times seeded normal numbers, and principal axes turned by such an angle [rad];
-    the start stays consistent. The result is the greatest change of a column (over its largest value where that exceeds
-    1) divided by ``perturbation``, over all seeds.
-
-    ``case``: with a reference over time; ``perturbation``: relative change, small enough for linearity and large
-    against ``rtol`` times the result [-]; ``rtol``: tolerance of the runs [-]; ``seeds``: number of changes tried.
-    Returns condition [-].
-    """
-    near = dict(zip(case.labels, case.reference.T, strict=True))
-
-    def columns(run: Case) -> dict[str, Array]:
-        return _columns(run, simulate(run.system, run.t_end, rtol=rtol, output=run.times), near)
-
-    base, worst = columns(case), 0.0
-    for seed in range(seeds):
-        changed = columns(build(_perturbed(case.raw, perturbation, seed)))
-        worst = max(worst, *(np.abs(changed[key] - base[key]).max() / _scale(base[key]) for key in base))
-    return worst / perturbation
-
-
-def _perturbed(raw: Mapping[str, Any], amount: float, seed: int) -> dict[str, Any]:
-    """Copy of a case file with slightly other gravity, speed and bodies."""
-    rng = np.random.default_rng(seed)
-    gravity, speed = np.array(raw["gravity"]) * (1 + amount * rng.normal(size=3)), 1 + amount * rng.normal()
-    joints = [{**spec, "omega": spec["omega"] * speed} if "omega" in spec else spec for spec in raw["joints"]]
-    moving = [{**spec, **{key: speed * np.array(spec[key]) for key in ("v0", "w0")}} for spec in raw["bodies"]]
-    bodies = [{**spec, **_perturbed_inertia(spec, amount, rng)} for spec in moving]
-    return {**raw, "bodies": bodies, "joints": joints, "gravity": gravity}
-
-
-def _perturbed_inertia(body: Mapping[str, Any], amount: float, rng: np.random.Generator) -> dict[str, Any]:
-    """Slightly other mass and inertia; turned and scaled, so that the principal moments stay those of a body."""
-    inertia = np.array(body["inertia"], dtype=float)
-    inertia = np.diag(inertia) if inertia.ndim == 1 else inertia
-    turn = _rotation([1.0, *(amount / 2 * rng.normal(size=3))])
-    scale = 1 + amount * rng.normal()
-    return {"mass": body["mass"] * (1 + amount * rng.normal()), "inertia": scale * turn @ inertia @ turn.T}

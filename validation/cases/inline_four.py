@@ -1,6 +1,6 @@
 """An inline four in space: one crank with four throws, four rods, four pistons; every row independent.
 
-The crank turns about y, the bores point along z, the cylinders stand side by side along y, evenly about the origin:
+The crank turns about y, the bores point along z, the cylinders are side by side along y, evenly about the origin:
 
     pin i = R (sin q_i, 0, cos q_i) + y_i e_y,   q_i = q + (0, 180, 180, 0) degrees,   q = rate t
 
@@ -10,20 +10,7 @@ wristpin leave the rod no freedom and no redundant row: 9 bodies, 54 coordinates
 
 import numpy as np
 
-from mbsd3d import (
-    GROUND,
-    AngleDriver,
-    Body,
-    Kinematic,
-    Prismatic,
-    Ramp,
-    Revolute,
-    Solution,
-    Spherical,
-    System,
-    Universal,
-    simulate,
-)
+import mbsd3d
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm, the toy engine of references/engine.json
 SIDES = (1.0, -1.0, -1.0, 1.0)  # throws up or down at the reference pose
@@ -35,7 +22,7 @@ def inline_four(
     radius: float = 1.0, rod_length: float = 2.0, *, rate: float = RATE, spacing: float = 0.2, crank_mass: float = 2.0,
     crank_centre: float = 0.5, rod_mass: float = 4.0, rod_fraction: float = 0.5, rod_inertia: float = 1 / 3,
     piston_mass: float = 5.0,
-) -> System:  # fmt: skip
+) -> mbsd3d.System:  # fmt: skip
     """The engine at q = 0, pistons 1 and 4 up, without gravity.
 
     ``radius, rod_length``: crank radius R and rod length L > R [m]; ``rate``: crank speed [rad/s]; ``spacing``:
@@ -53,37 +40,32 @@ def inline_four(
     if not 0.0 < radius < rod_length:
         raise ValueError(f"inline_four: rod_length {rod_length} m must exceed the crank radius {radius} m, and that 0")
     crank = crankshaft(spacing * PLACES, crank_mass, crank_centre)
-    bearing = Revolute(GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="bearing")
-    bodies, joints = [crank], [bearing, AngleDriver(bearing, Ramp(rate), name="motor")]
+    bearing = mbsd3d.Revolute(mbsd3d.GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="bearing")
+    bodies, joints = [crank], [bearing, mbsd3d.AngleDriver(bearing, mbsd3d.Ramp(rate), name="motor")]
     for i, (place, side) in enumerate(zip(spacing * PLACES, SIDES, strict=True), start=1):
         pin, wrist = np.array([0.0, place, side * radius]), np.array([0.0, place, side * radius + rod_length])
         moments = (rod_inertia, rod_inertia, 0.03 * rod_inertia)
-        rod = Body(f"rod {i}", rod_mass, moments, com=(0, 0, rod_fraction * rod_length), position=pin)
-        piston = Body(f"piston {i}", piston_mass, (0.2 * piston_mass,) * 3, position=wrist)
+        rod = mbsd3d.Body(f"rod {i}", rod_mass, moments, com=(0, 0, rod_fraction * rod_length), position=pin)
+        piston = mbsd3d.Body(f"piston {i}", piston_mass, (0.2 * piston_mass,) * 3, position=wrist)
         bodies += [rod, piston]
         joints += [
-            Spherical(crank, rod, at=pin, name=f"crankpin {i}"),
-            Universal(piston, rod, at=wrist, axis_a=(0, 1, 0), axis_b=(1, 0, 0), name=f"wristpin {i}"),
-            Prismatic(GROUND, piston, at=wrist, axis=(0, 0, 1), name=f"bore {i}"),
+            mbsd3d.Spherical(crank, rod, at=pin, name=f"crankpin {i}"),
+            mbsd3d.Universal(piston, rod, at=wrist, axis_a=(0, 1, 0), axis_b=(1, 0, 0), name=f"wristpin {i}"),
+            mbsd3d.Prismatic(mbsd3d.GROUND, piston, at=wrist, axis=(0, 0, 1), name=f"bore {i}"),
         ]
-    return System(bodies, joints, gravity=(0, 0, 0))
+    return mbsd3d.System(bodies, joints, gravity=(0, 0, 0))
 
 
-def crankshaft(places: np.ndarray, mass: float, centre: float) -> Body:
-    """Four throws as one body with its reference point on the axis; each has moments of its own."""
+def crankshaft(places: np.ndarray, mass: float, centre: float) -> mbsd3d.Body:
+    """Four throws as one body with its reference point on the axis; each with its moments of inertia."""
     at = np.stack([np.zeros(4), places, centre * np.array(SIDES)], axis=1)
     com = at.mean(axis=0)
     arms = at - com
     inertia = mass * (np.sum(arms**2) * np.eye(3) - arms.T @ arms + 4 * np.diag([0.01, 0.02, 0.01]))
-    return Body("crank", 4 * mass, inertia, com=com)
+    return mbsd3d.Body("crank", 4 * mass, inertia, com=com)
 
 
-def one_turn(system: System, rate: float = RATE) -> Solution:
-    """One turn of the crank by kinematics."""
-    return simulate(system, 2 * np.pi / rate, method=Kinematic(), output=SAMPLES + 1)
-
-
-def block_force(solution: Solution) -> np.ndarray:
+def block_force(solution: mbsd3d.Solution) -> np.ndarray:
     """(samples, 3) force of bearing and bores on the block [N]."""
     names = ["bearing", *(f"bore {i}" for i in range(1, 5))]
     return -sum(solution.reaction(name).force for name in names)
@@ -94,7 +76,7 @@ def amplitudes(values: np.ndarray) -> np.ndarray:
     return 2 * np.abs(np.fft.rfft(values[:-1])) / (values.size - 1)
 
 
-def orders(solution: Solution) -> dict[str, float]:
+def orders(solution: mbsd3d.Solution) -> dict[str, float]:
     """Amplitudes at 1, 2 and 4 times crank speed of the force on the block along the bores [N], and of the torque."""
     force, torque = amplitudes(block_force(solution)[:, 2]), amplitudes(solution.effort("motor"))
     return {f"force_{order}x": float(force[order]) for order in (1, 2, 4)} | {"torque_2x": float(torque[2])}

@@ -16,29 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mbsd3d import (
-    GROUND,
-    Body,
-    Prismatic,
-    Revolute,
-    RollingDisc,
-    SpeedDriver,
-    Spherical,
-    SpringDamper,
-    System,
-    Torque,
-    Universal,
-)
+import mbsd3d
 
 Array = NDArray[np.floating]
 Shift = int | Mapping[str, ArrayLike] | None
 
 REFERENCES = Path(__file__).parents[1] / "references"
-NOT_CASES = {"engine", "conditions"}
-"""Files in the same folder that hold other data."""
+NOT_CASES = {"engine", "conditions"}  # Files in the same folder that hold other data
 
-SHIFT_SIZE = 0.5
-"""Scatter of a seeded shift over the size of its body."""
+SHIFT_SIZE = 0.5  # Scatter of a seeded shift over the size of its body
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +39,7 @@ class Case:
     """
 
     id: str
-    system: System = field(repr=False)
+    system: mbsd3d.System = field(repr=False)
     t_end: float
     outputs: tuple[Mapping[str, Any], ...] = field(repr=False)
     times: Array = field(repr=False)
@@ -87,24 +73,10 @@ def read(name: str) -> dict[str, Any]:
 def load(name: str, shift: Shift = None) -> Case:
     """Build a case.
 
-    Parameters
-    ----------
-    name : str
-        Name of the case.
-    shift : int or mapping, optional
-        Vectors from the centre of mass of each body to its reference point O, world axes at the initial configuration
-        [m]: a mapping from body names to (3,), or a seed for general ones about half as long as the body. None puts O
-        at the centre of mass.
-
-    Returns
-    -------
-    Case
-        System and reference.
-
-    Raises
-    ------
-    ValueError
-        If there is no such case, or it holds a part that this module cannot build.
+    ``shift``: vectors from the centre of mass of each body to its reference point O, world axes at the initial
+    configuration [m]: a mapping from body names to (3,), or a seed for general ones about half as long as the body;
+    None puts O at the centre of mass. ValueError if there is no such case, or it holds a part that this module cannot
+    build.
     """
     return build(read(name), shift)
 
@@ -112,8 +84,8 @@ def load(name: str, shift: Shift = None) -> Case:
 def build(raw: Mapping[str, Any], shift: Shift = None) -> Case:
     """Build a case from the content of a file; arguments as in :func:`load`."""
     bodies = _bodies(raw, _shifts(raw, shift))
-    part = {**bodies, "ground": GROUND}
-    system = System(
+    part = {**bodies, "ground": mbsd3d.GROUND}
+    system = mbsd3d.System(
         bodies=list(bodies.values()),
         joints=[_make(JOINTS, spec, raw, part) for spec in raw["joints"]],
         forces=[_make(FORCES, spec, raw, part) for spec in raw.get("forces", [])],
@@ -143,7 +115,7 @@ def _accuracy(text: str) -> float:
     return float(number.group()) if number else 0.0
 
 
-def _bodies(raw: Mapping[str, Any], shifts: Mapping[str, Array]) -> dict[str, Body]:
+def _bodies(raw: Mapping[str, Any], shifts: Mapping[str, Array]) -> dict[str, mbsd3d.Body]:
     """Bodies with the reference point at centre of mass plus shift: r_G = -R' s, v_O = v_G + w x s."""
     bodies = {}
     for spec in raw["bodies"]:
@@ -151,7 +123,7 @@ def _bodies(raw: Mapping[str, Any], shifts: Mapping[str, Array]) -> dict[str, Bo
         if "w0" in spec:
             omega = np.array(spec["w0"])
             motion = {"velocity": np.array(spec["v0"]) + np.cross(omega, shift), "omega": omega}
-        bodies[spec["name"]] = Body(
+        bodies[spec["name"]] = mbsd3d.Body(
             spec["name"],
             spec["mass"],
             np.array(spec["inertia"]),
@@ -201,22 +173,24 @@ def _pair(spec: Mapping[str, Any], part: Mapping[str, Any]) -> tuple[Any, Any]:
 
 
 JOINTS: dict[str, Callable] = {
-    "revolute": lambda s, part: Revolute(*_pair(s, part), at=s["p"], axis=s["axis"], name=s["name"]),
-    "spherical": lambda s, part: Spherical(*_pair(s, part), at=s["p"], name=s["name"]),
-    "universal": lambda s, part: Universal(
+    "revolute": lambda s, part: mbsd3d.Revolute(*_pair(s, part), at=s["p"], axis=s["axis"], name=s["name"]),
+    "spherical": lambda s, part: mbsd3d.Spherical(*_pair(s, part), at=s["p"], name=s["name"]),
+    "universal": lambda s, part: mbsd3d.Universal(
         *_pair(s, part), at=s["p"], axis_a=s["axis_i"], axis_b=s["axis_j"], name=s["name"]
     ),
-    "prismatic": lambda s, part: Prismatic(*_pair(s, part), at=s["p"], axis=s["axis"], name=s["name"]),
-    "motor": lambda s, part: SpeedDriver(*_pair(s, part), axis=s["axis"], speed=s["omega"], name=s["name"]),
-    "rolling_disc": lambda s, part: RollingDisc(*_pair(s, part), axis=s["axis"], radius=s["radius"], name=s["name"]),
+    "prismatic": lambda s, part: mbsd3d.Prismatic(*_pair(s, part), at=s["p"], axis=s["axis"], name=s["name"]),
+    "motor": lambda s, part: mbsd3d.SpeedDriver(*_pair(s, part), axis=s["axis"], speed=s["omega"], name=s["name"]),
+    "rolling_disc": lambda s, part: mbsd3d.RollingDisc(
+        *_pair(s, part), axis=s["axis"], radius=s["radius"], name=s["name"]
+    ),
 }
 
 # a spring pulls its ends together when longer than L0, in the files and in the package alike
 FORCES: dict[str, Callable] = {
-    "spring": lambda s, part: SpringDamper(
+    "spring": lambda s, part: mbsd3d.SpringDamper(
         *_pair(s, part), at_a=s["p_i"], at_b=s["p_j"], stiffness=s["k"], damping=s["c"], length=s["L0"]
     ),
-    "torque": lambda s, part: Torque(part[s["body"]], s["torque"], frame="world"),
+    "torque": lambda s, part: mbsd3d.Torque(part[s["body"]], s["torque"], frame="world"),
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import System, Torque
+from mbsd3d import Solution, System, Torque
 from validation.cases.reference import Array, Case, Shift, _rotation, build, read
 
 
@@ -17,8 +17,7 @@ class RobotPose:
     ``system``: the arm with ``torque`` applied at its hinges; its accelerations must be ``accelerations``; ``free``:
     the arm without torques; its accelerations must be ``free_accelerations``; ``angles, rates``: by hinge [rad],
     [rad/s]: arguments of ``system.assemble``; ``accelerations, free_accelerations`` (6,): of the hinge angles
-    [rad/s^2]; ``torque, gravity_torque`` (6,): about the hinge axes, on the outer link [N m]: for ``accelerations``; at
-    rest; ``mass_matrix`` (6, 6): in the hinge angles [kg m^2]; ``tool`` (3,): position of the tool point [m].
+    [rad/s^2].
     """
 
     system: System
@@ -27,16 +26,6 @@ class RobotPose:
     rates: dict[Any, float]
     accelerations: Array
     free_accelerations: Array
-    torque: Array
-    gravity_torque: Array
-    mass_matrix: Array
-    tool: Array
-
-    def tool_position(self, centre: Array, rotation: Array) -> Array:
-        """Tool point from the centre of mass (3,) [m] and the rotation (3, 3) of the last link, world."""
-        raw = read("robot6r_inverse_dynamics")
-        link, output = raw["bodies"][-1], raw["outputs"][0]
-        return centre + rotation @ (_rotation(link["q0"]).T @ np.subtract(output["p"], link["r0"]))
 
 
 def robot_poses(shift: Shift = None) -> list[RobotPose]:
@@ -73,14 +62,10 @@ def _robot_pose(case: Case, joints: list[Any], row: Mapping[str, Any]) -> RobotP
         rates=dict(zip(joints, row["qd"], strict=True)),
         accelerations=np.array(row["qdd"]),
         free_accelerations=np.array(row["qdd_zero_torque"]),
-        torque=np.array(row["tau"]),
-        gravity_torque=np.array(row["gravity_torque"]),
-        mass_matrix=np.array(row["M"]),
-        tool=np.array(row["ee_position"]),
     )
 
 
-def hinge_accelerations(solution: Any) -> Array:
+def hinge_accelerations(solution: Solution) -> Array:
     """Accelerations of the arm's hinge angles, ``u . (alpha_b - alpha_a)`` with u the hinge axis in the pose.
 
     ``solution``: of the arm, for example ``accelerations(pose.system, state)``, n samples. Returns (n, 6): [rad/s^2].

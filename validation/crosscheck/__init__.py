@@ -1,9 +1,8 @@
 """A mechanism of anyone's in other engines: `cross_check`.
 
-Read in this order: `quantities` (what is compared), `limits` (convergence), `ours`, `ladder`, `start`, `judge`,
-`causes` (attribution), `formulation` (the joints' definitions), `check`; `verdict` and `display` hold the result.
+Read in this order: `ours` (what is compared), `ladder` (convergence), `judge`, `formulation` (the joints' definitions),
+`check`; `result` is what it returns.
 """
 
 from validation.crosscheck.check import ENGINES, cross_check
-from validation.crosscheck.result import CrossCheck
-from validation.crosscheck.verdict import Attribution, Compared, Curve, Finding
+from validation.crosscheck.result import Attribution, Compared, CrossCheck, Curve, Finding

@@ -7,17 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State
+from mbsd3d import State, System
 from mbsd3d.extend import Progress, check_state, check_system, number
-from validation.crosscheck.causes import explained
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
-from validation.crosscheck.judge import Runs, curves, judge_motion, own_error
+from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
 from validation.crosscheck.ladder import INTERVALS, climb, fastest_rate, first_steps
 from validation.crosscheck.ours import Ours, ours_at, ours_at_start
-from validation.crosscheck.result import CrossCheck
-from validation.crosscheck.start import judge_start
-from validation.crosscheck.verdict import DIFFERS, SKIPPED, Compared, Finding
+from validation.crosscheck.result import DIFFERS, SKIPPED, Compared, CrossCheck, Finding
 from validation.twins.base import EngineMissing, NotComparable, Twin
 
 MODULES = {"mujoco": "validation.twins.mujoco", "exudyn": "validation.twins.exudyn"}
@@ -44,7 +41,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 def cross_check(
-    system: Any,
+    system: System,
     t_end: float | None,
     *,
     engines: Sequence[str] = ENGINES,
@@ -101,22 +98,7 @@ def cross_check(
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
         ours = ours_at_start(system, start) if t_end is None else ours_at(system, start, times)
-        found: list[Compared] = []
-        interrupted = False
-        for k, engine in enumerate(engines):
-            bar.update(1.0 + k)
-            try:
-                found.append(
-                    compare(engine, system, start, ours, tolerance, budget, lambda x, k=k: bar.update(1 + k + x))
-                )
-            except NotComparable as error:
-                found.append(skipped(NAMES.get(engine, engine), str(error)))
-            except KeyboardInterrupt as stop:
-                found += [stop.found] if isinstance(stop, Interrupted) else []
-                left = engines[k + isinstance(stop, Interrupted) :]
-                found += [skipped(NAMES.get(name, name), "interrupted") for name in left]
-                interrupted = True
-                break
+        found, interrupted = one_by_one(engines, partial(compare, system, start, ours, tolerance, budget), bar)
     own = float(own_error(ours)[-1]) if ours.error else 0.0
     end = float(ours.motion.t[-1])
     return CrossCheck(
@@ -124,8 +106,26 @@ def cross_check(
     )
 
 
+def one_by_one(
+    engines: Sequence[str], compare_with: Callable[..., Compared], bar: Progress
+) -> tuple[list[Compared], bool]:
+    """(what was found about each engine, whether Ctrl-C ended it)."""
+    found: list[Compared] = []
+    for k, engine in enumerate(engines):
+        bar.update(1.0 + k)
+        try:
+            found.append(compare_with(engine, lambda x, k=k: bar.update(1 + k + x)))
+        except NotComparable as error:
+            found.append(skipped(NAMES.get(engine, engine), str(error)))
+        except KeyboardInterrupt as stop:
+            found += [stop.found] if isinstance(stop, Interrupted) else []
+            left = engines[k + isinstance(stop, Interrupted) :]
+            return found + [skipped(NAMES.get(name, name), "interrupted") for name in left], True
+    return found, False
+
+
 def check_input(
-    system: Any, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
+    system: System, t_end: float | None, engines: Sequence[str], state: State | None, tolerance: float, budget: float
 ) -> tuple[State, np.ndarray]:
     """(start, sample times); ValueError for what makes no sense."""
     check_system(system, "cross_check")
@@ -149,8 +149,9 @@ def check_input(
 
 
 def compare(
-    engine: str, system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
-) -> Compared:
+    system: System, state: State, ours: Ours, tolerance: float, budget: float, engine: str,
+    report: Callable[[float], None],
+) -> Compared:  # fmt: skip
     """All findings about one engine, by the first way of running it that takes the model to the end."""
     if engine == DEFINITIONS:
         end = float(ours.motion.t[-1])
@@ -176,7 +177,7 @@ def compare(
 
 
 def compare_way(
-    make: Callable[..., Twin], system: Any, state: State, ours: Ours, tolerance: float, budget: float, report: Any
+    make: Callable[..., Twin], system: System, state: State, ours: Ours, tolerance: float, budget: float, report: Any
 ) -> Compared:  # fmt: skip
     """All findings about an engine run in one way; a motion it cannot follow is one of them."""
     twin, t_end = make(), float(ours.motion.t[-1])

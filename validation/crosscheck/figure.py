@@ -1,19 +1,22 @@
 """Convergence of engines to our motion as a figure."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mbsd3d.extend import LINE, THIN, Theme, dress, house, theme
-from validation.crosscheck.verdict import Compared
+
+if TYPE_CHECKING:
+    from validation.crosscheck.result import Compared
 
 SHOWN = ("position", "rotation", "velocity", "energy", "reaction force")
 """Quantities that are drawn: the others follow from them."""
 
 
-def convergence_figure(found: Sequence[Compared], dark: bool = False) -> Figure:
+def convergence_figure(found: "Sequence[Compared]", dark: bool = False) -> Figure:
     """Difference from our motion over the step, one panel per engine with runs, and the expected slope beside it."""
     engines = [engine for engine in found if engine.curves]
     look = theme(dark)
@@ -29,7 +32,7 @@ def convergence_figure(found: Sequence[Compared], dark: bool = False) -> Figure:
     return figure
 
 
-def draw(axes: Axes, engine: Compared, look: Theme) -> None:
+def draw(axes: Axes, engine: "Compared", look: Theme) -> None:
     """Curves of an engine."""
     dress(axes, look)
     shown = [curve for curve in engine.curves if curve.quantity in SHOWN]

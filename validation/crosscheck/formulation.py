@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import State, accelerations
-from validation.crosscheck.ours import TIGHT, whole_run
-from validation.crosscheck.quantities import Sizes, largest
-from validation.crosscheck.verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
+from mbsd3d import Joint, Solution, State, System, accelerations
+from validation.crosscheck.ours import TIGHT, Sizes, largest, whole_run
+from validation.crosscheck.result import AGREES, DIFFERS, SKIPPED, Compared, Finding
 from validation.twins.base import Array, NotExpressible
 from validation.twins.definitions import equations as reference_point
 from validation.twins.definitions import rows as definitions
@@ -21,14 +20,13 @@ ENGINE = "definitions"
 ORDER = (0, 8, 4, 2, 6, 1, 3, 5, 7)
 """States in the order they are looked at: each costs milliseconds, seconds for 100 bodies, so that the time may be up
 before the last; a motion has hardly more phases than nine."""
-FEWEST = 2
-"""States that are looked at whatever they cost: the start and the end."""
+FEWEST = 2  # States that are looked at whatever they cost: the start and the end
 LIMIT = 1e-9
 """Relative; where the condition of J M^-1 J' times rounding is more, that counts (tests/validation/test_random.py)."""
 EPS = 1e-14
 
 
-def compare_definitions(system: Any, state: State, t_end: float | None, size: Sizes, budget: float) -> Compared:
+def compare_definitions(system: System, state: State, t_end: float | None, size: Sizes, budget: float) -> Compared:
     """Findings about gaps, slips, accelerations and reactions at nine states of the run; None: at the start only.
 
     Fewer where they take longer than ``budget`` seconds; the findings say so.
@@ -52,7 +50,9 @@ def compare_definitions(system: Any, state: State, t_end: float | None, size: Si
     return Compared(ENGINE, findings, settings=f"accelerations from the joints' definitions at {states}")
 
 
-def look(solution: Any, size: Sizes, seconds: float) -> tuple[dict[str, list[tuple[float, str, float, float]]], int]:
+def look(
+    solution: Solution, size: Sizes, seconds: float
+) -> tuple[dict[str, list[tuple[float, str, float, float]]], int]:
     """(quantity -> excess, part, difference and limit at the states looked at, how many they are)."""
     began, looks = time.perf_counter(), 0
     found: dict[str, list[tuple[float, str, float, float]]] = {}
@@ -72,7 +72,7 @@ def finding(name: str, entries: list[tuple[float, str, float, float]], t_end: fl
     return Finding(ENGINE, name, status, difference=difference, tolerance=limit, until=t_end, part=part, reason=fewer)
 
 
-def at_state(solution: Any, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
+def at_state(solution: Solution, k: int, size: Sizes) -> list[tuple[str, float, str, float]]:
     """(quantity, greatest relative difference, whose, limit) at sample k."""
     system = solution.system
     there = reference_point.solve(system, solution.state(k))
@@ -89,7 +89,7 @@ def at_state(solution: Any, k: int, size: Sizes) -> list[tuple[str, float, str, 
     return entries + reactions(solution, k, there, size, limit)
 
 
-def gaps(solution: Any, k: int, scale: float) -> tuple[float, str]:
+def gaps(solution: Solution, k: int, scale: float) -> tuple[float, str]:
     """(greatest |c| of the definitions of geometry over a length, whose) at sample k."""
     system, state = solution.system, solution.state(k)
     now = definitions.Motion(system, state, state.v.reshape(1, -1, 6))
@@ -102,7 +102,7 @@ def gaps(solution: Any, k: int, scale: float) -> tuple[float, str]:
     return max(found, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
 
 
-def whole_turns(solution: Any, k: int, joint: Any) -> float:
+def whole_turns(solution: Solution, k: int, joint: Joint) -> float:
     """What the turns that a hinge has made add to c, the last part of a definition."""
     hinges = definitions.TURNS.get(type(joint), lambda joint: [])(joint)
     angles = [(factor, float(solution.angle(hinge)[k])) for factor, hinge in hinges]
@@ -115,7 +115,7 @@ def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str
     return float(by_part.max()), parts[int(by_part.argmax())]
 
 
-def reactions(solution: Any, k: int, there: Any, size: Sizes, limit: float) -> list[tuple[str, float, str, float]]:
+def reactions(solution: Solution, k: int, there: Any, size: Sizes, limit: float) -> list[tuple[str, float, str, float]]:
     """Wrenches about O of body b of the joints whose reaction is unique."""
     force, moment, names = [], [], []
     for joint in solution.system.joints:

@@ -1,24 +1,74 @@
-"""From a ladder of runs to verdicts: over which time they can be compared, and whether the limits agree."""
+"""Verdicts: mass matrices and accelerations at the start, limits of the motions, causes of differences.
 
-from collections.abc import Mapping
-from typing import Any
+A difference is explained only if changing its cause, in the same run, changes it as it should.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbsd3d import State, System, accelerations
+from mbsd3d.extend import mass_matrix
 from validation.crosscheck.ladder import Ladder, Limit, best_limit
-from validation.crosscheck.ours import Ours
-from validation.crosscheck.quantities import POSES, Quantity, quantities
-from validation.crosscheck.verdict import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
-from validation.twins.base import Array
+from validation.crosscheck.ours import POSES, Ours, Quantity, largest, quantities
+from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED, SKIPPED, SURE, Attribution, Curve, Finding
+from validation.twins.base import Array, NotComparable, Twin
+
+MASS = 1e-10
+"""Relative difference of mass matrices: rounding of some hundred products and of the engine's own kinematics."""
+START = ("acceleration", "angular acceleration")
+
+
+def judge_start(system: System, state: State, twin: Twin, ours: Ours, tolerance: float) -> list[Finding]:
+    """Findings about the mass matrix and the accelerations at the start."""
+    findings = [judge_mass(system, state, twin)]
+    by_quantity = acceleration_differences(system, state, twin, ours)
+    for name, (difference, part) in by_quantity.items():
+        status = AGREES if difference <= tolerance else DIFFERS
+        found = dict(difference=difference, tolerance=tolerance, until=state.t, part=part)
+        findings.append(Finding(twin.engine, name, status, **found))
+    return findings
+
+
+def judge_mass(system: System, state: State, twin: Twin) -> Finding:
+    """T'M T of our reference-point mass matrix against the engine's, T from its velocities to ours."""
+    kinetic = twin.kinetic()
+    if kinetic is None:
+        return Finding(twin.engine, "mass matrix", SKIPPED, reason=f"{twin.engine} does not give it here")
+    T, theirs = kinetic.map, kinetic.matrix
+    ours = T.T @ mass_matrix(system, state) @ T
+    difference = largest(ours - theirs) / largest(theirs)
+    status = AGREES if difference <= MASS else DIFFERS
+    return Finding(
+        twin.engine, "mass matrix", status, difference=difference, tolerance=MASS, until=state.t, part="the whole"
+    )
+
+
+def acceleration_differences(system: System, state: State, twin: Twin, ours: Ours) -> dict[str, tuple[float, str]]:
+    """Quantity -> (greatest relative difference, whose body): divided by the greatest acceleration, or by gravity."""
+    a = np.asarray(accelerations(system, state).arrays["acceleration"][0])
+    return relative_to(a, twin.accelerations(), system, ours)
+
+
+def relative_to(a: Array, theirs: Array, system: System, ours: Ours) -> dict[str, tuple[float, str]]:
+    """As above, for given (bodies, 6) accelerations."""
+    size = ours.size
+    pull = max(largest(a[:, :3]), float(np.linalg.norm(system.gravity)), size.speed * size.spin)
+    scales = (pull, max(largest(a[:, 3:]), pull / size.length))
+    found = {}
+    for name, part, scale in zip(START, (slice(0, 3), slice(3, 6)), scales, strict=True):
+        by_body = np.abs(a[:, part] - theirs[:, part]).max(axis=1) / scale
+        found[name] = (float(by_body.max()), system.bodies[int(by_body.argmax())].name)
+    return found
+
 
 LEAST = 1 / 8
 """Of the run that should be comparable; if it is not at the tolerance, the tolerance is taken ten times larger."""
-LOOSEST = 1e-3
-"""Tolerance beyond which agreement would say nothing."""
-SLACK = 0.5
-"""By how much the observed order may miss the expected one; a lower one has to be explained."""
-HALVED = 0.75
-"""A difference that halving the step takes below this part of it is one of the step, of whatever order."""
+LOOSEST = 1e-3  # Tolerance beyond which agreement would say nothing
+SLACK = 0.5  # By how much the observed order may miss the expected one; a lower one has to be explained
+HALVED = 0.75  # A difference that halving the step takes below this part of it is one of the step, of whatever order
 BLUR = 100.0
 """Tolerances that momenta, energies and reactions may be uncertain by: they are made of poses and accelerations; never
 more than `LOOSEST`."""
@@ -27,7 +77,7 @@ more than `LOOSEST`."""
 class Runs:
     """Relative values of a ladder by quantity; reactions without the start, where multipliers are not valid yet."""
 
-    def __init__(self, system: Any, ladder: Ladder, ours: Ours) -> None:
+    def __init__(self, system: System, ladder: Ladder, ours: Ours) -> None:
         self.ladder, self.ours = ladder, ours
         joints = tuple(name for name in ours.motion.reactions if name in ladder.runs[-1].reactions)
         self.own = dict(ours.found)
@@ -110,12 +160,6 @@ def beginning(name: str) -> int:
     return 1 if name.startswith("reaction") else 0
 
 
-def first_sample(runs: Runs, name: str, limit: Limit) -> float:
-    """Greatest relative difference at the start."""
-    own = runs.own[name]
-    return float(np.abs(limit.values[0] - own.values[0] / own.scale).max())
-
-
 def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Finding:
     """One quantity over the first ``span`` samples."""
     difference, part, limit = limit_difference(runs, name, span)
@@ -129,7 +173,8 @@ def judge(runs: Runs, engine: str, name: str, span: int, tolerance: float) -> Fi
         return Finding(engine, name, DIFFERS, **found)
     if unsure > min(BLUR * tolerance, LOOSEST):
         return Finding(engine, name, SKIPPED, **found, reason=f"{engine}'s limit is known only to {unsure:.0e}")
-    gaps, first = differences(runs, name, span), first_sample(runs, name, limit)
+    gaps, own = differences(runs, name, span), runs.own[name]
+    first = float(np.abs(limit.values[0] - own.values[0] / own.scale).max())  # at the start
     if first > max(SURE * unsure, tolerance):
         found["attributions"] = (Attribution("first sample", "leaving the start out", first, difference),)
     converging = gaps[-1] <= HALVED * gaps[-2]
@@ -155,3 +200,67 @@ def curves(runs: Runs, span: int) -> tuple[Curve, ...]:
     end = float(runs.ours.motion.t[-1] - runs.ours.motion.t[0])
     steps = tuple(end / count for count in runs.ladder.steps)
     return tuple(Curve(name, steps, differences(runs, name, span)) for name in runs.values if span)
+
+
+class Cause(NamedTuple):
+    """A setting of a twin that may be to blame, what it is changed to, and the part of a difference that then stays."""
+
+    name: str
+    setting: str
+    value: Any
+    stays: float
+
+
+CAUSES: dict[str, tuple[Cause, ...]] = {
+    "MuJoCo": (Cause("softness of the equalities (solref)", "softness", 8.0, 0.25),),  # half: error as its square
+    "Exudyn": (Cause("tolerance of Newton's iterations", "tolerance", 1e-13, 0.0),),
+}
+"""By engine, in the order they are tried."""
+NEAR = 0.2
+"""By how much of the whole the remaining part may miss ``stays``: a second cause of that size would not be seen.
+
+So it is never more than `LOOSEST` of the quantity's size, however great the difference."""
+
+
+def explained(
+    findings: Sequence[Finding], make: Callable[..., Twin], system: System, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None = None, span: int = 0,
+) -> list[Finding]:  # fmt: skip
+    """The findings, with a tried and measured cause on those that differ; without one they stay as they are."""
+    suspects = {x.quantity: x for x in findings if x.status == DIFFERS}
+    if not suspects:
+        return list(findings)
+    proofs: dict[str, list[Attribution]] = {name: [] for name in suspects}
+    for cause in CAUSES.get(findings[0].engine, ()):
+        for name, after in changed(cause, make, system, state, ours, climb, span).items():
+            before = suspects[name].difference if name in suspects else None
+            if before and abs(after - cause.stays * before) <= unseen(cause, suspects[name]):
+                proofs[name].append(Attribution(cause.name, f"{cause.setting} = {cause.value:g}", before, after))
+    return [
+        replace(x, status=EXPLAINED, attributions=(*x.attributions, *proofs[x.quantity]))
+        if x.status == DIFFERS and proofs[x.quantity]
+        else x
+        for x in findings
+    ]
+
+
+def unseen(cause: Cause, finding: Finding) -> float:
+    """How far the difference may be from what the cause leaves; where that is nothing, the rest has to agree."""
+    share = NEAR * max(cause.stays, 0.05) * finding.difference
+    return min(share, LOOSEST if cause.stays else finding.bound)
+
+
+def changed(
+    cause: Cause, make: Callable[..., Twin], system: System, state: State, ours: Ours,
+    climb: Callable[[Twin], Runs] | None, span: int,
+) -> dict[str, float]:  # fmt: skip
+    """Quantity -> difference with the cause changed; for motions the difference of the limits, as everywhere."""
+    try:
+        twin = make(**{cause.setting: cause.value})
+        found = {name: x[0] for name, x in acceleration_differences(system, state, twin, ours).items()}
+        if climb is not None and span:
+            runs = climb(twin)
+            found |= {name: limit_difference(runs, name, span)[0] for name in runs.values}
+    except NotComparable:
+        return {}
+    return found

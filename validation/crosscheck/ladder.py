@@ -7,20 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from validation.crosscheck.quantities import POSES, quantities
+from mbsd3d import System
+from validation.crosscheck.ours import POSES, quantities, running_max
 from validation.twins.base import Array, EngineFailed, Motion, finite
 
 INTERVALS = 32
 """Samples of a comparison less the start: enough to see where motions part; a power of two, as all step counts are."""
 MOST_STEPS = 2**21
-IDLE = 2
-"""Finer runs in vain, after which rounding is all that is left."""
+IDLE = 2  # Finer runs in vain, after which rounding is all that is left
 ROUNDING = 1e-12
 """Gaps below this part of a quantity's size are rounding of 10^3 to 10^6 steps: no order is read from them."""
-FEWEST = 4
-"""Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays."""
-LEAST_ORDER = 0.5
-"""Below it halving the step hardly helps, and extrapolating would only amplify."""
+FEWEST = 4  # Runs that a limit is taken from at least: three give an order, the fourth shows whether it stays
+LEAST_ORDER = 0.5  # Below it halving the step hardly helps, and extrapolating would only amplify
 
 
 @dataclass(frozen=True)
@@ -39,13 +37,8 @@ class Limit:
     gaps: tuple[float, ...]
 
 
-def running_max(values: Array) -> Array:
-    """(n,) greatest absolute value over all parts up to each sample, of (n, parts, k)."""
-    return np.maximum.accumulate(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
-
-
 def observed_order(gaps: Sequence[float]) -> float | None:
-    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if there is none."""
+    """log2 of the ratio of neighbouring gaps, of the last pair above rounding; None if all are rounding."""
     for coarse, fine in reversed(list(zip(gaps[:-1], gaps[1:], strict=True))):
         if fine > ROUNDING:
             return float(np.log2(coarse / fine)) if coarse > 0.0 else 0.0
@@ -116,7 +109,7 @@ def fastest_rate(motion: Motion) -> float:
 
 
 def climb(
-    twin: Any, system: Any, t_end: float, first: int, size: Any, target: float, budget: float,
+    twin: Any, system: System, t_end: float, first: int, size: Any, target: float, budget: float,
     report: Callable[[float], None],
 ) -> Ladder:  # fmt: skip
     """Halve the step until the limit of poses and velocities is known to ``target``, or ``budget`` seconds are up.
@@ -158,7 +151,7 @@ def why_stop(
     return f"{MOST_STEPS} steps are the most" if steps > MOST_STEPS else ""
 
 
-def known_to(ladder: Ladder, system: Any, size: Any) -> float:
+def known_to(ladder: Ladder, system: System, size: Any) -> float:
     """How uncertain the limit of poses and velocities is at the end, relative."""
     runs = [quantities(system, motion, size) for motion in ladder.runs]
     worst = 0.0

@@ -1,20 +1,136 @@
-"""Our own motion at given times, how wrong it may be, and how fast neighbouring motions part."""
+"""What is compared: quantities of a `Motion` from poses and velocities alone, and their natural sizes; our own motion.
 
+Of our motion also how wrong it may be, and how fast neighbouring motions part.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import State, accelerations, simulate
-from validation.crosscheck.ladder import running_max
-from validation.crosscheck.quantities import POSES, Quantity, Sizes, quantities, sizes
+from mbsd3d import Solution, State, System, accelerations, simulate
 from validation.twins.base import Array, Load, Motion
 from validation.twins.definitions.equations import constraint_rows
 
+POSES = ("position", "rotation", "velocity", "angular velocity")  # Quantities that the others are made of
+
+
+class Quantity(NamedTuple):
+    """Samples (n, parts, k) of a quantity, whose they are, and by what a difference is divided to be relative."""
+
+    values: Array
+    parts: tuple[str, ...]
+    scale: float
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Natural sizes of a run: what an error of one hundred per cent would be.
+
+    ``length, speed, spin``: [m, m/s, rad/s]; ``momentum, angular_momentum, energy, force, moment``: [kg m/s, kg m^2/s,
+    J, N, N m].
+    """
+
+    length: float
+    speed: float
+    spin: float
+    momentum: float
+    angular_momentum: float
+    energy: float
+    force: float
+    moment: float
+
+
+def rotation_matrices(e: Array) -> Array:
+    """(e0^2 - e_v'e_v) 1 + 2 e_v e_v' + 2 e0 [e_v]x, (..., 3, 3), of unit quaternions (..., 4) of either sign."""
+    e0, v = e[..., :1, None], e[..., 1:]
+    outer = v[..., :, None] * v[..., None, :]
+    skew = np.cross(np.eye(3), v[..., None, :])  # row i of [v]x is e_i x v
+    square = e0**2 - (v * v).sum(axis=-1)[..., None, None]
+    return square * np.eye(3) + 2.0 * outer + 2.0 * e0 * skew
+
+
+def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]:
+    """(p, L about the world's origin, kinetic energy, potential energy of the weight): (n, 3), (n, 3), (n,), (n,)."""
+    R = rotation_matrices(motion.orientation)
+    n = motion.t.size
+    p, L, kinetic, weight = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+    for i, body in enumerate(system.bodies):
+        w = motion.omega[:, i]
+        arm = R[:, i] @ body.com
+        centre, v = motion.position[:, i] + arm, motion.velocity[:, i] + np.cross(w, arm)
+        spin = np.einsum("tij,jk,tlk,tl->ti", R[:, i], body.inertia, R[:, i], w)
+        p += body.mass * v
+        L += body.mass * np.cross(centre, v) + spin
+        kinetic += 0.5 * (body.mass * (v * v).sum(axis=1) + (w * spin).sum(axis=1))
+        weight -= body.mass * centre @ system.gravity
+    return p, L, kinetic, weight
+
+
+def sizes(system: System, motion: Motion, length: float) -> Sizes:
+    """From a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
+    span = float(motion.t[-1] - motion.t[0]) or 1.0
+    mass = sum(body.mass for body in system.bodies) or 1.0
+    pull = float(np.linalg.norm(system.gravity))
+    turn = largest(motion.omega)
+    speed = max(largest(motion.velocity - motion.velocity.mean(axis=1, keepdims=True)), largest(motion.velocity))
+    speed = max(speed, turn * length, 1e-3 * np.sqrt(pull * length), 1e-3 * length / span)
+    _, L, kinetic, weight = momenta(system, motion)
+    loads = motion.reactions.values()
+    force = max([largest(load.force) for load in loads], default=0.0) or mass * (pull or speed / span)
+    reach = length + largest(motion.position)
+    return Sizes(
+        length=length,
+        speed=speed,
+        spin=max(turn, speed / length),
+        momentum=mass * speed,
+        angular_momentum=max(largest(L), mass * speed * reach * 1e-3),
+        energy=max(float(kinetic.max()), float(np.ptp(weight)), 1e-3 * mass * speed**2),
+        force=force,
+        moment=max(max([largest(load.moment) for load in loads], default=0.0), force * length),
+    )
+
+
+def running_max(values: Array) -> Array:
+    """(n,) greatest absolute value over all parts up to each sample, of (n, parts, k)."""
+    return np.maximum.accumulate(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
+
+
+def largest(values: Array) -> float:
+    """Largest absolute value, 0 for none."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def quantities(system: System, motion: Motion, size: Sizes, joints: tuple[str, ...] = ()) -> Mapping[str, Quantity]:
+    """All quantities of a motion by name; reactions of ``joints``, with the joint's name as the part.
+
+    Rotations are compared as matrices (9 numbers): the sign of a quaternion and its jumps do not matter.
+    """
+    bodies = tuple(body.name for body in system.bodies)
+    n, everything = motion.t.size, ("the whole",)
+    p, L, kinetic, weight = momenta(system, motion)
+    R = rotation_matrices(motion.orientation).reshape(n, len(bodies), 9)
+    found = {
+        "position": Quantity(motion.position, bodies, size.length),
+        "rotation": Quantity(R, bodies, 1.0),
+        "velocity": Quantity(motion.velocity, bodies, size.speed),
+        "angular velocity": Quantity(motion.omega, bodies, size.spin),
+        "momentum": Quantity(p[:, None], everything, size.momentum),
+        "angular momentum": Quantity(L[:, None], everything, size.angular_momentum),
+        "kinetic energy": Quantity(kinetic[:, None, None], everything, size.energy),
+        "energy": Quantity((kinetic + weight)[:, None, None], everything, size.energy),
+    }
+    if joints:
+        loads = [motion.reactions[name] for name in joints]
+        found["reaction force"] = Quantity(np.stack([x.force for x in loads], axis=1), joints, size.force)
+        found["reaction moment"] = Quantity(np.stack([x.moment for x in loads], axis=1), joints, size.moment)
+    return found
+
+
 LOOSE, TIGHT = 1e-10, 1e-12
 """rtol of the run that is compared, TIGHT, and of the one that tells its error: 100 times looser."""
-NUDGE = 1e-6
-"""Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth."""
+NUDGE = 1e-6  # Of the neighbouring start, relative: far above the error of the runs, far below what bends the growth
 RANK = 1e-9
 """Singular values of J below this part of the greatest are zero, as in `validation.twins.definitions.equations`."""
 
@@ -37,7 +153,7 @@ class Ours:
     open: tuple[str, ...]
 
 
-def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
+def motion_of(solution: Solution) -> tuple[Motion, tuple[str, ...]]:
     """(poses, velocities and unique reactions of a solution, names of joints whose reaction is not unique)."""
     system = solution.system
     stack = {
@@ -50,7 +166,7 @@ def motion_of(solution: Any) -> tuple[Motion, tuple[str, ...]]:
     return Motion(t=solution.t, reactions=loads, seconds=solution.record.seconds, **stack), rest
 
 
-def whole_run(system: Any, t_end: float, state: State, rtol: float, output: Any) -> Any:
+def whole_run(system: System, t_end: float, state: State, rtol: float, output: Any) -> Any:
     """A solution up to t_end; KeyboardInterrupt if Ctrl-C ended it before."""
     solution = simulate(system, t_end, state=state, rtol=rtol, output=output)
     if (solution.record.stopped_by or "").startswith("interrupted"):
@@ -58,7 +174,7 @@ def whole_run(system: Any, t_end: float, state: State, rtol: float, output: Any)
     return solution
 
 
-def neighbour(system: Any, state: State, size: Sizes) -> State:
+def neighbour(system: System, state: State, size: Sizes) -> State:
     """The start with general velocities added, NUDGE of the run's speeds, that all joints allow."""
     J = constraint_rows(system, state)[0] if system.joints else np.zeros((0, state.v.size))
     units = np.tile([size.speed] * 3 + [size.spin] * 3, len(system.bodies))
@@ -69,7 +185,7 @@ def neighbour(system: Any, state: State, size: Sizes) -> State:
     return replace(state, v=state.v + NUDGE * units * shift / length) if length > RANK else state
 
 
-def ours_at(system: Any, state: State, times: Array) -> Ours:
+def ours_at(system: System, state: State, times: Array) -> Ours:
     """Our motion at the times, by a tight run; its error by a looser one, its sensitivity by a neighbouring one."""
     t_end = float(times[-1])
     tight, loose = (whole_run(system, t_end, state, rtol, times) for rtol in (TIGHT, LOOSE))
@@ -91,7 +207,7 @@ def ours_at(system: Any, state: State, times: Array) -> Ours:
     return Ours(motion, size, found, error, growth, rest)
 
 
-def ours_at_start(system: Any, state: State) -> Ours:
+def ours_at_start(system: System, state: State) -> Ours:
     """The same at the start alone: sizes and unique reactions, nothing to estimate."""
     solution = accelerations(system, state)
     motion, rest = motion_of(solution)

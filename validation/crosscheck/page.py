@@ -1,19 +1,20 @@
 """The result as one HTML page that needs no network and prints on A4."""
 
+from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
-from mbsd3d.extend import inline_svg
-from validation.crosscheck.result import CrossCheck, number, summary, verdict
-from validation.crosscheck.verdict import Finding
-from validation.pages import environment
+from mbsd3d.extend import inline_svg, page_template
+from validation.crosscheck.result import CrossCheck, Finding, number, summary, verdict
+
+TEMPLATES = Path(__file__).parents[1] / "templates"
 
 
-def page(check: CrossCheck, title: str, pictures: tuple[dict[str, str], ...] = ()) -> str:
-    """The page; ``pictures`` of the mechanism as {"kind": "on-light" or "on-dark", "data": a data: address}."""
-    return environment().get_template("cross_check.html").render(
-        title=title, check=check, summary=summary(check), numbers=numbers, verdict=verdict, pictures=pictures,
+def page(check: CrossCheck, title: str) -> str:
+    """The whole page."""
+    return page_template("cross_check.html", TEMPLATES).render(
+        title=title, check=check, summary=summary(check), numbers=numbers, verdict=verdict,
         figure=Markup(inline_svg(check.figure(), "c-")),
     )  # fmt: skip
 

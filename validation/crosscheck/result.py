@@ -1,12 +1,90 @@
-"""The result of a comparison: verdicts, table, figure and data."""
+"""The result of a comparison: per engine and quantity a verdict with its numbers; table, figure and data of all."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from validation.crosscheck.verdict import AGREES, DIFFERS, SKIPPED, Compared, Finding
+AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
+SURE = 3.0  # Errors of a limit by which another may be away from it: the estimate is the last change, not a bound
+
+
+class Attribution(NamedTuple):
+    """A cause that was changed, and what that did to the difference (relative, before and after)."""
+
+    cause: str
+    change: str
+    before: float
+    after: float
+
+    def __str__(self) -> str:
+        return f"{self.cause}: {self.change} takes the difference from {self.before:.1e} to {self.after:.1e}"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One quantity against one engine; differences are relative to the quantity's size in the run.
+
+    ``status``: "agrees"; "explained" (differs, and a cause was changed to show why); "differs"; "not compared";
+    ``difference, uncertainty``: greatest distance of the limits up to ``until``, and how far that may be wrong:
+    engine's and our own error; ``tolerance``: relative difference that counts as agreement whatever the
+    uncertainty; ``order, expected``: observed order of the engine's error in the step, and the one it should have;
+    ``until``: end of the comparison [s]; later the engine's error, grown by the motion itself, exceeds the
+    tolerance; ``part``: whose difference is greatest; ``reason``: why it was not compared, or what is noteworthy.
+    """
+
+    engine: str
+    quantity: str
+    status: str
+    difference: float | None = None
+    uncertainty: float | None = None
+    tolerance: float | None = None
+    order: float | None = None
+    expected: float | None = None
+    until: float | None = None
+    part: str = ""
+    reason: str = ""
+    attributions: tuple[Attribution, ...] = ()
+
+    @property
+    def bound(self) -> float:
+        """Relative difference up to which it agrees."""
+        return max(SURE * (self.uncertainty or 0.0), self.tolerance or 0.0)
+
+    @property
+    def verdict(self) -> str:
+        """ "agrees", "explained: ...", "differs: ..." or "not compared: ..."."""
+        if self.status == AGREES:
+            return AGREES
+        if self.status == SKIPPED:
+            return f"{SKIPPED}: {self.reason}"
+        causes = "; ".join(map(str, self.attributions))
+        size = "" if self.difference is None else f"by {self.difference:.1e} of its size ({self.part})"
+        return f"{self.status}: " + "; ".join(text for text in (size, self.reason, causes) if text)
+
+
+class Curve(NamedTuple):
+    """Difference to our motion at the finest common horizon, run by run: what the convergence plot shows."""
+
+    quantity: str
+    steps: tuple[float, ...]
+    differences: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One engine: how it was run, what was found, and its convergence."""
+
+    engine: str
+    findings: tuple[Finding, ...]
+    settings: str = ""
+    order: float | None = None
+    steps: tuple[int, ...] = ()
+    seconds: tuple[float, ...] = ()
+    stopped: str = ""
+    curves: tuple[Curve, ...] = ()
+
 
 USUAL = 1.1e-6  # tolerance that goes without saying
 HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'until [s]':>9}  verdict"
@@ -16,19 +94,10 @@ HEADER = f"{'':12} {'quantity':20} {'difference':>10} {'+-':>8} {'order':>5} {'u
 class CrossCheck:
     """Result of `cross_check`.
 
-    Attributes
-    ----------
-    t_end, tolerance : float
-        [s]; relative.
-    engines : tuple of Compared
-    growth : float
-        By how much neighbouring motions of this model part until t_end, relative to their start.
-    own_error : float
-        Estimated error of our own poses and velocities at t_end, relative.
-    interrupted : bool
-        Ctrl-C ended it; what was found until then stands.
-    start_only : bool
-        Only mass matrix and accelerations were asked for.
+    ``t_end``: [s]; ``tolerance``: relative; ``growth``: by how much neighbouring motions of this model
+    part until t_end, relative to their start; ``own_error``: estimated error of our own poses and velocities at
+    t_end, relative; ``interrupted``: Ctrl-C ended it; what was found until then is kept; ``start_only``: only mass
+    matrix and accelerations were asked for.
     """
 
     t_end: float
@@ -62,7 +131,7 @@ class CrossCheck:
 
     @property
     def followed(self) -> tuple[str, ...]:
-        """Engines whose motion was compared, or whose start where only that was asked for; definitions are none."""
+        """Engines, without the definitions, whose motion was compared, or the start where only that was asked for."""
         return tuple(
             x.engine
             for x in self.engines
@@ -114,7 +183,7 @@ class CrossCheck:
 
 
 def finite(value: Any) -> Any:
-    """The same of plain Python types, None for numbers that are not finite: JSON has no word for them."""
+    """The same of plain Python types, None for numbers that are not finite: JSON cannot hold them."""
     if isinstance(value, dict):
         return {key: finite(x) for key, x in value.items()}
     if isinstance(value, list | tuple):
@@ -141,7 +210,7 @@ def table(check: CrossCheck) -> str:
 def summary(check: CrossCheck) -> str:
     """The last line."""
     if check.interrupted:
-        return "interrupted: what stands above was compared"
+        return "interrupted: what is listed above was compared"
     if check.failures:
         return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
     partly = [name for name in check.compared if name not in (*check.followed, "definitions")]

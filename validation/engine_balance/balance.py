@@ -17,8 +17,7 @@ class Comparison:
     engine: Engine
     ways: dict[str, Harmonics]
     """"phasor", "planar", "spatial"."""
-    gravity: tuple[float, float] = (0.0, 0.0)
-    """In the plane of the cylinders [m/s^2]."""
+    gravity: tuple[float, float] = (0.0, 0.0)  # In the plane of the cylinders [m/s^2]
     driver: str = "block"
     """Where the driving torque reacts, "block" or "dyno"."""
 
@@ -46,7 +45,7 @@ def compare(engine: Engine, orders: int = 6, *, gravity: Any = (0.0, 0.0), drive
     system = spatial.build(engine, driver=driver, gravity=(*gravity, 0.0))
     turn = spatial.turn(system, engine, count=engine.samples(orders))
     ways = {
-        "phasor": Harmonics(*phasor.block_load(engine, orders, gravity=gravity, dyno=dyno)),
+        "phasor": phasor.block_load(engine, orders, gravity=gravity, dyno=dyno),
         "planar": planar_sum.harmonics(engine, orders, gravity=gravity, dyno=dyno),
         "spatial": spatial.harmonics(turn, engine, orders),
     }

@@ -4,6 +4,8 @@ from typing import Any
 
 import click
 
+from mbsd3d.extend import Failure, Mbsd3dError
+
 MASSES = {
     "crank": "crank_mass",
     "centre": "crank_centre",
@@ -13,12 +15,6 @@ MASSES = {
     "piston": "piston_mass",
 }
 DISAGREE = 1  # exit code
-
-
-class Failure(click.ClickException):
-    """Bad input: one line, exit code 2."""
-
-    exit_code = 2
 
 
 def masses(context: click.Context, option: click.Parameter, text: str | None) -> dict[str, float]:
@@ -44,7 +40,7 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--rpm", type=float, default=10.0, show_default=True, help="Crank speed [1/min].")
 @click.option("--R", "radius", type=float, default=1.0, show_default=True, help="Crank radius [m].")
 @click.option("--L", "rod_length", type=float, default=2.0, show_default=True, help="Rod length [m].")
-@click.option("--spacing", type=float, help="Bore spacing [m]; default: that of the layout.")
+@click.option("--spacing", type=float, help="Bore spacing [m]; default: as in the layout.")
 @click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
 @click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
@@ -67,7 +63,6 @@ def main(
     Every figure is computed three ways: in closed form, as a sum of planar models, and from the reaction of the whole
     engine in space. The exit code is 1 if they disagree.
     """
-    from mbsd3d.extend import Mbsd3dError
     from validation.engine_balance.layouts import Engine, names
 
     try:
@@ -138,7 +133,12 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     if len(engines) > 1 and (gas is not None or shafts or sweep):
         raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
     comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
-    extra = studied(engines[0], gas, shafts, sweep)
+    wanted = (
+        (gas is not None, lambda: report.gas_harmonics(engines[0], gas)),
+        (shafts, lambda: report.balance_shafts(engines[0])),
+        (sweep, lambda: report.rod_ratios(engines[0])),
+    )
+    extra = [table() for asked, table in wanted if asked]
     if ways:
         parts = [report.ways(comparison) for comparison in comparisons]
         click.echo(report.Table(parts[0].header, [row for part in parts for row in part.rows]))
@@ -151,18 +151,6 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     for table in extra:
         click.echo(f"\n{table}")
     return comparisons
-
-
-def studied(engine: Any, gas: float | None, shafts: bool, sweep: bool) -> list:
-    """Tables of the studies asked for."""
-    from validation.engine_balance import report
-
-    wanted = (
-        (gas is not None, lambda: report.gas_harmonics(engine, gas)),
-        (shafts, lambda: report.balance_shafts(engine)),
-        (sweep, lambda: report.rod_ratios(engine)),
-    )
-    return [table() for asked, table in wanted if asked]
 
 
 def show(comparison: Any) -> None:

@@ -1,6 +1,6 @@
 """Harmonics of the load on a block: what every one of the three ways returns, and how it turns.
 
-A phasor c_n stands for ``Re(c_n exp(i n q))``. A load in the plane of x and y is the sum of a vector that turns with
+A phasor c_n means ``Re(c_n exp(i n q))``. A load in the plane of x and y is the sum of a vector that turns with
 the crank and one that turns against it, n times as fast:
 
     X_n, Y_n phasors of its components:   forward (X + i Y) / 2, backward (X - i Y) / 2
@@ -18,12 +18,9 @@ import numpy as np
 class Harmonics:
     """Orders 0, 1, 2 ... of crank speed of the load on the block about the origin, world axes."""
 
-    force: np.ndarray
-    """(orders + 1, 3) complex [N]."""
-    moment: np.ndarray
-    """(orders + 1, 3) complex [N m]; x and y are the couples, z is the torque reaction."""
-    torque: np.ndarray
-    """(orders + 1,) complex, of the driver on the crank [N m]."""
+    force: np.ndarray  # (orders + 1, 3) complex [N]
+    moment: np.ndarray  # (orders + 1, 3) complex [N m]; x and y are the couples, z is the torque reaction
+    torque: np.ndarray  # (orders + 1,) complex, of the driver on the crank [N m]
 
     @property
     def forward(self) -> np.ndarray:

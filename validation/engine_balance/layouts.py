@@ -26,12 +26,12 @@ FOLD = 1e-13  # of an order that sampling may fold back, relative to the force o
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the cylinders of an engine stand and how its crank is bent.
+    """Where the cylinders of an engine are and how its crank is bent.
 
     ``name, title``: short name, and what it is; ``pins, bores`` (n,): directions of crankpins at q = 0 and of bores
     [degrees], from x towards y; ``stations`` (n,): z of the cylinders [m]; ``bank_angle``: between the banks [degrees];
     ``spacing``: bore spacing for which the stations hold [m]; ``firing_order``: as the source gives it, "1-3-4-2".
-    ValueError if pins, bores and stations are not equally many, or a number is none.
+    ValueError if the numbers of pins, bores and stations differ, or a value is not a number.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def names() -> tuple[str, ...]:
 def layout(name: str) -> Layout:
     """A layout of the data file.
 
-    ValueError if there is none of that name, listing the names.
+    ValueError if the name is unknown; it lists the names.
     """
     if name not in names():
         raise ValueError(f"layout '{name}' is unknown; there are {', '.join(names())}")

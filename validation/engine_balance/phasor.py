@@ -19,26 +19,16 @@ with ``s = R cos q + L sqrt(...)`` the place of the piston, and a dash for d/dq.
 
 with p = 1/2 for P, -1/2 for ``phi' = lam cos q (...)^(-1/2)``, -1 for ``phi'^2 = 1 - (1 - lam^2) (...)^(-1)``.
 Cylinder i runs at ``q + pins[i] - bores[i]`` in the plane z = stations[i]; its phasors turn by that angle times the
-order, and are summed. A phasor c_n stands for ``Re(c_n exp(i n q))``.
+order, and are summed. A phasor c_n means ``Re(c_n exp(i n q))``.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from scipy.special import ellipe, ellipk
+
+from validation.engine_balance.harmonics import Harmonics
 
 SMALLEST = 1e-18  # of the series, relative to their first terms
-
-
-class Phasors(NamedTuple):
-    """Harmonics 0, 1, 2 ... of the load on the block about the origin, world axes, and of the driving torque."""
-
-    force: np.ndarray
-    """(orders + 1, 3) complex [N]."""
-    moment: np.ndarray
-    """(orders + 1, 3) complex [N m]."""
-    torque: np.ndarray
-    """(orders + 1,) complex [N m]."""
 
 
 def series(lam: float, power: float, count: int) -> np.ndarray:
@@ -62,23 +52,17 @@ def _coefficient(lam: float, power: float, k: int) -> float:
     return total
 
 
-def elliptic_second(lam: float) -> float:
-    """a_2 of p = 1/2 by complete elliptic integrals, m = lam^2: (4 E - 8 ((2 m - 1) E + (1 - m) K) / (3 m)) / pi."""
-    m = lam**2
-    return float((4 * ellipe(m) - 8 / (3 * m) * ((2 * m - 1) * ellipe(m) + (1 - m) * ellipk(m))) / np.pi)
-
-
 def block_load(
     engine: Any, orders: int = 6, *, article: bool = False, across: bool = True, gravity: Any = (0.0, 0.0),
     dyno: bool = False,
-) -> Phasors:  # fmt: skip
+) -> Harmonics:  # fmt: skip
     """Load of all moving parts on the block, and the torque that keeps the crank at constant speed.
 
     ``engine``: identical cylinders without offset; ``orders``: highest harmonic; ``article``: true leaves out m_c w^2
     r_c, the centripetal force of the crank, as the published figures did; ``across``: false leaves out the force at
     right angles to the bore, as the published figures of V engines did; ``gravity`` (2,): components along x and y
     [m/s^2]; ``dyno``: the driving torque reacts outside of the block. ValueError if cylinders differ or have an
-    offset (the closed form is that of identical, centred ones), or at rpm 0.
+    offset (the closed form holds for identical, centred ones), or at rpm 0.
     """
     check_lemma(engine)
     w, g = engine.rate, np.asarray(gravity, dtype=float)
@@ -96,7 +80,7 @@ def block_load(
     z = engine.stations
     moment = np.stack([-(z @ force[..., 1]), z @ force[..., 0], couple + (torque if dyno else 0.0)], axis=-1)
     total = np.pad(force.sum(axis=0), ((0, 0), (0, 1)))
-    return Phasors(total[: orders + 1], moment[: orders + 1], torque[: orders + 1])
+    return Harmonics(total[: orders + 1], moment[: orders + 1], torque[: orders + 1])
 
 
 def check_lemma(engine: Any) -> None:
@@ -106,7 +90,7 @@ def check_lemma(engine: Any) -> None:
         light, heavy = min(engine.pistons), max(engine.pistons)
         raise ValueError(f"{what}: pistons from {light:g} to {heavy:g} kg are not alike (H2); use planar or spatial")
     if engine.offset:
-        raise ValueError(f"{what}: offset {engine.offset:g} m has no such closed form; use planar or spatial")
+        raise ValueError(f"{what}: offset {engine.offset:g} m has no closed form here; use planar or spatial")
 
 
 def terms(engine: Any, orders: int) -> int:

@@ -6,26 +6,11 @@ and C about the crank axis. The sum of planes is
     F = sum F_i,   M = sum (-z_i F_iy, z_i F_ix, C_i)
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from mbsd3d import System
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine
-from validation.engine_balance.planes.reduction import reduce_to_planes
 from validation.twins import planar
-
-
-class PlaneLoad(NamedTuple):
-    """Of one cylinder on the block, world axes, and its share of the driving torque."""
-
-    force: np.ndarray
-    """(samples, 2) [N]."""
-    couple: np.ndarray
-    """(samples,) about the crank axis [N m]."""
-    torque: np.ndarray
-    """(samples,) [N m]."""
 
 
 def build(engine: Engine, i: int, gravity: tuple[float, float] = (0.0, 0.0)) -> planar.System:
@@ -51,11 +36,11 @@ def build(engine: Engine, i: int, gravity: tuple[float, float] = (0.0, 0.0)) -> 
     return planar.System([crank, rod, piston], joints, gravity=gravity)
 
 
-def plane_load(solution: planar.Solution) -> PlaneLoad:
-    """What the moving parts of one cylinder do to the block."""
+def plane_load(solution: planar.Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(force (samples, 2) [N], couple about the crank axis [N m]) of one cylinder on the block; its driving torque."""
     bearing, bore, torque = solution.reaction("bearing"), solution.reaction("bore"), solution.effort("motor")
     lever = bore.point[:, 0] * bore.force[:, 1] - bore.point[:, 1] * bore.force[:, 0]
-    return PlaneLoad(-bearing.force - bore.force, -(lever + bore.moment + torque), torque)
+    return (-bearing.force - bore.force, -(lever + bore.moment + torque), torque)
 
 
 def harmonics(
@@ -77,25 +62,11 @@ def harmonics(
     force, moment, torque = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
     for i, z in enumerate(engine.stations):
         model = build(engine, i, gravity)
-        load = plane_load(planar.kinematics(model, times, centripetal=not article))
-        force[:, :2] += load.force
-        moment += np.column_stack([-z * load.force[:, 1], z * load.force[:, 0], load.couple + dyno * load.torque])
-        torque += load.torque
+        push, couple, effort = plane_load(planar.kinematics(model, times, centripetal=not article))
+        force[:, :2] += push
+        moment += np.column_stack([-z * push[:, 1], z * push[:, 0], couple + dyno * effort])
+        torque += effort
     return Harmonics(*(projected(values, orders) for values in (force, moment, torque)))
-
-
-def reduced(system: System, engine: Engine, orders: int = 6) -> tuple[np.ndarray, np.ndarray]:
-    """Harmonics of force and moment of the planar models that `validation.reduce_to_planes` finds in a spatial engine.
-
-    ``system``: of `spatial.build`, the driver on the block. Returns force, moment (orders + 1, 3) complex: [N], [N m].
-    ValueError if a hypothesis of the reduction fails, with all failures.
-    """
-    found = reduce_to_planes(system)
-    if not found.holds:
-        raise ValueError(f"engine '{engine.layout.name}': {found}")
-    n = engine.samples(orders)
-    load = found.block_load(2 * np.pi / engine.rate * np.arange(n) / n)
-    return projected(load.force, orders), projected(load.moment, orders)
 
 
 def projected(values: np.ndarray, orders: int) -> np.ndarray:

@@ -59,9 +59,9 @@ def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
     return dict(force=turned[0], couple=turned[1], reaction=np.abs(h.moment[:, 2]), torque=np.abs(h.torque))
 
 
-def value(x: float, noise: float) -> str:
-    """Six digits; 0 for rounding."""
-    return "0" if abs(x) < noise else f"{x:.6g}"
+def value(x: float | None, noise: float = NOISE) -> str:
+    """Six digits, nothing for None, 0 for rounding."""
+    return "" if x is None else "0" if abs(x) < noise else f"{x:.6g}"
 
 
 def ways(comparison: Comparison) -> Table:
@@ -132,20 +132,15 @@ def truth(rows: Sequence[Row]) -> Table:
             source = row.source
             found.append([source, *5 * [""]])
         pair = row.actual if isinstance(row.actual, tuple) else (row.actual,)
-        actual = " ... ".join(number(x) for x in pair)
-        found.append([f"  {row.what}", row.unit, number(row.published), number(row.assumed), actual, row.verdict])
+        actual = " ... ".join(map(value, pair))
+        found.append([f"  {row.what}", row.unit, value(row.published), value(row.assumed), actual, row.verdict])
     return Table(["figure", "unit", "published", "assumed", "actual", "verdict"], found)
-
-
-def number(x: float | None) -> str:
-    """Six digits, nothing for None, 0 for rounding."""
-    return "" if x is None else "0" if abs(x) < NOISE else f"{x:.6g}"
 
 
 def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
     """Half sines of the gas: their sum in closed form, the torque on the crank, and what the block of the model feels.
 
-    The torque is that of virtual power; M_z of the block and its largest other component are those of the spatial
+    The torque follows from virtual power; M_z of the block and its largest other component come from the spatial
     model on a dyno, with gas less without.
     """
     system, pulse = spatial.build(engine, driver="dyno"), gas.half_sine(peak)
@@ -166,7 +161,7 @@ def gas_harmonics(engine: Engine, peak: float, orders: int = 6) -> Table:
 
 def balance_shafts(engine: Engine) -> Table:
     """What counterweights and shafts in two planes leave of 1x and 2x, by theory, and how the spatial model differs."""
-    load, noise = Harmonics(*phasor.block_load(engine)), NOISE * engine.single
+    load, noise = phasor.block_load(engine), NOISE * engine.single
     size, found = amplitudes(load), []
     for order in (1, 2):
         if max(size["force"][order], size["couple"][order]) < noise:

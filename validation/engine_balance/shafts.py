@@ -2,7 +2,7 @@
 
 A shaft through (x, y) along z carries in the planes z_j the unbalances U_j [kg m], complex: |U_j| = mass times
 eccentricity, arg U_j its direction at q = 0 from x towards y. At ``s k w``, s = +1 forward or -1 backward, the block
-feels the phasors of order k (c_n stands for Re(c_n exp(i n q)))
+feels the phasors of order k (c_n means Re(c_n exp(i n q)))
 
     forward:  X = (k w)^2 U, Y = -i X;      backward:  X = (k w)^2 conj(U), Y = i X;
     M = sum_j (-z_j Y_j, z_j X_j, x Y_j - y X_j)
@@ -68,7 +68,7 @@ def unit_loads(shaft: Shaft, rate: float) -> np.ndarray:
 
 
 def load(shaft: Shaft, rate: float) -> np.ndarray:
-    """(5,) phasors of X, Y [N], M_x, M_y, M_z [N m] of a shaft on the block, of its own order."""
+    """(5,) phasors of X, Y [N], M_x, M_y, M_z [N m] of a shaft on the block, at its order."""
     u = np.array(shaft.unbalance)
     return (u if shaft.direction > 0 else u.conj()) @ unit_loads(shaft, rate)
 

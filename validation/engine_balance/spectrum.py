@@ -14,16 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal.windows import general_cosine
+from scipy.signal import get_window
 
 from mbsd3d.extend import number
 
-WINDOWS = {
-    "none": (1.0,),
-    "hann": (0.5, 0.5),
-    "flat top": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
-}
-"""a_j of w(n) = sum_j (-1)^j a_j cos(2 pi j n / N)."""
+WINDOWS = {"none": "boxcar", "hann": "hann", "flat top": "flattop"}  # name here -> in scipy.signal
 EVEN = 1e-6  # of the step: allowed error of sample times
 WHOLE = 1e-6  # of a step: allowed error of a period
 
@@ -32,12 +27,9 @@ WHOLE = 1e-6  # of a step: allowed error of a period
 class Spectrum:
     """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``."""
 
-    orders: np.ndarray
-    """(bins,) multiples of the given period or shaft speed [-]; without either, frequency [Hz]."""
-    amplitudes: np.ndarray
-    """(bins,) or (bins, k) complex c."""
-    frequency: np.ndarray
-    """(bins,) w [rad/s]."""
+    orders: np.ndarray  # (bins,) multiples of the shaft speed [-]; without one, frequency [Hz]
+    amplitudes: np.ndarray  # (bins,) or (bins, k) complex c
+    frequency: np.ndarray  # (bins,) w [rad/s]
     window: str
 
     def at(self, order: float) -> np.ndarray:
@@ -55,43 +47,14 @@ class Spectrum:
         return self.amplitudes[k]
 
 
-def spectrum(
-    t: ArrayLike,
-    values: ArrayLike,
-    *,
-    period: float | None = None,
-    turns: int | None = None,
-    rate: float | None = None,
-    window: str = "none",
-) -> Spectrum:
+def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, window: str = "none") -> Spectrum:
     """Complex amplitudes of evenly sampled values; a last sample that repeats the first is left out.
 
-    Parameters
-    ----------
-    t : (n,) array_like
-        Evenly spaced times [s].
-    values : (n,) or (n, k) array_like
-        Real.
-    period : float
-        Of order 1 [s]; or instead
-    rate : float
-        of the shaft whose turn is order 1 [rad/s]; of either sign, amplitudes are those of time. With neither, orders
-        are frequencies in Hz.
-    turns : int
-        Number of periods in the record; without period and rate it defines the period, and the last sample counts as a
-        repetition if it equals the first to 1e-9 of the largest value of each column.
-    window : {"none", "hann", "flat top"}
-        "none" takes whole periods only.
-
-    Returns
-    -------
-    Spectrum
-
-    Raises
-    ------
-    ValueError
-        For uneven samples, numbers that are not real or not finite, a record of a broken number of periods without
-        a window.
+    ``t`` (n,): evenly spaced times [s]; ``values`` (n,) or (n, k): real; ``rate``: of the shaft whose turn is order 1
+    [rad/s], of either sign, amplitudes are those of time; without it orders are frequencies in Hz, and the last sample
+    repeats the first if it equals it to 1e-9 of the largest value of each column; ``window``: "none" (whole periods
+    only), "hann" or "flat top". ValueError for uneven samples, numbers that are not real or not finite, a record of a
+    broken number of periods without a window.
 
     Examples
     --------
@@ -102,10 +65,9 @@ def spectrum(
     if window not in WINDOWS:
         raise ValueError(f"spectrum: window {window!r} is unknown; give one of {', '.join(map(repr, WINDOWS))}")
     t, values, step = _checked(t, values)
-    period = _period(period, rate)
-    n, length, turn = _extent(t.size, step, values, period, turns, window)
+    n, length, turn = _extent(t.size, step, values, rate, window)
     used = values[:n].reshape(n, -1)
-    weights = taper(window, n)
+    weights = get_window(WINDOWS[window], n)
     c = np.fft.rfft(weights[:, None] * used, axis=0) * 2 / weights.sum()
     c[0] /= 2
     if n % 2 == 0:
@@ -114,17 +76,6 @@ def spectrum(
     c *= np.exp(-1j * frequency * t[0])[:, None]
     orders = np.arange(len(c)) * (turn / length)
     return Spectrum(orders, c.reshape(len(c), *values.shape[1:]), frequency, window)
-
-
-def taper(window: str, n: int) -> np.ndarray:
-    """(n,) weights of a window with the period n."""
-    return general_cosine(n, WINDOWS[window], sym=False)
-
-
-def gain(window: str, offset: ArrayLike, n: int) -> np.ndarray:
-    """Complex W(d) / W(0): how a bin of a record of n samples sees a tone d = ``offset`` bins above it."""
-    weights = taper(window, n)
-    return np.exp(2j * np.pi * np.multiply.outer(offset, np.arange(n)) / n) @ weights / weights.sum()
 
 
 def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, float]:
@@ -146,44 +97,31 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
     off = np.abs(t - t[0] - step * np.arange(t.size))
     if off.max() > EVEN * step:
         raise ValueError(
-            f"spectrum: sample {int(off.argmax())} stands {off.max():.3g} s off even steps of {step:.6g} s; "
+            f"spectrum: sample {int(off.argmax())} is {off.max():.3g} s off even steps of {step:.6g} s; "
             "ask the run for a number of samples (output=361), not for its own steps"
         )
     return t, values, step
 
 
-def _period(period: float | None, rate: float | None) -> float | None:
-    """Period of order 1 [s]."""
-    if period is not None and rate is not None:
-        raise ValueError(f"spectrum: period {period} and rate {rate} both given; give one")
-    if rate is not None:
-        if number(rate, "spectrum: rate") == 0.0:
-            raise ValueError("spectrum: rate is 0, so there are no orders; give the speed of the shaft, or neither")
-        return 2 * np.pi / abs(rate)
-    return None if period is None else number(period, "spectrum: period", positive=True)
-
-
-def _extent(
-    n: int, step: float, values: np.ndarray, period: float | None, turns: int | None, window: str
-) -> tuple[int, float, float]:
-    """Number of samples to use, the time that they stand for [s] and the period of order 1 [s].
+def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window: str) -> tuple[int, float, float]:
+    """Number of samples to use, the time they cover [s] and the period of order 1 [s].
 
     Of whole periods that time is exact, while the step is rounded: far from t = 0 a phase w t would show it.
     """
-    if turns is not None and (turns != int(turns) or turns < 1):
-        raise ValueError(f"spectrum: turns {turns}; give a positive whole number")
-    if period is None:
+    if rate is None:
         repeats = (np.abs(values[-1] - values[0]) <= 1e-9 * np.abs(values).max(axis=0)).all()
         n = n - 1 if repeats else n
-        return n, n * step, 1.0 if turns is None else n * step / turns
+        return n, n * step, 1.0
+    if number(rate, "spectrum: rate") == 0.0:
+        raise ValueError("spectrum: rate is 0, so there are no orders; give the speed of the shaft, or none")
+    period = 2 * np.pi / abs(rate)
     for used in (n - 1, n):
-        count = round(used * step / period) if turns is None else turns
+        count = round(used * step / period)
         if count >= 1 and abs(count * period - used * step) <= WHOLE * step:
             return used, count * period, period
     if window != "none":
         return n, n * step, period
-    asked = "" if turns is None else f" instead of {turns}"
     raise ValueError(
-        f"spectrum: the record is {(n - 1) * step / period:.9g} periods long{asked}, {n * step / period:.9g} if its "
+        f"spectrum: the record is {(n - 1) * step / period:.9g} periods long, {n * step / period:.9g} if its "
         "last sample does not repeat the first; give whole periods, at least one, or a window"
     )

@@ -1,14 +1,32 @@
-"""The report as one HTML file that needs no network: verdicts of all cases, and a section for each."""
+"""The reports of a run: one HTML file that needs no network, and JSON with every finding, in SI units.
 
-from collections.abc import Mapping, Sequence
-from functools import cache
+format    1; rises when a field changes its meaning
+mbsd3d    version            machine   processor, cores, versions of what computed
+quick     short list?        verdict   "agrees", or "differs" if any case does
+complete  whether all cases of the list are in it
+counts    verdict -> number of cases
+judges    judge -> what it is
+cases     per case: name, group, title, verdict, seconds, facts, and
+  findings      judge, verdict, quantity, error, limit, note   (error, limit null where there is no number)
+  attributions  differences to other engines explained by a number of the same run
+
+Mechanisms are small pictures, convergence is drawn by hand as SVG, the difference from our motion over the step, both
+logarithmic: a hundred figures of matplotlib would take longer than the engines, and ten times the space.
+"""
+
+import base64
+import io
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
-from mbsd3d.extend import digits
-from validation.pages import environment
-from validation.suite import table
+from mbsd3d.extend import digits, house, package_version, page_template
+from validation.crosscheck import Compared, CrossCheck, Curve
+from validation.engine_balance.pages.drawings import stroke, svg, text
+from validation.machine import machine
 from validation.suite.findings import (
     AGREES,
     DEFINITIONS,
@@ -20,47 +38,69 @@ from validation.suite.findings import (
     NOT_COMPARED,
     Finding,
     Record,
+    columns_of,
+    counted,
+    differences,
+    failed,
+    omissions,
 )
+from validation.suite.trials.trial import Run
 
+FORMAT = 1
+PICTURES = ("picture", "charts")
+
+
+def content_of(records: Sequence[Record], *, quick: bool, complete: bool) -> dict[str, Any]:
+    """The content of the JSON file; pictures are left to the page."""
+    cases = [{key: value for key, value in record.to_dict().items() if key not in PICTURES} for record in records]
+    return {
+        "format": FORMAT,
+        "mbsd3d": package_version(),
+        "machine": machine("numpy", "numba", "mujoco-core", "exudyn"),
+        "quick": quick,
+        "complete": complete,
+        "verdict": DIFFERS if failed(records) else AGREES,
+        "counts": dict(Counter(record.verdict for record in records)),
+        "judges": JUDGES,
+        "cases": cases,
+    }
+
+
+def encoded(content: dict[str, Any]) -> bytes:
+    """UTF-8, indented; NaN and infinity are no JSON and would be an error."""
+    return f"{json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)}\n".encode()
+
+
+TEMPLATES = Path(__file__).parents[1] / "templates"
 MARKS = {AGREES: "✓", EXPLAINED: "≈", DIFFERS: "✗", NOT_COMPARED: "–"}
 CLASSES = {AGREES: "pass", EXPLAINED: "pass", DIFFERS: "fail", NOT_COMPARED: "none"}
-SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)
-"""Judges that compare a dozen quantities each: they stand side by side."""
+SEVERAL = (MUJOCO, EXUDYN, DEFINITIONS)  # Judges that compare a dozen quantities each: they are shown side by side
 PART = "◐ "  # some quantities were not compared
 
 
 def page_of(records: Sequence[Record], content: Mapping[str, Any]) -> str:
     """The whole page.
 
-    ``records``: in the order of the report; ``content``: of `document.content_of`: machine, versions, verdict. Returns
+    ``records``: in the order of the report; ``content``: of `content_of`: machine, versions, verdict. Returns
     HTML; every text of a case is escaped.
     """
-    return template().render(
+    return page_template("validation.html", TEMPLATES).render(
         content=content,
         groups=grouped(records),
         sections=grouped([record for record in records if detailed(record)]),
-        judges=table.columns_of(records),
-        counted=table.counted(records),
-        differences=table.differences(records),
-        omissions=table.omissions(records),
-        meaning=JUDGES,
-    )
+        judges=columns_of(records),
+        counted=counted(records),
+        differences=differences(records),
+        omissions=omissions(records),
+        meaning=JUDGES, marks=MARKS, classes=CLASSES, number=number, cell=cell, key=anchor, single=single,
+        matrix=matrix, reasons=reasons, detailed=detailed,
+    )  # fmt: skip
 
 
 def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
     """Group -> its cases."""
     names = dict.fromkeys(record.group for record in records)
     return {name: [record for record in records if record.group == name] for name in names}
-
-
-@cache
-def template() -> Any:
-    """Template of the page."""
-    filters = {
-        "number": number, "cell": cell, "key": anchor, "svg": Markup, "single": single, "matrix": matrix,
-        "reasons": reasons, "detailed": detailed,
-    }  # fmt: skip
-    return environment(filters, marks=MARKS, classes=CLASSES).get_template("validation.html")
 
 
 def number(value: Any) -> str:
@@ -85,7 +125,7 @@ def entry(finding: Finding | None) -> dict[str, str]:
 
 
 def detailed(record: Record) -> bool:
-    """Whether a case has a section of its own; of random ones only where there is something to say."""
+    """Whether a case has its own section; random ones only where there is something to say."""
     return bool(record.picture or record.charts) or record.verdict != AGREES
 
 
@@ -118,3 +158,98 @@ def reasons(record: Record) -> list[str]:
 def anchor(name: str) -> str:
     """Id of a case on the page."""
     return "case-" + "".join(c if c.isalnum() else "-" for c in name)
+
+
+QUANTITIES = ("position", "rotation", "velocity", "energy", "reaction force")
+"""The curves that are drawn; the others follow from them."""
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 300.0, 190.0, 46.0, 34.0, 22.0
+LEAST = 1e-17  # Differences below it are drawn there: equal bits have no logarithm
+Place = Callable[[float, float], complex]  # of a step and a difference
+KEY = 18.0  # Height of the line that says which colour is what
+SIZE, DOTS = (3.6, 2.7), 110  # inch, per inch
+MOST = 40  # Bodies that can be told apart at this size
+
+
+def picture(made: Run) -> str:
+    """The mechanism at the end of its run, else as built, as data address; "" for more bodies than one tells apart."""
+    if len(made.system.bodies) > MOST:
+        return ""
+    pose = None if made.solution is None else made.solution.state(made.solution.t.size - 1)
+    figure, buffer = made.system.picture(pose, size=SIZE), io.BytesIO()
+    with house():
+        figure.savefig(buffer, format="webp", dpi=DOTS, pil_kwargs={"quality": 70})
+    return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+
+
+def chart(check: CrossCheck) -> str:
+    """One panel per engine that ran, on common axes; "" where none ran."""
+    ran = [engine for engine in check.engines if any(curve.quantity in QUANTITIES for curve in engine.curves)]
+    if not ran:
+        return ""
+    box = bounds([curve for engine in ran for curve in engine.curves if curve.quantity in QUANTITIES])
+    panels = [
+        f'<g transform="translate({k * (WIDTH + 24):g} 0)">{panel(engine, *box)}</g>' for k, engine in enumerate(ran)
+    ]
+    width, label = 2 * (WIDTH + 24), f"convergence of {' and '.join(engine.engine for engine in ran)}"
+    return str(svg(width, HEIGHT + KEY, "".join(panels) + key(), label))
+
+
+def bounds(curves: Sequence[Curve]) -> tuple[int, int, int, int]:
+    """Decades that hold all steps and differences."""
+    steps = [math.log10(step) for curve in curves for step in curve.steps]
+    sizes = [math.log10(max(size, LEAST)) for curve in curves for size in curve.differences]
+    low, high = math.floor(min(sizes)), math.ceil(max(sizes))
+    return math.floor(min(steps)), math.ceil(max(steps)), low, max(high, low + 1)
+
+
+def panel(engine: Compared, first: int, last: int, low: int, high: int) -> str:
+    """Axes, curves and the expected slope of one engine."""
+
+    def place(step: float, size: float) -> complex:
+        x = LEFT + (WIDTH - LEFT) * (math.log10(step) - first) / (last - first)
+        y = HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * (math.log10(max(size, LEAST)) - low) / (high - low)
+        return complex(x, -y)
+
+    every = max(1, (high - low) // 5)
+    drawn = []
+    for decade in range(low, high + 1, every):
+        drawn.append(stroke("grid", place(10.0**first, 10.0**decade), place(10.0**last, 10.0**decade)))
+        drawn.append(text(LEFT - 5, -place(10.0**first, 10.0**decade).imag + 3.5, f"1e{decade}", "end"))
+    for decade in range(first, last + 1):
+        drawn.append(stroke("grid", place(10.0**decade, 10.0**low), place(10.0**decade, 10.0**high)))
+        drawn.append(text(place(10.0**decade, 1.0).real, HEIGHT - BOTTOM + 14, f"1e{decade}"))
+    curves = [curve for curve in engine.curves if curve.quantity in QUANTITIES]
+    drawn += [line(place, curve) for curve in curves]
+    drawn.append(slope(place, engine, curves))
+    drawn.append(text(LEFT, 12, f"{engine.engine}: relative difference [-] over step [s]", "start", "value"))
+    return "".join(drawn)
+
+
+def line(place: Place, curve: Curve) -> str:
+    """A curve with a mark at every run."""
+    tint = f"t{QUANTITIES.index(curve.quantity)}"
+    points = [place(step, size) for step, size in zip(curve.steps, curve.differences, strict=True)]
+    marks = "".join(f'<circle class="fill {tint}" cx="{z.real:.2f}" cy="{-z.imag:.2f}" r="2.4"/>' for z in points)
+    return stroke(f"line {tint}", *points) + marks
+
+
+def slope(place: Place, engine: Compared, curves: Sequence[Curve]) -> str:
+    """The expected order, from the largest difference of the coarsest run on."""
+    first = max(curve.differences[0] for curve in curves)
+    if not engine.order or first <= 0.0:
+        return ""
+    least = min(max(size, LEAST) for curve in curves for size in curve.differences)
+    coarse = curves[0].steps[0]
+    fine = max(curves[0].steps[-1], coarse * (least / first) ** (1.0 / engine.order))  # not below the panel
+    return stroke("ring muted", place(coarse, first), place(fine, first * (fine / coarse) ** engine.order))
+
+
+def key() -> str:
+    """Colours of the quantities, and what the dashes are."""
+    parts, x = [], LEFT
+    for k, quantity in enumerate((*QUANTITIES, "expected order")):
+        kind = f"line t{k}" if k < len(QUANTITIES) else "ring muted"
+        parts.append(stroke(kind, complex(x, -HEIGHT - 8), complex(x + 16, -HEIGHT - 8)))
+        parts.append(text(x + 20, HEIGHT + 11.5, quantity, "start"))
+        x += 30 + 5.6 * len(quantity)
+    return "".join(parts)

@@ -1,23 +1,107 @@
-"""Runs trials one after the other, keeps every record as it comes, and writes the reports."""
+"""Runs trials one after the other, keeps every record as it comes, and writes the reports.
 
+MuJoCo, Exudyn and the definitions of the joints are judges too: `cross_check` speaks in the words of the suite.
+"""
+
+import hashlib
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mbsd3d.extend import Progress, on_one_thread, outcomes, write_atomically
-from validation.suite.charts import chart, picture
-from validation.suite.document import content_of, encoded
-from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, failed
-from validation.suite.ledger import Ledger
-from validation.suite.page import page_of
-from validation.suite.peers import PEERS, attributions, compared, settings
-from validation.suite.trials.listing import chosen, trials
-from validation.suite.trials.trial import Trial, examine, stopped
+import mbsd3d
+from mbsd3d.extend import Progress, Store, on_one_thread, outcomes, write_atomically
+from validation.crosscheck import CrossCheck, cross_check
+from validation.crosscheck import Finding as PeerFinding
+from validation.machine import installed
+from validation.suite.findings import (
+    CERTIFICATE,
+    DIFFERS,
+    EXUDYN,
+    MUJOCO,
+    Finding,
+    Record,
+    failed,
+    not_compared,
+    record_from,
+)
+from validation.suite.page import chart, content_of, encoded, page_of, picture
+from validation.suite.trials import chosen, trials
+from validation.suite.trials.trial import Run, Trial, examine, stopped
 
 NAME = "validation"
 SEVERAL = 4  # cases that are worth the seconds in which processes start
+PEERS = (MUJOCO, EXUDYN)
+MORE = 5.0  # Times the budget for a second look at a difference
+PACKAGES = ("numpy", "scipy", "numba", "mujoco-core", "mujoco", "exudyn")
+SOURCES = ("*.py", "references/*.json", "parameters/*.json")
+
+
+def store(folder: Path, fresh: bool = False, **settings: Any) -> Store:
+    """Finished cases in a folder: of these sources, versions of all that computes, and settings; others are forgotten.
+
+    An edited kernel, reference or closed form gives another identity, so no result outlives what it was made of.
+    """
+    text, here = hashlib.sha256(), Path(__file__).parents[1]
+    for root in (Path(mbsd3d.__file__).parent, here, here.with_name("bicycle")):
+        for path in sorted(path for pattern in SOURCES for path in root.rglob(pattern)):
+            text.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
+    made_of = {"sources": text.hexdigest(), "versions": [installed(name) for name in PACKAGES], **settings}
+    found = Store(folder / f"{NAME}.db", made_of, "validation", replace=True)
+    if fresh:
+        found.clear()
+    return found
+
+
+def compared(made: Run, trial: Trial, budget: float) -> tuple[list[Finding], CrossCheck | None]:
+    """Everything that the engines and the definitions say of a mechanism.
+
+    ``made``: mechanism and start; ``trial``: how long it is compared, and why not; ``budget``: seconds that an engine's
+    runs may take. Returns findings; check: attributions and curves; None if nothing was compared.
+    """
+    if trial.alone:
+        return [not_compared(judge, trial.alone) for judge in PEERS], None
+    check = asked(made, budget)
+    if check.failures:  # finer steps, and time to change what may be to blame
+        check = asked(made, MORE * budget)
+    if check.interrupted:
+        raise KeyboardInterrupt
+    return [translated(finding) for finding in check.findings], check
+
+
+def asked(made: Run, budget: float) -> CrossCheck:
+    """What `cross_check` finds; of a case without a motion at its start."""
+    return cross_check(made.system, made.t_end or None, state=made.state, budget=budget, progress=False)
+
+
+def translated(finding: PeerFinding) -> Finding:
+    """A finding of `cross_check`: limits may be apart by the tolerance, or by what they are uncertain."""
+    limit = None if finding.difference is None else finding.bound
+    order = "" if finding.order is None else f"order {finding.order:.2f} of {finding.expected:g}"
+    until = "" if finding.until is None else f"until {finding.until:.4g} s"
+    causes = "; ".join(map(str, finding.attributions))
+    note = "; ".join(text for text in (finding.reason, causes, order, until, finding.part) if text)
+    return Finding(finding.engine, finding.status, finding.quantity, finding.difference, limit, note)
+
+
+def attributions(check: CrossCheck) -> tuple[dict[str, Any], ...]:
+    """Every cause that was changed, with the difference before and after."""
+    return tuple(
+        {"engine": finding.engine, "quantity": finding.quantity, **attribution._asdict()}
+        for finding in check.findings
+        for attribution in finding.attributions
+    )
+
+
+def settings(check: CrossCheck) -> dict[str, str]:
+    """Engine -> formulation, integrator, steps and seconds of its runs."""
+    found = {}
+    for engine in check.engines:
+        steps = f"; {engine.steps[0]} ... {engine.steps[-1]} steps, {sum(engine.seconds):.2g} s" if engine.steps else ""
+        found[engine.engine] = f"{engine.settings}{steps}{'; ' if engine.stopped else ''}{engine.stopped}"
+    return {name: text for name, text in found.items() if text}
 
 
 @dataclass(frozen=True)
@@ -25,20 +109,25 @@ class Suite:
     """What is run, where its results are kept, and how many seconds an engine gets for a case."""
 
     trials: Sequence[Trial]
-    ledger: Ledger
+    store: Store
     quick: bool = False
     budget: float = 1.0
     show: bool | None = None
 
+    @cached_property
+    def found(self) -> dict[str, Record]:
+        """Finished cases by name."""
+        return {name: record_from(data) for name, data in self.store.all().items()}
+
     @property
     def records(self) -> list[Record]:
         """Of the cases that are finished, in the order of the trials."""
-        return [self.ledger.records[trial.name] for trial in self.trials if trial.name in self.ledger.records]
+        return [self.found[trial.name] for trial in self.trials if trial.name in self.found]
 
     @property
     def left(self) -> list[Trial]:
         """Cases that are still to be examined."""
-        return [trial for trial in self.trials if trial.name not in self.ledger.records]
+        return [trial for trial in self.trials if trial.name not in self.found]
 
     @property
     def failed(self) -> list[Record]:
@@ -50,7 +139,8 @@ class Suite:
         done = len(self.records)
         with Progress("validation", 0, len(self.trials), self.show) as bar:
             for count, record in enumerate(self.examine_left(), start=done + 1):
-                self.ledger.put(record)
+                self.found[record.name] = record
+                self.store.put(record.name, record.to_dict())
                 bar.update(count)
 
     def examine_left(self) -> Iterator[Record]:
@@ -90,7 +180,7 @@ def examined(trial: Trial, budget: float) -> Record:
     began = time.perf_counter()
     record, made = examine(trial)
     if made is None:
-        return record
+        return replace(record, seconds=time.perf_counter() - began)
     if trial.drawn:
         record = replace(record, picture=picture(made))
     try:

@@ -2,7 +2,7 @@
 
 ``python -m validation.tax`` measures slider-crank, four-bar and inline four of `tax.pairs` in one process, all
 forms in turns, round by round, so that a busy moment falls on all. Times are those of the compiled loops, which last
-about a millisecond, medians over many rounds; beside the ratio of medians stands that of the least times, which is the
+about a millisecond, medians over many rounds; beside the ratio of medians is the ratio of least times, which is the
 same on an idle machine. Trust ratios, not times.
 
 Both solvers run Runge-Kutta of order 4 and close the joints after every step. In space a body has seven coordinates
@@ -21,8 +21,7 @@ import numpy as np
 from mbsd3d import DOP853, RK4, Kinematic, simulate, sweep
 from validation.cases import inline_four as engine
 from validation.machine import machine
-from validation.tax.noise import Floor, noise_floors
-from validation.tax.pairs import Mechanism, mechanisms
+from validation.tax.pairs import Floor, Mechanism, mechanisms, noise_floors
 from validation.twins import planar
 
 ROUNDS = 100  # of all forms in turns
@@ -45,14 +44,10 @@ class Cost(NamedTuple):
 
     mechanism: str
     form: str
-    per_second: float
-    """Median seconds of the loop per simulated second."""
-    per_evaluation: float
-    """The same per evaluation [s]; 4 a step and one at the end."""
-    ratio: float
-    """To the planar solver; of forms with O = G to the same form with O off G."""
-    least: float
-    """The same ratio of the least times."""
+    per_second: float  # Median seconds of the loop per simulated second
+    per_evaluation: float  # The same per evaluation [s]; 4 a step and one at the end
+    ratio: float  # To the planar solver; of forms with O = G to the same form with O off G
+    least: float  # The same ratio of the least times
 
 
 class Accuracy(NamedTuple):
@@ -118,7 +113,7 @@ def fixed_step(mechanism: Mechanism, rounds: int = ROUNDS) -> list[Cost]:
 
 
 def against(seconds: np.ndarray, k: int, peer: int) -> tuple[float, float, float]:
-    """(median, its ratio to that of the peer, ratio of the least times) of column k."""
+    """(median, ratio to the median of the peer, ratio of the least times) of column k."""
     middle, least = np.median(seconds, axis=0), seconds.min(axis=0)
     return float(middle[k]), float(middle[k] / middle[peer]), float(least[k] / least[peer])
 

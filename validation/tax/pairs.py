@@ -1,15 +1,22 @@
-"""Planar mechanisms described once and built twice: for the planar solver, and in space with or without redundant rows.
+"""Planar mechanisms built twice, for the planar solver and in space, and how well "1 - 1 = 0" holds in both.
 
 Points are (x, y, z): the plane drops z. In space the plane of motion is normal to z, and a chain of hinges closed
 into a loop repeats three rows. Without redundancy one hinge of each loop is a ball and the next one a cross, which
-leave the same motion.
+leave the same motion. Sums that vanish, over the forces that cancel in them, in one driven turn:
+
+    sum of the forces of the ground + m g - m a_G = 0        Newton for the whole mechanism
+    1x force of an inline four on its block = 0              the throws cancel
+    force across the bores of an inline four = 0             likewise, at all orders
+    force and motion out of the plane = 0                    in space
 """
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, AngleDriver, Body, Joint, Prismatic, Ramp, Revolute, Spherical, System, Universal
+import mbsd3d
+from validation.engine_balance.spectrum import spectrum
 from validation.twins import planar
 
 Z = (0.0, 0.0, 1.0)
@@ -36,8 +43,7 @@ class Coupling:
     a: str | None
     b: str
     at: tuple
-    axis: tuple = (1.0, 0.0, 0.0)
-    """Of a guide; of a cross, across the link b in the plane."""
+    axis: tuple = (1.0, 0.0, 0.0)  # Of a guide; of a cross, across the link b in the plane
 
 
 @dataclass(frozen=True)
@@ -70,19 +76,19 @@ class Mechanism:
             joints.append(planar.AngleDriver(joints[0], planar.rate(self.rate), name="motor"))
         return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
 
-    def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> System:
+    def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
         """For `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
-        bodies = {None: GROUND}
+        bodies = {None: mbsd3d.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)
             com, omega = np.array(link.centre) - origin, None if k or driven else (0.0, 0.0, self.rate)
             moments = link.inertia * np.array([0.4, 0.9, 1.0])
-            bodies[link.name] = Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
+            bodies[link.name] = mbsd3d.Body(link.name, link.mass, moments, com=com, position=origin, omega=omega)
         joints = [spatial_joint(c, bodies[c.a], bodies[c.b], redundant) for c in self.couplings]
         if driven:
-            joints.append(AngleDriver(joints[0], Ramp(self.rate), name="motor"))
+            joints.append(mbsd3d.AngleDriver(joints[0], mbsd3d.Ramp(self.rate), name="motor"))
         gravity = (*self.gravity, 0.0)
-        return System([bodies[link.name] for link in self.links], joints, gravity=gravity)
+        return mbsd3d.System([bodies[link.name] for link in self.links], joints, gravity=gravity)
 
 
 def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
@@ -92,15 +98,15 @@ def planar_joint(c: Coupling, a: planar.Body, b: planar.Body) -> planar.Joint:
     return planar.Revolute(a, b, at=c.at[:2], name=c.name)
 
 
-def spatial_joint(c: Coupling, a: Body, b: Body, redundant: bool) -> Joint:
+def spatial_joint(c: Coupling, a: mbsd3d.Body, b: mbsd3d.Body, redundant: bool) -> mbsd3d.Joint:
     """The spatial joint of a coupling."""
     if c.kind == GUIDE:
-        return Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
+        return mbsd3d.Prismatic(a, b, at=c.at, axis=c.axis, name=c.name)
     if c.kind == HINGE or redundant:
-        return Revolute(a, b, at=c.at, axis=Z, name=c.name)
+        return mbsd3d.Revolute(a, b, at=c.at, axis=Z, name=c.name)
     if c.kind == BALL:
-        return Spherical(a, b, at=c.at, name=c.name)
-    return Universal(a, b, at=c.at, axis_a=Z, axis_b=c.axis, name=c.name)
+        return mbsd3d.Spherical(a, b, at=c.at, name=c.name)
+    return mbsd3d.Universal(a, b, at=c.at, axis_a=Z, axis_b=c.axis, name=c.name)
 
 
 def across(a: tuple, b: tuple) -> tuple:
@@ -165,3 +171,83 @@ def inline_four(angle: float = 0.3, radius: float = 1.0, rod_length: float = 2.0
 def mechanisms() -> tuple[Mechanism, ...]:
     """All three."""
     return slider_crank(), four_bar(), inline_four()
+
+
+CYCLE = 72  # samples of a turn
+STEPS = 400  # of RK4, for a free turn
+
+
+class Floor(NamedTuple):
+    """Largest amount of a sum that vanishes in theory, relative to the forces that cancel in it."""
+
+    mechanism: str
+    what: str
+    plane: float | None
+    space: float
+    redundant: float
+
+
+def cycle(mechanism: Mechanism) -> list[Any]:
+    """One driven turn by kinematics: in the plane, in space, in space with redundant rows."""
+    times = mechanism.turn * np.arange(CYCLE + 1) / CYCLE
+    spatial = [mechanism.space(driven=True, redundant=redundant) for redundant in (False, True)]
+    return [
+        planar.kinematics(mechanism.plane(driven=True), times),
+        *(mbsd3d.simulate(system, times[-1], method=mbsd3d.Kinematic(), output=CYCLE + 1) for system in spatial),
+    ]
+
+
+def cubic(values: np.ndarray) -> np.ndarray:
+    """(n, 3) of (n, 2), (n, 3) or, about z, (n,)."""
+    if values.ndim == 1:
+        return values[:, None] * (0.0, 0.0, 1.0)
+    return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
+
+
+def grounded(mechanism: Mechanism, solution: mbsd3d.Solution) -> list[np.ndarray]:
+    """(n, 3) force of the ground in each of its joints [N]."""
+    return [cubic(solution.reaction(c.name).force) for c in mechanism.couplings if c.a is None]
+
+
+def imbalance(mechanism: Mechanism, solution: mbsd3d.Solution) -> float:
+    """Newton for the whole: largest |forces of the ground + m g - sum m a_G|, relative to the largest force."""
+    forces, rest = grounded(mechanism, solution), 0.0
+    for link in mechanism.links:
+        arm = cubic(solution.com(link.name) - solution.position(link.name))
+        alpha, omega = cubic(solution.alpha(link.name)), cubic(solution.omega(link.name))
+        a = cubic(solution.acceleration(link.name)) + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        rest = rest + link.mass * (a - (*mechanism.gravity, 0.0))
+    return float(np.abs(sum(forces) - rest).max() / np.abs(forces).max())
+
+
+def balanced(mechanism: Mechanism, solution: mbsd3d.Solution) -> tuple[float, float]:
+    """(1x force along the bores, largest force across them) of the inline four on its block over F_single.
+
+    F_single = w^2 (m_c r_c + (m_r + m_p) R), 10 kg m w^2: the 1x force of one cylinder.
+    """
+    single = 10.0 * mechanism.rate**2
+    block = -sum(grounded(mechanism, solution))
+    along = spectrum(solution.t, block[:, 1], rate=mechanism.rate)
+    return float(abs(along.at(1)) / single), float(np.abs(block[:, 0]).max() / single)
+
+
+def noise_floors() -> list[Floor]:
+    """How well "1 - 1 = 0" holds: sums over a driven turn, and what leaves the plane in space."""
+    floors = []
+    for mechanism in mechanisms():
+        runs = cycle(mechanism)
+        floors.append(Floor(mechanism.name, "Newton for the whole", *(imbalance(mechanism, run) for run in runs)))
+        lost = [float(np.abs(sum(f))[:, 2].max() / np.abs(f).max()) for f in (grounded(mechanism, r) for r in runs[1:])]
+        floors.append(Floor(mechanism.name, "force out of the plane", None, *lost))
+        forms = [mechanism.space(redundant=redundant) for redundant in (False, True)]
+        free = [
+            mbsd3d.simulate(system, mechanism.turn, method=mbsd3d.RK4(mechanism.turn / STEPS), output=2)
+            for system in forms
+        ]
+        size = max(np.abs(link.origin).max() for link in mechanism.links)
+        drift = [max(abs(np.ptp(run.com(link.name)[:, 2])) for link in mechanism.links) / size for run in free]
+        floors.append(Floor(mechanism.name, "drift out of the plane", None, *map(float, drift)))
+    pairs = [balanced(mechanism, run) for run in runs]  # of the last mechanism, the inline four
+    floors.append(Floor(mechanism.name, "1x along the bores / F_single", *(pair[0] for pair in pairs)))
+    floors.append(Floor(mechanism.name, "force across the bores / F_single", *(pair[1] for pair in pairs)))
+    return floors

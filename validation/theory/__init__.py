@@ -9,43 +9,32 @@ body axes, ``L`` angular momentum, ``T`` kinetic energy, ``m`` the parameter of 
 digits of the period with it.
 """
 
-from validation.theory.cardan import (
-    cardan_acceleration,
-    cardan_angle,
-    cardan_harmonics,
-    cardan_motor_torque,
-    cardan_rate,
-    cardan_ratio,
-    double_cardan_angle,
-    double_cardan_ratio,
-)
-from validation.theory.common import EXTENDED, GRAVITY, Attitude, quaternion, rotation_matrix
-from validation.theory.constant_rate import arm_slider, arm_slider_torque, ghost_angle, ghost_norm, ghost_quaternion
-from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
-from validation.theory.harmonics import (
-    EngineHarmonics,
-    harmonic_amplitudes,
-    slider_crank_coefficients,
-    slider_crank_harmonics,
+from validation.theory.common import (
+    EXTENDED,
+    GRAVITY,
+    Attitude,
+    Jacobi,
+    elliptic_phase,
+    jacobi,
+    quarter_period,
+    rotation_matrix,
 )
 from validation.theory.hinge_loop import HingeLoop
-from validation.theory.pendulum import hinge_force, pendulum_frequency, pendulum_motion, pendulum_period
-from validation.theory.slider_crank import CrankLoads, SliderCrank, block_force, slider_crank_loads, slider_crank_torque
-from validation.theory.small_motions import RollingCircle, rolling_circle
+from validation.theory.one_freedom import (
+    arm_slider,
+    arm_slider_torque,
+    cardan_acceleration,
+    cardan_motor_torque,
+    cardan_rate,
+    pendulum_frequency,
+    pendulum_motion,
+)
 from validation.theory.top import (
     TAYLOR_ORDER,
     TAYLOR_TOLERANCE,
-    Nutation,
-    nutation,
-    sleeping_spin,
+    RollingCircle,
+    rolling_circle,
     spinning_body,
     steady_precession,
 )
-from validation.theory.torque_free import (
-    Polhode,
-    flip_interval,
-    free_body,
-    free_rod_point,
-    free_symmetric_body,
-    polhode,
-)
+from validation.theory.torque_free import Polhode, free_body, polhode

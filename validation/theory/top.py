@@ -1,12 +1,11 @@
-"""Heavy tops: any body by Taylor series, precession and nutation of the symmetric one."""
+"""Heavy tops: any body by Taylor series, steady precession of the symmetric one; a disc that rolls on a circle."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.theory.common import EXTENDED, Array, Attitude, cross, rotation_matrix
-from validation.theory.elliptic import elliptic_phase, jacobi, quarter_period
+from validation.theory.common import EXTENDED, GRAVITY, Array, Attitude, cross, rotation_matrix
 
 TAYLOR_ORDER = 26
 TAYLOR_TOLERANCE = 1e-21
@@ -102,65 +101,37 @@ def steady_precession(
     return 2 * weight_moment / larger, fast
 
 
-def sleeping_spin(transverse: float, axial: float, weight_moment: float) -> float:
-    """Least spin of a stable upright top, ``C^2 w3^2 = 4 A m g l``.
+class RollingCircle(NamedTuple):
+    """Steady circular rolling of a disc."""
 
-    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``weight_moment``: m g l [N m]. Returns w3 [rad/s].
-    """
-    return 2 * np.sqrt(transverse * weight_moment) / axial
-
-
-class Nutation(NamedTuple):
-    """Height ``u = cos(tilt) = lowest + (highest - lowest) sn^2(rate t + phase)`` of a heavy symmetric top."""
-
-    lowest: float
-    highest: float
-    third: float
-    """Third root of the cubic, >= 1."""
-    rate: float
-    """[1/s]"""
-    m1: float
-    phase: float
+    precession: float  # Rate about the vertical, > 0 [rad/s]
+    spin: float
+    """Own rotation about the disc axis relative to the precessing frame, opposite in sign to the precession [rad/s]."""
+    centre_radius: float  # Radius of the circle of the disc centre [m]
+    centre_height: float  # [m]
 
     @property
     def period(self) -> float:
-        """Time from one lowest point to the next, ``2 K / rate`` [s]."""
-        return 2 * quarter_period(self.m1) / self.rate
-
-    def height(self, t: ArrayLike) -> Array:
-        """Cosine of the tilt at the times ``t`` [s]."""
-        sn = jacobi(self.phase + self.rate * np.asarray(t, dtype=EXTENDED), self.m1).sn
-        return (self.lowest + (self.highest - self.lowest) * sn**2).astype(float)
+        """Time for one round [s]."""
+        return 2 * np.pi / self.precession
 
 
-def nutation(
-    transverse: float, axial: float, spin: float, weight_moment: float, tilt: float, tilt_rate: float, precession: float
-) -> Nutation:
-    """Nutation of a heavy symmetric top from its cubic.
+def rolling_circle(
+    mass: float, radius: float, transverse: float, axial: float, circle: float, lean: float, gravity: float = GRAVITY
+) -> RollingCircle:
+    """Thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle b.
 
-    ``u_dot^2 = (alpha - beta u)(1 - u^2) - (b - a u)^2`` with ``a = C w3 / A``, ``b = a u0 + W sin^2(tilt)``,
-    ``beta = 2 m g l / A``, ``alpha = tilt_rate^2 + W^2 sin^2(tilt) + beta u0``; ``rate^2 = beta (u3 - u1) / 4`` and
-    ``m = (u2 - u1) / (u3 - u1)``.
+    Moment of momentum about the centre of mass, with rho = R - r sin(b) and spin = -W R / r:
+    ``W^2 (m r rho + C rho / r + A sin b) = m g r tan b``.
 
-    ``transverse, axial``: A and C about the fixed point [kg m^2]; ``spin``: axial component w3 of the angular velocity
-    [rad/s]; ``weight_moment``: m g l > 0 [N m]; ``tilt, tilt_rate, precession``: angle of the axis from the vertical
-    [rad], its rate and the precession W at t = 0 [rad/s]. Returns roots, rate and phase. ValueError if
-    ``weight_moment`` is not positive.
+    ``mass, radius``: of the disc [kg], r [m]; ``transverse, axial``: A (a diameter) and C (the axis) about the centre
+    of mass [kg m^2]; ``circle``: radius R of the track of the contact point [m]; ``lean``: angle b of the disc plane
+    from the vertical, 0 < b < pi/2 [rad]; ``gravity``: [m/s^2]. Returns rates, radius and height of the disc centre.
+    ValueError if no such motion exists.
     """
-    if weight_moment <= 0:
-        raise ValueError(f"weight_moment {weight_moment} of the top: must be positive (measure the tilt from the top)")
-    start, sine = np.cos(tilt), np.sin(tilt)
-    a, beta = axial * spin / transverse, 2 * weight_moment / transverse
-    b, alpha = a * start + precession * sine**2, tilt_rate**2 + (precession * sine) ** 2 + beta * start
-    cubic = [beta, -(alpha + a * a), 2 * a * b - beta, alpha - b * b]
-    low, high, third = np.sort(np.roots(cubic).real)
-    rate, m1 = np.sqrt(beta * (third - low)) / 2, (third - high) / (third - low)
-    return Nutation(low, high, third, rate, m1, _nutation_phase(start, low, high, -sine * tilt_rate, m1))
-
-
-def _nutation_phase(start: float, low: float, high: float, climb: float, m1: float) -> float:
-    """Argument at t = 0; a start at rest is a turning point exactly, which rounded roots would miss by 1e-8."""
-    if climb == 0.0:
-        return quarter_period(m1) if high - start < start - low else 0.0
-    share = np.clip((start - low) / (high - low), 0.0, 1.0)
-    return elliptic_phase(np.copysign(np.sqrt(share), climb), np.sqrt(1 - share), m1)
+    rho = circle - radius * np.sin(lean)
+    inertia = mass * radius * rho + axial * rho / radius + transverse * np.sin(lean)
+    if not 0 < lean < np.pi / 2 or inertia <= 0:
+        raise ValueError(f"lean {lean} rad on a circle of {circle} m: lean inwards, by less than pi/2")
+    precession = np.sqrt(mass * gravity * radius * np.tan(lean) / inertia)
+    return RollingCircle(precession, -precession * circle / radius, rho, radius * np.cos(lean))

@@ -1,4 +1,4 @@
-"""Torque-free rotation of any body, of a symmetric body and of a rod."""
+"""Torque-free rotation of any body."""
 
 from typing import NamedTuple
 
@@ -6,26 +6,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import elliprj
 
-from validation.theory.common import EXTENDED, Array, Attitude, product, rotation_matrix, turn
-from validation.theory.elliptic import Jacobi, elliptic_phase, jacobi, quarter_period
+from validation.theory.common import (
+    EXTENDED,
+    Array,
+    Attitude,
+    Jacobi,
+    elliptic_phase,
+    jacobi,
+    product,
+    quarter_period,
+    rotation_matrix,
+    turn,
+)
 
 
 class Polhode(NamedTuple):
     """Constants of torque-free rotation in axes (p, m, q): q is the axis the polhode surrounds, m the middle one."""
 
-    axes: Array
-    """Rows are the unit vectors of (p, m, q) in body axes, right-handed, (3, 3)."""
-    moments: Array
-    """(I_p, I_m, I_q) [kg m^2]."""
-    amplitudes: Array
-    """Signed amplitudes of (cn, sn, dn) [rad/s]."""
-    rate: float
-    """Argument of the elliptic functions per second, lam [1/s]."""
+    axes: Array  # Rows are the unit vectors of (p, m, q) in body axes, right-handed, (3, 3)
+    moments: Array  # (I_p, I_m, I_q) [kg m^2]
+    amplitudes: Array  # Signed amplitudes of (cn, sn, dn) [rad/s]
+    rate: float  # Argument of the elliptic functions per second, lam [1/s]
     m1: float
-    phase: float
-    """Argument at t = 0 [-]."""
-    momentum: float
-    """Length of the angular momentum [N m s]."""
+    phase: float  # Argument at t = 0 [-]
+    momentum: float  # Length of the angular momentum [N m s]
 
 
 def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
@@ -36,7 +40,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     ``a_q^2 = (L^2 - 2 T I_p) / (I_q (I_q - I_p))``, ``lam^2 = (I_q - I_m) (L^2 - 2 T I_p) / (I_p I_m I_q)`` and
     ``m1 = (I_q - I_p) (L^2 - 2 T I_m) / ((I_q - I_m) (L^2 - 2 T I_p))``. Each bracket is a sum over squared rates, so
     no digits cancel: ``2 T I_q - L^2 = I_p (I_q - I_p) w_p^2 + I_m (I_q - I_m) w_m^2``, and so on. q is the axis of
-    largest moment if ``L^2 >= 2 T I_m``, else that of the smallest.
+    largest moment if ``L^2 >= 2 T I_m``, else the axis of the smallest.
 
     ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
     at t = 0, body axes [rad/s]. Returns None if ``w x I w = 0``: the body then turns steadily. ValueError if a moment
@@ -54,7 +58,7 @@ def polhode(inertia: ArrayLike, omega: ArrayLike) -> Polhode | None:
     gap = ip * (ip - im) * wp**2 + iq * (iq - im) * wq**2
     rate = np.sqrt((iq - im) * near_q / (ip * im * iq))
     m1 = np.clip((iq - ip) * gap / ((iq - im) * near_q), 0, 1)
-    # with the signs of p and q from the start, cn and dn begin positive; Euler's equations then fix that of m
+    # with the signs of p and q from the start, cn and dn begin positive; Euler's equations then fix the sign of m
     ap = np.copysign(np.sqrt(near_p / (ip * (iq - ip))), wp)
     aq = np.copysign(np.sqrt(near_q / (iq * (iq - ip))), wq)
     am = np.copysign(np.sqrt(near_p / (im * (iq - im))), ap * aq * (iq - im))
@@ -79,7 +83,7 @@ def free_body(t: ArrayLike, inertia: ArrayLike, omega: ArrayLike, orientation: A
     """Torque-free rotation of any body from any start: elliptic functions and integrals of the third kind.
 
     Angular velocity as in :func:`polhode`. With l the direction of the angular momentum in axes (p, m, q), the body
-    stands at ``R = R_L R_z(phi) R_x(theta) R_z(psi)``, ``l = (sin theta sin psi, sin theta cos psi, cos theta)``, and
+    has ``R = R_L R_z(phi) R_x(theta) R_z(psi)``, ``l = (sin theta sin psi, sin theta cos psi, cos theta)``, and
     precesses about the angular momentum by
 
         phi = L t / I_q + L (I_q - I_p) / (I_p I_q lam) [Pi(u) - Pi(u0)],
@@ -130,54 +134,3 @@ def _momentum_frame(angle: Array, rates: Array, curve: Polhode) -> Array:
     normal = np.stack([lead[..., 2] * sine, lead[..., 2] * cosine, -tilt], axis=-1)
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.stack([c * node - s * normal, s * node + c * normal, lead], axis=-2)
-
-
-def flip_interval(inertia: ArrayLike, omega: ArrayLike) -> float:
-    """Time between two flips of the middle axis, ``2 K / lam``.
-
-    ``inertia`` (3,): principal moments about the centre of mass, body axes [kg m^2]; ``omega`` (3,): angular velocity
-    at any instant, body axes [rad/s]. Returns interval [s]; infinite on the separatrix and for a steady rotation.
-    """
-    curve = polhode(inertia, omega)
-    return np.inf if curve is None else float(2 * quarter_period(float(curve.m1)) / curve.rate)
-
-
-def free_symmetric_body(
-    t: ArrayLike, transverse: float, axial: float, omega: ArrayLike, orientation: ArrayLike = (1, 0, 0, 0)
-) -> Attitude:
-    """Torque-free body with symmetry axis z: ``R = R_0 exp([L_0] t / A) exp([e_z] w_z (1 - C / A) t)``.
-
-    ``t`` (n,): times [s]; ``transverse, axial``: A > 0 and C >= 0 about the centre of mass; C = 0 is a rod [kg m^2];
-    ``omega`` (3,): angular velocity at t = 0, body axes [rad/s]; ``orientation`` (4,): quaternion at t = 0 [-]. Returns
-    angular velocity (body axes) and rotation at ``t``. ValueError if ``transverse`` is not positive or ``axial`` is
-    negative.
-    """
-    if transverse <= 0 or axial < 0:
-        raise ValueError(f"moments ({transverse}, {axial}): transverse must be positive and axial not negative")
-    t = np.atleast_1d(np.asarray(t, dtype=EXTENDED))
-    omega = np.asarray(omega, dtype=EXTENDED)
-    precession = np.array([omega[0], omega[1], axial * omega[2] / transverse], dtype=EXTENDED)
-    spin = turn(np.array([0, 0, omega[2] * (1 - EXTENDED(axial) / EXTENDED(transverse))], dtype=EXTENDED), t)
-    rotation = product(product(rotation_matrix(orientation), turn(precession, t)), spin)
-    return Attitude(np.einsum("nji,j->ni", spin, omega), rotation)
-
-
-def free_rod_point(
-    t: ArrayLike, centre: ArrayLike, velocity: ArrayLike, arm: ArrayLike, omega: ArrayLike
-) -> tuple[Array, Array]:
-    """Point of a free thin rod: ``r = r_G + v t + s cos(w t) + (w x s) sin(w t) / |w|``.
-
-    ``t`` (n,): times [s]; ``centre, velocity`` (3,): centre of mass at t = 0 [m] and its velocity [m/s], world; ``arm``
-    (3,): from the centre of mass to the point at t = 0, along the rod, world [m]; ``omega`` (3,): angular velocity, at
-    right angles to the rod, world [rad/s]. Returns position, velocity (n, 3): of the point, world [m], [m/s].
-    ValueError if ``omega`` has a component along the rod.
-    """
-    t = np.atleast_1d(np.asarray(t, dtype=float))[:, None]
-    centre, velocity, arm, omega = (np.asarray(a, dtype=float) for a in (centre, velocity, arm, omega))
-    speed = np.linalg.norm(omega)
-    if abs(arm @ omega) > 1e-12 * np.linalg.norm(arm) * speed:
-        raise ValueError(f"omega {omega} of the rod: remove the component along the rod, it turns nothing")
-    side = np.cross(omega, arm)
-    swing = np.sinc(speed * t / np.pi) * t
-    position = centre + velocity * t + arm * np.cos(speed * t) + side * swing
-    return position, velocity - arm * speed**2 * swing + side * np.cos(speed * t)

@@ -114,18 +114,3 @@ def state(p: Any, lean: float, steer: float, given: Array, pitch: float = 0.0) -
     c_dot[chosen] = given[0], given[1], -given[2] / p.rR  # y points to the right: a wheel that rolls forward turns back
     c_dot[rest] = np.linalg.solve(A[:, rest], -A[:, chosen] @ c_dot[chosen])
     return c, c_dot
-
-
-def lateral_matrix(p: Any, speed: float) -> Array:
-    """(4, 4) A of x' = A x, x = (lean, steer, lean rate, steer rate), by differences of order eight."""
-    columns = []
-    for unit in np.eye(4):
-        total = 0.0
-        for k, weight in WEIGHTS.items():
-            both = []
-            for sign in (1, -1):
-                lean, steer, *given = sign * k * STEP * unit
-                both.append(accelerations(p, *state(p, lean, steer, np.array([*given, speed])))[[3, 5]])
-            total = total + weight * (both[0] - both[1]) / STEP
-        columns.append(total)
-    return np.vstack([np.eye(4)[2:], np.array(columns).T])

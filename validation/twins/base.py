@@ -1,13 +1,29 @@
-"""What a twin of a `System` in another engine answers, in the coordinates of `mbsd3d`, and how it refuses."""
+"""What a twin of a `System` in another engine answers, in the coordinates of `mbsd3d`, and how it refuses.
+
+Every twin checks its start and its runs in the same way.
+"""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from mbsd3d import Joint
+from mbsd3d import Joint, State, System
+from mbsd3d.extend import (
+    check_quaternions,
+    check_signals,
+    check_state,
+    check_system,
+    driven_coordinates,
+    load_state,
+    new_data,
+    pack,
+    unmet,
+    worst_joint,
+)
 
 Array = np.ndarray
 
@@ -28,13 +44,13 @@ class EngineFailed(NotComparable):
     """The engine stopped, diverged or returned NaN; the text says when, and what it said itself."""
 
 
-def label(system: Any, part: Any) -> str:
+def label(system: System, part: Any) -> str:
     """How errors name a part: "joint 'hinge' (Revolute)"."""
     kind = "joint" if isinstance(part, Joint) else "force"
     return f"{kind} '{system.name(part)}' ({type(part).__name__})"
 
 
-def refused(system: Any, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
+def refused(system: System, part: Any, reasons: Mapping[type, str], otherwise: str) -> NotExpressible:
     """The error for a part that no table of an engine has: its known reason, or what holds for any new class."""
     return NotExpressible(f"{label(system, part)}: {reasons.get(type(part), otherwise)}")
 
@@ -43,6 +59,25 @@ def release(version: str) -> tuple[int, int, int]:
     """Version as three numbers, without what marks it as a preview: "4.1.0rc1" is (4, 1, 0)."""
     first, second, third = (re.findall(r"(?:^|\.)(\d+)", version) + ["0"] * 3)[:3]
     return int(first), int(second), int(third)
+
+
+def spanning(joints: Iterable[Joint]) -> list[Joint]:
+    """The joints that join what was not joined by those before."""
+    group: dict[int, int] = {}
+
+    def root(i: int) -> int:
+        while group.setdefault(i, i) != i:
+            group[i] = group[group[i]]
+            i = group[i]
+        return i
+
+    tree = []
+    for joint in joints:
+        a, b = root(id(joint.a)), root(id(joint.b))
+        if a != b:
+            group[a] = b
+            tree.append(joint)
+    return tree
 
 
 class Load(NamedTuple):
@@ -56,18 +91,9 @@ class Load(NamedTuple):
 class Motion:
     """A motion sampled at times t (n,), bodies in the order of ``system.bodies``; O and axes as `mbsd3d` has them.
 
-    Attributes
-    ----------
-    position, velocity : (n, bodies, 3) arrays
-        Of the reference point O, world [m, m/s].
-    orientation : (n, bodies, 4) array
-        Unit quaternion, scalar first, body to world; either sign.
-    omega : (n, bodies, 3) array
-        World [rad/s].
-    reactions : mapping
-        Joint name -> `Load`; only joints whose reaction the engine reports.
-    seconds : float
-        Wall time of the engine's own time loop [s].
+    ``position, velocity`` (n, bodies, 3): of the reference point O, world [m, m/s]; ``orientation`` (n, bodies, 4):
+    unit quaternion, scalar first, body to world; either sign; ``omega`` (n, bodies, 3): world [rad/s]; ``reactions``:
+    joint name -> `Load`; only joints whose reaction the engine reports; ``seconds``: wall time of its time loop [s].
     """
 
     t: Array
@@ -103,12 +129,8 @@ class Kinetic(NamedTuple):
 class Twin(Protocol):
     """A `System` as another engine has it, from the same start.
 
-    Attributes
-    ----------
-    engine, settings : str
-        "MuJoCo"; formulation, integrator and what else a reader needs to repeat it.
-    order : float
-        Expected order of the error in the step.
+    ``engine, settings``: "MuJoCo"; formulation, integrator and what else a reader needs to repeat it; ``order``:
+    expected order of the error in the step.
     """
 
     engine: str
@@ -126,3 +148,49 @@ class Twin(Protocol):
 
         EngineFailed if the engine stops, or anything is not finite.
         """
+
+
+MET = 1e-8  # [1] of the model's length, or rad: the joints of a start; what `mbsd3d.simulate` asks for
+
+
+def start_of(system: System, state: State | None, engine: str) -> State:
+    """The start, a state of this system; a ValueError says what is wrong with either."""
+    check_system(system, engine)
+    check_state(state, engine)
+    start = system.state() if state is None else state
+    pack(system.lowered, start)
+    check_quaternions(system, start)
+    return start
+
+
+def check_met(system: System, start: State) -> None:
+    """ValueError naming the joint, driver or gear that a start does not meet, as `mbsd3d.simulate` judges it."""
+    compiled = system.lowered
+    data = new_data(compiled.model)  # no loads: functions of forces need not be compiled
+    known = driven_coordinates(compiled, start.t) if start.coordinates is None else start.coordinates
+    load_state(compiled, data, State(start.t, start.q, start.v, start.z, known))
+    missed = unmet(compiled, data, start.v, MET)
+    if missed is not None:
+        residual, unit = missed
+        worst = int(np.argmax(np.abs(residual) * compiled.model.row["scale"]))
+        part = label(system, system.joints[compiled.row_joint[worst]])
+        raise ValueError(
+            f"state: {part} is off by {worst_joint(compiled, residual)[1]:.3g} {unit}; "
+            "start from system.state() or system.assemble()"
+        )
+
+
+def check_run(engine: str, system: System, start: float, t_end: float, steps: int, samples: int) -> None:
+    """ValueError if samples do not lie on steps, the end is not after the start, or tables do not reach it."""
+    whole = all(isinstance(n, int | np.integer) and not isinstance(n, bool) and n >= 1 for n in (steps, samples))
+    if not whole or steps % samples:
+        raise ValueError(
+            f"{engine}: {samples!r} samples do not divide {steps!r} steps; give a whole number >= 1 of samples, and of "
+            "steps a multiple of it"
+        )
+    if not isinstance(t_end, Real) or not start < t_end < np.inf:
+        raise ValueError(
+            f"{engine}: a run that is not after the start: t_end = {t_end} s does not lie after the start at "
+            f"{start:g} s; give a later, finite one"
+        )
+    check_signals(system.lowered, start, t_end)

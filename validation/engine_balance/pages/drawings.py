@@ -75,7 +75,7 @@ def axes() -> str:
 def polar(forward: complex, backward: complex, label: str) -> Markup:
     """A harmonic: the vector that turns with the crank, the one that turns against it, and the ellipse of their sum.
 
-    ``forward, backward``: phasors, not both 0; the arrows stand at q = 0. Drawn to a scale of its own.
+    ``forward, backward``: phasors, not both 0; the arrows are those at q = 0. Each has its own scale.
     """
     scale = RADIUS / (abs(forward) + abs(backward))
     f, b = scale * complex(forward), scale * complex(backward).conjugate()
@@ -154,7 +154,7 @@ def star(layout: Layout, *, numbers: bool = True) -> Markup:
 
 
 def plan(layout: Layout, stations: np.ndarray) -> Markup:
-    """Where along the crank the cylinders stand: stations (n,) [m] to the right, one line per direction of bores."""
+    """Where along the crank the cylinders are: stations (n,) [m] to the right, one line per direction of bores."""
     span, lines = float(np.ptp(stations)), list(dict.fromkeys(layout.bores))
     across = 66 + 232 * (stations - stations.min()) / span if span else np.full(stations.size, 182.0)
     body, foot = "", 24 + 30 * len(lines)
@@ -170,7 +170,7 @@ def plan(layout: Layout, stations: np.ndarray) -> Markup:
 
 
 def bars(values: dict[str, np.ndarray], texts: list[str], label: str) -> Markup:
-    """Amplitudes (orders,) of every way beside each other, by order from 1 on; ``texts`` stand above them."""
+    """Amplitudes (orders,) of every way beside each other, by order from 1 on; ``texts`` go above them."""
     top = max(float(np.max(amplitudes)) for amplitudes in values.values()) or 1.0
     body = '<path class="frame" d="M6 132H334"/>'
     for k, words in enumerate(texts):

@@ -96,7 +96,7 @@ def cylinder(engine: Engine, where: spatial.Place) -> list[tuple[str, np.ndarray
 
 
 def shape(kind: str, points: np.ndarray, radius: float) -> str:
-    """A part on paper, (k, 3) points towards the reader, right, up; ``radius`` is that of the crank there."""
+    """A part on paper, (k, 3) points towards the reader, right, up; ``radius`` is the crank radius there."""
     z = points[:, 1:] @ (1, 1j)
     if kind != "piston":
         width = (0.2 if kind == "crank" else 0.16) * radius

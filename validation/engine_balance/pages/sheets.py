@@ -9,7 +9,6 @@ import numpy as np
 from mbsd3d.extend import digits
 from validation.engine_balance import gas, phasor, report
 from validation.engine_balance.balance import Comparison
-from validation.engine_balance.harmonics import Harmonics, half_axes
 from validation.engine_balance.layouts import Engine
 from validation.engine_balance.pages import drawings
 from validation.engine_balance.published.claims import Row
@@ -33,8 +32,8 @@ class Harmonic:
     @property
     def axes(self) -> tuple[float, float]:
         """Long and short half axis [N or N m]."""
-        long, short = half_axes(np.array(self.forward), np.array(self.backward))
-        return float(long), float(short)
+        f, b = abs(self.forward), abs(self.backward)
+        return f + b, abs(f - b)
 
     @property
     def there(self) -> bool:
@@ -87,8 +86,7 @@ class Sheet:
     comparison: Comparison
     samples: tuple[np.ndarray, np.ndarray]
     """Crank angle [degrees] and driving torque [N m] of the spatial model over a turn."""
-    gas: "GasTorque | None" = None
-    """None where no firing order is known."""
+    gas: "GasTorque | None" = None  # None where no firing order is known
 
     @property
     def engine(self) -> Engine:
@@ -133,7 +131,8 @@ class Sheet:
     def path(self, kind: str) -> Any:
         """The way of force or couple over a turn, all orders from 1x on together: without the mean, the weight."""
         h, q = self.comparison.ways["spatial"], np.linspace(0, 2 * np.pi, 181)[:-1]
-        x, y = (over_a_turn(h, q)[0 if kind == "force" else 1]).T[:2]
+        load = h.force if kind == "force" else h.moment
+        x, y = np.real(np.exp(1j * np.outer(q, self.orders)) @ load[1:]).T[:2]
         return drawings.loop(x, y, f"{kind} over a turn, all orders")
 
     @cached_property
@@ -184,10 +183,8 @@ class GasTorque:
     """What half sines of the gas over the power strokes do to the crank, without inertia, over two turns."""
 
     engine: Engine
-    peak: float
-    """On each piston [N]."""
-    samples: tuple[np.ndarray, np.ndarray]
-    """Crank angle [degrees] and torque on the crank [N m] of the spatial model."""
+    peak: float  # On each piston [N]
+    samples: tuple[np.ndarray, np.ndarray]  # Crank angle [degrees] and torque on the crank [N m] of the spatial model
 
     @cached_property
     def closed(self) -> tuple[np.ndarray, np.ndarray]:
@@ -207,9 +204,3 @@ class GasTorque:
         torque[0] /= 2
         rows = [(half / 2, float(push[half]), float(torque[half])) for half in range(2 * orders + 1)]
         return [row for row in rows if max(row[1:]) > FINE * self.peak]
-
-
-def over_a_turn(h: Harmonics, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force and moment at crank angles q less their means, (k, 3) each [N], [N m]."""
-    turn = np.exp(1j * np.outer(q, np.arange(1, len(h.torque))))
-    return np.real(turn @ h.force[1:]), np.real(turn @ h.moment[1:])

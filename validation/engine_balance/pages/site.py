@@ -5,14 +5,12 @@
 
 import re
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import quote
 
 import numpy as np
 
-from mbsd3d.extend import Progress, digits, write_atomically
+from mbsd3d.extend import Progress, digits, page_template, write_atomically
 from validation.engine_balance import gas, report, spatial
 from validation.engine_balance.balance import Comparison, compare
 from validation.engine_balance.layouts import Engine, names
@@ -20,10 +18,10 @@ from validation.engine_balance.pages import drawings, portrait
 from validation.engine_balance.pages.sheets import QUANTITIES, GasTorque, Sheet
 from validation.engine_balance.published.claims import Row
 from validation.engine_balance.published.truth import AGREES, rows
-from validation.pages import environment
 
 ORDERS, COUNT = 6, 72  # harmonics; samples of a turn
 PLAY = '<script type="module">if (!matchMedia("(prefers-reduced-motion: reduce)").matches) mbsd3d.play(true);</script>'
+TEMPLATES = Path(__file__).parents[2] / "templates"
 SOURCES = {"published_checks": "Articles and e-book, toy engine", "toy_set_2": "Animations, second toy engine"}
 
 
@@ -31,8 +29,7 @@ class Pages(NamedTuple):
     """What was written."""
 
     index: Path
-    comparisons: list[Comparison]
-    """Of the engines, in their order."""
+    comparisons: list[Comparison]  # Of the engines, in their order
 
 
 def write_pages(
@@ -41,30 +38,11 @@ def write_pages(
 ) -> Pages:  # fmt: skip
     """Write the pages of engines, by default of all layouts of the data file with the toy engine's masses.
 
-    Parameters
-    ----------
-    folder : str or Path
-        Is made if it is missing; older pages in it are replaced.
-    engines : sequence of Engine, optional
-        Of different names, identical and centred cylinders, not standing still.
-    gravity : (2,) array_like
-        In the plane of the cylinders [m/s^2].
-    driver : str
-        Where the driving torque reacts, "block" or "dyno".
-    peak : float
-        Of the gas force on a piston, half sines over the power strokes [N].
-    progress : bool, optional
-        Show a bar; None = on a terminal, after two seconds.
-
-    Returns
-    -------
-    Pages
-        The index, and the comparisons shown.
-
-    Raises
-    ------
-    ValueError
-        For no engines, two of one name, an engine without the closed form, or a folder that cannot be written.
+    ``folder``: made if it is missing; older pages in it are replaced; ``engines``: of different names, identical and
+    centred cylinders, not standing still; ``gravity`` (2,): in the plane of the cylinders [m/s^2]; ``driver``: where
+    the driving torque reacts, "block" or "dyno"; ``peak``: of the gas force on a piston, half sines over the power
+    strokes [N]; ``progress``: show a bar; None = on a terminal, after two seconds. ValueError for no engines, two of
+    one name, an engine without the closed form, or a folder that cannot be written.
     """
     engines = [Engine(name) for name in names()] if engines is None else list(engines)
     if not engines:
@@ -96,7 +74,7 @@ def playing(view: str) -> str:
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
-    """Of the pages: the names of the layouts with "-" for what may not stand in a file name.
+    """Of the pages: the names of the layouts with "-" for what a file name cannot have.
 
     ValueError if two would be the same.
     """
@@ -158,11 +136,11 @@ def figure(x: Any) -> str:
     """A figure of the truth table: six digits, 0 for rounding, an en dash between two, nothing for None."""
     if isinstance(x, tuple):
         return " \u2026 ".join(figure(part) for part in x)
-    return report.number(x).replace("-", "\u2212")
+    return report.value(x).replace("-", "\u2212")
 
 
 def mark(row: Row) -> str:
-    """Whether a published figure is the true one: "pass", "fail", or nothing where there is no such pair.
+    """Whether a published figure is the true one: "pass", "fail", or nothing where one of the two is missing.
 
     It is if the verdict says so, or if it is the true one rounded to its own two or more decimals.
     """
@@ -173,16 +151,10 @@ def mark(row: Row) -> str:
     return "pass" if rounded or AGREES in row.verdict else "fail"
 
 
-@cache
-def templates() -> Any:
-    """Templates of the pages."""
-    return environment(
-        {"digits": digits, "figure": figure, "link": quote, "mark": mark},
-        drawings=drawings, sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, mark=mark,
-        sources=SOURCES, ways=report.ways, orders=ORDERS,
-    )  # fmt: skip
-
-
-def render(name: str, **values: Any) -> str:
+def render(name: str, truth: list[Row], **values: Any) -> str:
     """A page."""
-    return templates().get_template(name).render(**values)
+    return page_template(name, TEMPLATES).render(
+        truth=truth, marks=[mark(row) for row in truth], mark=mark, figure=figure, digits=digits, drawings=drawings,
+        sketch=portrait.sketch, relative=relative, shade=shade, quantities=QUANTITIES, sources=SOURCES, orders=ORDERS,
+        ways=report.ways, **values,
+    )  # fmt: skip

@@ -108,7 +108,7 @@ def flat_motion(term: Any) -> planar.Motion | None:
         return planar.Polynomial(tuple(term.data))
     if term.kind == kinds.SPLINE:
         breaks = term.data[1 : int(term.data[0]) + 2]
-        return planar.Table(breaks, evaluate([term], breaks))  # not-a-knot at both ends, as that of the signal
+        return planar.Table(breaks, evaluate([term], breaks))  # not-a-knot at both ends, like the signal
     return None
 
 

@@ -21,10 +21,8 @@ IN, OUT = [0, 1, 5], [2, 3, 4]  # columns of a twist (v, w) in axes (e1, e2, n)
 class Pose(NamedTuple):
     """Rows of all joints at a pose."""
 
-    q: np.ndarray
-    """(n, 7)."""
-    J: np.ndarray
-    """(rows, n, 2, 3) of (r_dot, w), world."""
+    q: np.ndarray  # (n, 7)
+    J: np.ndarray  # (rows, n, 2, 3) of (r_dot, w), world
 
 
 class Rows:
@@ -52,7 +50,7 @@ class Rows:
         return Pose(state.q.reshape(self.n, 7), equations(self.system, state)[2].reshape(-1, self.n, 2, 3))
 
     def shaken(self, state: State) -> State:
-        """Every body shifted and turned in its plane by amounts of its own."""
+        """Every body shifted and turned in its plane, each by another amount."""
         q = state.q.reshape(self.n, 7).copy()
         for i, body in enumerate(q):
             shift = 0.1 * self.length * np.array([np.cos(1.0 + 2.0 * i), np.sin(2.0 + 3.0 * i)])

@@ -6,7 +6,7 @@ of bearings, slides and driver, about the origin) is the sum of the loads of pla
     F = sum F_i,      M = sum (z_i n x F_i + (r_i x F_i + driver) n),
 
 if H1 one rigid shaft turns about a fixed axis n at a prescribed constant speed; H2 identical units hang on it, up to
-phase, bank and station; H3 every unit moves in a plane of its own, normal to the shaft; H4 every moving body is
+phase, bank and station; H3 every unit moves in its own plane, normal to the shaft; H4 every moving body is
 symmetric about its plane (its centre of mass lies there, products of inertia with n vanish) and forces superpose: none
 couples units or leaves the planes, gravity among them. Then the reflection in its plane maps each unit onto itself, so
 nothing drives it out, and all that passes between unit and shaft are forces in the plane.
@@ -14,7 +14,7 @@ nothing drives it out, and all that passes between unit and shaft are forces in 
 The shaft is a stack of slices, one per station, with mass moments u s_i along their throws s_i (one complex u for all)
 plus a part in proportion to their masses. Only what its product of inertia holds beyond that, [kg m^2], breaks H4: at
 the speed w a couple w^2 times as large turns with the shaft, and no plane sees it. H2, of bodies and joints, is what
-makes phasor sums valid; the sum of planes stands without it. Loads may be each unit's own: gas pressure has its phase.
+makes phasor sums valid; the sum of planes holds without it. Loads may be each unit's own: gas pressure has its phase.
 """
 
 from dataclasses import dataclass
@@ -35,20 +35,16 @@ __all__ = ["BlockLoad", "Failure", "Plane", "Reduction", "reduce_to_planes"]
 class BlockLoad(NamedTuple):
     """Load of the moving parts on the frame."""
 
-    force: np.ndarray
-    """(k, 3) world [N]."""
-    moment: np.ndarray
-    """(k, 3) about the origin, world [N m]."""
+    force: np.ndarray  # (k, 3) world [N]
+    moment: np.ndarray  # (k, 3) about the origin, world [N m]
 
 
 class Plane(NamedTuple):
     """A planar model: all units of one station with their slice of the shaft."""
 
-    z: float
-    """Of the plane, along the axis from the origin [m]."""
+    z: float  # Of the plane, along the axis from the origin [m]
     system: planar.System
-    units: tuple[str, ...]
-    """First bodies of its units; none for the rest of the shaft."""
+    units: tuple[str, ...]  # First bodies of its units; none for the rest of the shaft
 
 
 @dataclass(frozen=True)
@@ -56,10 +52,8 @@ class Reduction:
     """What `reduce_to_planes` found."""
 
     failures: tuple[Failure, ...]
-    planes: tuple[Plane, ...]
-    """Empty where not even a sum can be formed."""
-    axes: np.ndarray
-    """(3, 3) rows e1, e2, n: directions of x and y in the planes and of the shaft, world."""
+    planes: tuple[Plane, ...]  # Empty where not even a sum can be formed
+    axes: np.ndarray  # (3, 3) rows e1, e2, n: directions of x and y in the planes and of the shaft, world
 
     @property
     def holds(self) -> bool:
@@ -77,23 +71,9 @@ class Reduction:
         return "\n".join(["the reduction to planes does not hold:", *(f"  {x}" for x in self.failures), f"  {found}"])
 
     def block_load(self, times: ArrayLike, *, driver: bool = True) -> BlockLoad:
-        """Sum of the planes.
+        """Sum of the planes at the times (k,) [s]; ``driver``: whether the torque of the driver reacts on the frame.
 
-        Parameters
-        ----------
-        times : (k,) array_like
-            [s].
-        driver : bool
-            Whether the torque of the driver reacts on the frame.
-
-        Returns
-        -------
-        BlockLoad
-
-        Raises
-        ------
-        ValueError
-            If no planes could be formed; the message says why.
+        ValueError if no planes could be formed; the message says why.
         """
         if not self.planes:
             raise ValueError(f"block_load: {self}")

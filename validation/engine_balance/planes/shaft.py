@@ -8,13 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, System
+from mbsd3d import GROUND, Joint, System
 from mbsd3d.extend import kinds
 from validation.engine_balance.planes.mirror import Rows, row_space
 from validation.twins import planar
 
-EXACT = 1e-9
-"""Relative to the size of the model [m], its speed [rad/s], its moments of inertia; angles in rad."""
+EXACT = 1e-9  # Relative to the size of the model [m], its speed [rad/s], its moments of inertia; angles in rad
 
 
 class Failure(NamedTuple):
@@ -36,16 +35,11 @@ class Shaft(NamedTuple):
 
     body: Any
     driver: Any
-    rows: Rows
-    """With the axis as normal."""
-    point: np.ndarray
-    """(2,) of the axis, components along e1, e2 [m]."""
-    speed: float
-    """[rad/s] about the normal."""
-    frame: tuple
-    """Bodies at rest, the ground among them."""
-    parts: tuple
-    """The body itself and what is welded to it."""
+    rows: Rows  # With the axis as normal
+    point: np.ndarray  # (2,) of the axis, components along e1, e2 [m]
+    speed: float  # [rad/s] about the normal
+    frame: tuple  # Bodies at rest, the ground among them
+    parts: tuple  # The body itself and what is welded to it
 
     def moves(self, body: Any) -> bool:
         """Whether a body is not part of the frame."""
@@ -57,7 +51,7 @@ def contains(bodies: Sequence[Any], body: Any) -> bool:
     return any(body is other for other in bodies)
 
 
-def turning_rows(joint: Any) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
+def turning_rows(joint: Joint) -> list[tuple[Any, Any, np.ndarray, Any, float]]:
     """(a, b, axis, signal, order of the derivative that the signal prescribes) of the rows that drive an angle."""
     found = []
     for row in joint.primitives:
@@ -116,7 +110,7 @@ def welded(rows: Rows, root: Any) -> list:
     return found
 
 
-def unsteady(system: System, joint: Any, signal: Any, order: int, speed: float) -> list[Failure]:
+def unsteady(system: System, joint: Joint, signal: Any, order: int, speed: float) -> list[Failure]:
     """A speed that changes."""
     change = bound(signal, 1 if order else 2, 2 * np.pi / abs(speed))
     if change <= EXACT * speed**2:
@@ -165,7 +159,7 @@ def loose_axis(system: System, shaft: Shaft) -> list[Failure]:
     return [Failure("H1", name, "turns about another axis than it is driven", np.degrees(off), "deg")]
 
 
-def between(shaft: Shaft, joint: Any) -> bool:
+def between(shaft: Shaft, joint: Joint) -> bool:
     """Whether a joint connects the shaft with the frame and nothing else."""
     moving = [body for body in joint.bodies() if shaft.moves(body)]
     return len(moving) == 1 and moving[0] is shaft.body
@@ -178,7 +172,7 @@ def tensor(shaft: Shaft, body: Any) -> np.ndarray:
 
 
 def throw(shaft: Shaft, joints: list, bodies: dict) -> complex:
-    """Sum of the arms from the axis to the pins of a unit [m], x + i y; a weld is none."""
+    """Sum of the arms from the axis to the pins of a unit [m], x + i y; welds do not count."""
     crank = bodies[id(shaft.body)]
     pins = [joint for joint in joints if joint.a is crank and not isinstance(joint, planar.Fixed)]
     return complex(*sum((pin(joint, crank) - shaft.point for joint in pins), np.zeros(2)))
@@ -198,8 +192,8 @@ def cut(
 
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses
-    keep m and m z_G: the last slice, half of the shaft, is left out if the stations stand about z_G. A shaft that is no
-    stack of such throws may do better with u = 0: then so.
+    keep m and m z_G: the last slice, half of the shaft, is left out if the stations are centred on z_G. A shaft that
+    is no stack of such throws may do better with u = 0: then so.
     """
     body, k = shaft.body, len(z)
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)
@@ -224,5 +218,5 @@ def cut(
     left = abs(product - u * ((z - com) @ throws))
     if left <= EXACT * np.trace(inertia):
         return heights, slices, []
-    text = "has a product of inertia with its axis beyond that of its throws"
+    text = "has a product of inertia with its axis that its throws do not explain"
     return heights, slices, [Failure("H4", body.name, text, left, "kg m^2")]

@@ -15,8 +15,7 @@ class Link(NamedTuple):
     """All joints between two bodies; the frame counts as the ground."""
 
     a: Any
-    b: Any
-    """Moves; not the shaft."""
+    b: Any  # Moves; not the shaft
     joints: list
 
 
@@ -25,8 +24,7 @@ class Unit(NamedTuple):
 
     bodies: list
     links: list[Link]
-    z: float
-    """Of its plane, along the axis [m]."""
+    z: float  # Of its plane, along the axis [m]
 
     @property
     def name(self) -> str:
@@ -73,7 +71,7 @@ def find_units(shaft: Shaft) -> tuple[list[Unit], list[Failure]]:
 
 
 def place(chain: list, body: Any) -> int:
-    """Place in a chain; shaft and ground stand before it."""
+    """Place in a chain; shaft and ground come before it."""
     return next((k for k, other in enumerate(chain) if other is body), -1)
 
 
@@ -88,7 +86,7 @@ def grown(chain: list, links: Any, shaft: Shaft) -> list:
 
 
 def plane_of(shaft: Shaft, chain: list, links: list[Link]) -> float:
-    """Height at which most points of joints and centres of mass stand."""
+    """Height of most points of joints and centres of mass."""
     points = [joint.point() for link in links for joint in link.joints] + [body.centre for body in chain]
     z = np.array([shaft.rows.height(point) for point in points])
     alike = np.abs(z[:, None] - z) <= EXACT * shaft.rows.length
@@ -108,7 +106,7 @@ def out_of_plane(shaft: Shaft, units: list[Unit]) -> list[Failure]:
             heights = [rows.height(joint.point()) for joint in link.joints]
             off = max((z - unit.z for z in heights), key=abs)
             if abs(off) > EXACT * rows.length and rows.tilt(link.joints, moving, unit.z + off) <= EXACT:
-                failures.append(Failure("H3", name, f"stands beside the plane of '{unit.name}'", off, "m"))
+                failures.append(Failure("H3", name, f"is beside the plane of '{unit.name}'", off, "m"))
             else:
                 text = f"is tilted against the plane of '{unit.name}'"
                 failures.append(Failure("H3", name, text, np.degrees(tilt), "deg"))
@@ -125,7 +123,7 @@ def planar_joint(shaft: Shaft, link: Link, z: float, bodies: dict) -> planar.Joi
     at, turn = rows.flat(link.b.position), np.array([[0.0, 0.0, 1.0]])
     W = rows.wrenches(link.joints, link.b, z, rows.poses[0])
     blocked = len(W) and np.linalg.norm(turn @ W.T) > 1 - EXACT
-    a = shaft.body if contains(shaft.parts, link.a) else link.a  # its slice stands for all of the shaft
+    a = shaft.body if contains(shaft.parts, link.a) else link.a  # its slice represents the whole shaft
     ends = bodies.get(id(a), planar.GROUND), bodies[id(link.b)]
     name = rows.system.name(link.joints[0])
     if len(W) == 0:
@@ -152,7 +150,7 @@ def centre(W: np.ndarray, length: float) -> np.ndarray:
 
 
 def fixed_centre(shaft: Shaft, link: Link, z: float) -> bool:
-    """Whether the centre stands still in both bodies, from one pose to the other."""
+    """Whether the centre is fixed in both bodies, from one pose to the other."""
     rows, (before, after) = shaft.rows, shaft.rows.poses
     for body in (link.a, link.b):
         if body is GROUND:

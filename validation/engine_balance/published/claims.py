@@ -1,4 +1,4 @@
-"""Published figures of the toy engines and what stands behind them: the sources' assumptions, and the physics.
+"""Published figures of the toy engines and what is behind them: the sources' assumptions, and the physics.
 
 The article's figures are those of cylinders without m_c w^2 r_c of the crank, pushed and pulled along their bores only:
 ``assumed``. ``actual`` is the load of the masses as declared. Couples of either in units of F a are those of the
@@ -30,8 +30,7 @@ class Row:
     assumed: float | None
     actual: float | tuple[float, float] | None
     verdict: str
-    layouts: tuple[str, ...] = ()
-    """Names of those it is about."""
+    layouts: tuple[str, ...] = ()  # Names of those it is about
 
 
 def family(beginnings: str) -> tuple[str, ...]:
@@ -49,13 +48,13 @@ def family(beginnings: str) -> tuple[str, ...]:
 @cache
 def assumed(name: str, rod_length: float = 2.0) -> Harmonics:
     """Of a layout with the first toy set, under the article's assumptions."""
-    return Harmonics(*phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False))
+    return phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False)
 
 
 @cache
 def actual(name: str, rod_length: float = 2.0) -> Harmonics:
     """Of a layout with the first toy set."""
-    return Harmonics(*phasor.block_load(Engine(name, rod_length=rod_length)))
+    return phasor.block_load(Engine(name, rod_length=rod_length))
 
 
 def force(h: Harmonics, order: int, axis: int = 0) -> float:

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from validation.engine_balance import phasor, planar_sum
-from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine, data
 from validation.engine_balance.published.claims import (
     Row,
@@ -232,7 +231,7 @@ def rotating() -> list[Figure]:
     on_axis = phasor.block_load(replace(engine, crank_centre=0.0))
     # counterweights as heavy as the big ends, 9 kg on the piston's side: then the projection is right
     balanced = phasor.block_load(replace(engine, crank_centre=-1.0, piston_mass=7.0))
-    one, two = (couple(Harmonics(*load), 1) for load in (on_axis, balanced))
+    one, two = (couple(load, 1) for load in (on_axis, balanced))
     full = couple(actual("V8_cross_article"), 1)
     return [
         ("1x couple, crank's centre on the axis", "N m", 2.79, one, full, "the projection counts too little"),

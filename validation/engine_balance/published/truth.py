@@ -22,16 +22,11 @@ GRAVITY = (0.0, -9.81, 0.0)
 class Single(NamedTuple):
     """One turn of the single cylinder in steps of 0.1 degree: bore along x, weight along -y."""
 
-    bearing: np.ndarray
-    """(3601,) size of the force of the main bearing [N]."""
-    crankpin: np.ndarray
-    """(3601,) [N]."""
-    wristpin: np.ndarray
-    """(3601,) [N]."""
-    guide: np.ndarray
-    """(3601,) force of the bore across its axis [N]."""
-    torque: np.ndarray
-    """(3601,) of the driver [N m]."""
+    bearing: np.ndarray  # (3601,) size of the force of the main bearing [N]
+    crankpin: np.ndarray  # (3601,) [N]
+    wristpin: np.ndarray  # (3601,) [N]
+    guide: np.ndarray  # (3601,) force of the bore across its axis [N]
+    torque: np.ndarray  # (3601,) of the driver [N m]
 
 
 @cache

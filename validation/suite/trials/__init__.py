@@ -1,1 +1,25 @@
-"""The trials of the suite: what is run, and who judges it."""
+"""The trials of the suite in the order of the report: what is run, and who judges it."""
+
+from validation.suite.trials import bicycles, engines, families, loops, references
+from validation.suite.trials.trial import Trial
+
+
+def trials(quick: bool = False) -> list[Trial]:
+    """All trials; the short list has the fewest random systems and engines.
+
+    ``quick``: whether the run must be short. Names are unique.
+    """
+    some = families.ladders, loops.trials, families.demonstrations, engines.trials, families.randoms
+    return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
+
+
+def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
+    """The trials of these names, or all for none.
+
+    ValueError for a name that no trial has.
+    """
+    known = {trial.name: trial for trial in everything}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"--case '{unknown[0]}': there is no such case; --list names them all")
+    return [known[name] for name in dict.fromkeys(names)] if names else everything

@@ -15,17 +15,14 @@ from validation.suite.trials.references import ROUNDING
 from validation.suite.trials.trial import Run, Trial, run
 from validation.theory import whipple_lagrange
 
-BODIES = ("rear wheel", "frame", "fork", "front wheel")
-"""In the order of the paper: R, B, H, F."""
-FLIP = np.array([1.0, -1.0, -1.0])
-"""From the axes of the paper, y right and z down, to ours."""
+BODIES = ("rear wheel", "frame", "fork", "front wheel")  # In the order of the paper: R, B, H, F
+FLIP = np.array([1.0, -1.0, -1.0])  # From the axes of the paper, y right and z down, to ours
 START = {"lean": 0.15, "steer": -0.1, "lean_rate": 0.3, "steer_rate": -0.2}
 """[rad, rad/s]; far from upright, so that the equations are not linear."""
 BENCHMARK = Meijaard2007()
 ROUND = replace(BENCHMARK, tR=0.03, tF=0.02, rF=0.31)
 T_END, SAMPLES, RTOL = 1.0, 5, 1e-9
-LIMIT = 1e-7
-"""Of Lagrange's equations: a hundred times their tolerance; their own rounding, of differences, is 1e-12."""
+LIMIT = 1e-7  # Of Lagrange's equations: a hundred times their tolerance; their own rounding, of differences, is 1e-12
 
 
 def trials(quick: bool) -> list[Trial]:

@@ -51,19 +51,14 @@ def pendulum(made: Run) -> Pairs:
     }
 
 
-def small_swing(made: Run) -> Pairs:
-    """Frequency of a hanging pendulum."""
-    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), swing(made)[1])}
+def small(made: Run, frequency: float) -> Pairs:
+    """Frequency of what hangs and swings."""
+    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), frequency)}
 
 
 def rods_frequency(n: int) -> float:
     """Of n four-bars in a row that hang: n + 1 rods of 1 kg and 1 m turn about their feet, n go in a circle [rad/s]."""
     return theory.pendulum_frequency((n + 1) / 3 + n, (n + 1) / 2 + n, 1.0)
-
-
-def small_four_bars(made: Run) -> Pairs:
-    """Two four-bars that hang: a pendulum."""
-    return {"frequency": (np.abs(linearize(made.system).eigenvalues.imag).max(), rods_frequency(2))}
 
 
 def four_bars(made: Run) -> Pairs:
@@ -159,8 +154,8 @@ CLOSED_FORMS: dict[str, Callable[[Run], Pairs]] = {
     "cardan_single_45": cardan,
     "coriolis_slider": arm_and_slider,
     "door_two_hinges": pendulum,
-    "eig_fourbar2_hanging": small_four_bars,
-    "eig_hanging_pendulum": small_swing,
+    "eig_fourbar2_hanging": lambda made: small(made, rods_frequency(2)),
+    "eig_hanging_pendulum": lambda made: small(made, swing(made)[1]),
     "free_dzhanibekov": free_body,
     "gyro_gimbal_wheel": gimbal,
     "heavy_top_fast": heavy_top,

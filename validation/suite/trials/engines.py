@@ -1,26 +1,179 @@
-"""Engines as cases: loads on the block in closed form, as a sum of planes and in space; planar mechanisms in space."""
+"""Engines and planar mechanisms as cases, and the planar judge: what stays in a plane, once more by the planar solver.
+
+Loads on the block are compared in closed form, as a sum of planes and in space; planar mechanisms in plane and space.
+"""
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from mbsd3d import Kinematic
+from mbsd3d import GROUND, Constant, Joint, Kinematic, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
+from mbsd3d.extend import Mbsd3dError
 from validation import reduce_to_planes
 from validation.cases.inline_four import RATE, block_force, inline_four
 from validation.engine_balance import balance, spatial
 from validation.engine_balance.layouts import Engine, names
-from validation.suite.findings import PLANE, THEORY, Finding, judged
-from validation.suite.trials.plane import by_ladder
+from validation.suite.findings import PLANE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.trial import Run, Trial, run
 from validation.tax import pairs as twins
+from validation.twins import planar
 
-GRAVITY = (1.3, -9.6)
-"""m/s^2, in the plane of the cylinders, along no axis."""
-SHORT = ("single", "I4", "V8_cross_real")
-"""Layouts of the short list."""
-PEERED = ("I4", "V6_90_split30")
-"""Layouts that other engines are asked about; the others have the same parts."""
+EXACT = 1e-12  # Of directions and distances: beyond rounding a mechanism is not planar
+LEAST_ORDER = 3.5  # Runge-Kutta of order 4 shows at least this one as long as its error is larger than ours
+LADDER = (2000, 8000)  # Steps of the runs
+COMPARED = 9  # At which both are compared, the start and the end among them
+LIMIT = 1e-5
+"""Largest error of the finest run where it falls at the right order: what is left is the planar method's own."""
+
+
+class NotPlanarError(ValueError):
+    """A mechanism that the planar solver has no words for; the text names the part."""
+
+
+@dataclass
+class Flat:
+    """The mechanism seen along ``axis``: x and y are the first rows of ``frame`` (3, 3)."""
+
+    frame: np.ndarray
+    bodies: dict[int, planar.Body] = field(default_factory=dict)
+    joints: list[planar.Joint] = field(default_factory=list)
+    loads: list[Any] = field(default_factory=list)
+
+    def flat(self, vector: Any) -> np.ndarray:
+        """(2,) components in the plane."""
+        return self.frame[:2] @ np.asarray(vector, dtype=float)
+
+    def of(self, body: Any) -> Any:
+        """The planar body."""
+        return planar.GROUND if body is GROUND else self.bodies[id(body)]
+
+    def sense(self, axis: np.ndarray, what: str) -> float:
+        """+1 or -1 for an axis along or against the normal."""
+        along = float(self.frame[2] @ axis)
+        if abs(along) < 1.0 - EXACT:
+            raise NotPlanarError(f"the axis of {what} is not normal to the plane")
+        return np.sign(along)
+
+
+def normal_of(system: System) -> np.ndarray:
+    """The axis that all hinges share."""
+    hinges = [joint for joint in system.joints if isinstance(joint, Revolute)]
+    if not hinges or any(not isinstance(joint, Revolute | Prismatic | SpeedDriver) for joint in system.joints):
+        raise NotPlanarError("only hinges, slides and motors about one axis move in a plane")
+    return hinges[0].axis
+
+
+def flatten(system: System) -> tuple[planar.System, Flat]:
+    """The planar model of a spatial mechanism.
+
+    NotPlanarError naming the part that leaves the plane, or has no planar counterpart.
+    """
+    normal = normal_of(system)
+    across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    across /= np.linalg.norm(across)
+    made = Flat(np.array([across, np.cross(normal, across), normal]))
+    for body in system.bodies:
+        made.bodies[id(body)] = flat_body(made, body)
+    for joint in system.joints:
+        add_joint(made, system, joint)
+    for force in system.forces:
+        made.loads.append(flat_load(made, system, force))
+    gravity = made.flat(system.gravity)
+    return planar.System(list(made.bodies.values()), made.joints, made.loads, gravity), made
+
+
+def flat_body(made: Flat, body: Any) -> planar.Body:
+    """A body with its x axis along the plane's at the reference pose."""
+    normal, omega = made.frame[2], None
+    inertia = float(normal @ body.axes @ body.inertia @ body.axes.T @ normal)
+    if body.omega is not None:
+        omega = float(normal @ body.omega)
+        if np.linalg.norm(body.omega - omega * normal) > EXACT * max(1.0, abs(omega)):
+            raise NotPlanarError(f"body '{body.name}' turns out of the plane at the start")
+    velocity = None if body.velocity is None else made.flat(body.velocity)
+    com, position = made.flat(body.centre - body.position), made.flat(body.position)
+    return planar.Body(body.name, body.mass, inertia, com=com, position=position, velocity=velocity, omega=omega)
+
+
+def add_joint(made: Flat, system: System, joint: Joint) -> None:
+    """The planar counterpart of a joint; a second hinge on the same axis adds nothing in a plane."""
+    what, ends = system.name(joint), (made.of(joint.a), made.of(joint.b))
+    if isinstance(joint, Prismatic):
+        if abs(made.frame[2] @ joint.axis) > EXACT:
+            raise NotPlanarError(f"the axis of {what} leaves the plane")
+        made.joints.append(planar.Slider(*ends, at=made.flat(joint.at), axis=made.flat(joint.axis), name=what))
+        return
+    sense = made.sense(joint.axis, what)
+    shared = [found for found in made.joints if isinstance(found, planar.Revolute) and {found.a, found.b} == {*ends}]
+    if isinstance(joint, SpeedDriver):
+        if not shared:
+            raise NotPlanarError(f"{what} drives no hinge")
+        sense = sense if shared[0].b is ends[1] else -sense
+        speed = sense * constant(joint.speed, what)
+        made.joints.append(planar.AngleDriver(shared[0], planar.rate(speed), name=what))
+    elif not any(np.allclose(found.at, made.flat(joint.at), rtol=0.0, atol=EXACT) for found in shared):
+        made.joints.append(planar.Revolute(*ends, at=made.flat(joint.at), name=what))
+
+
+def flat_load(made: Flat, system: System, force: Any) -> Any:
+    """The planar counterpart of a force."""
+    what = system.name(force)
+    if isinstance(force, SpringDamper):
+        ends = {"at_a": made.flat(force.at_a), "at_b": made.flat(force.at_b), "length": force.length}
+        values = {"stiffness": force.stiffness, "damping": force.damping, "name": what}
+        return planar.Spring(made.of(force.a), made.of(force.b), **ends, **values)
+    if isinstance(force, Torque):
+        torque = np.array([constant(part, what) for part in force.torque])
+        made.sense(torque / np.linalg.norm(torque), what)
+        return planar.Force(made.of(force.body), torque=float(made.frame[2] @ torque), name=what)
+    raise NotPlanarError(f"{what} ({type(force).__name__}) has no planar counterpart here")
+
+
+def constant(signal: Any, what: str) -> float:
+    """The value of a signal that does not change."""
+    if not isinstance(signal, Constant):
+        raise NotPlanarError(f"{what} changes with time")
+    return signal.value
+
+
+def in_the_plane(made: Run) -> Iterable[Finding]:
+    """Centres of mass of all bodies against the flattened mechanism."""
+    try:
+        system, flat = flatten(made.system)
+    except (ValueError, Mbsd3dError) as reason:
+        return [not_compared(PLANE, str(reason))]
+    return by_ladder(made, system, flat.frame)
+
+
+def by_ladder(made: Run, system: planar.System, frame: np.ndarray) -> Iterable[Finding]:
+    """The same against a planar model, bodies of equal names: errors of its runs must fall at their order."""
+    try:
+        runs = [planar.simulate(system, made.t_end, dt=made.t_end / n, output=COMPARED) for n in LADDER]
+    except (ValueError, Mbsd3dError) as reason:
+        yield not_compared(PLANE, str(reason))
+        return
+    rtol = made.solution.record.rtol
+    ours = run(made.system, made.t_end, state=made.state, output=COMPARED, rtol=rtol).solution
+    errors = [apart(ours, frame, theirs) for theirs in runs]
+    order = float(np.log(errors[0] / errors[1]) / np.log(LADDER[1] / LADDER[0])) if errors[-1] > 0.0 else np.inf
+    limit = LIMIT if order >= LEAST_ORDER else made.accuracy
+    text = f"{LADDER[-1]} steps of {made.t_end / LADDER[-1]:.3g} s, observed order {order:.2f}"
+    yield judged(PLANE, "centres of mass", errors[-1], limit, text)
+
+
+def apart(ours: Any, frame: np.ndarray, theirs: planar.Solution) -> float:
+    """Largest distance of centres of mass over the largest of their coordinates, at least 1 m."""
+    found = np.array([ours.com(body) @ frame[:2].T for body in ours.system.bodies])
+    known = np.array([theirs.com(body.name) for body in ours.system.bodies])
+    return float(np.abs(found - known).max() / max(1.0, np.abs(found).max()))
+
+
+GRAVITY = (1.3, -9.6)  # m/s^2, in the plane of the cylinders, along no axis
+SHORT = ("single", "I4", "V8_cross_real")  # Layouts of the short list
+PEERED = ("I4", "V6_90_split30")  # Layouts that other engines are asked about; the others have the same parts
 SAMPLES = 33
 
 
@@ -39,7 +192,7 @@ def trials(quick: bool) -> list[Trial]:
 
 def layout(name: str) -> Trial:
     """An engine of `validation.engine_balance`."""
-    alone = "" if name in PEERED else f"{' and '.join(PEERED)} stand for the layouts, which have the same parts"
+    alone = "" if name in PEERED else f"{' and '.join(PEERED)} represent the layouts, which have the same parts"
     judges = {THEORY: partial(balanced, "phasor", THEORY), PLANE: partial(balanced, "planar", PLANE)}
     return Trial(f"engine_{name}", "engines", Engine(name).layout.title, partial(turning, name), judges, alone=alone)
 
@@ -78,5 +231,5 @@ def free(k: int, redundant: bool) -> Run:
 
 
 def twin(k: int, made: Run) -> Iterable[Finding]:
-    """The same mechanism in the planar solver; the plane is that of x and y."""
+    """The same mechanism in the planar solver; its plane is x and y."""
     return by_ladder(made, twins.mechanisms()[k].plane(), np.eye(3))

@@ -13,7 +13,7 @@ from validation.cases.comparison import compare, condition
 from validation.cases.robot import hinge_accelerations, robot_poses
 from validation.suite.findings import FREEDOMS, PLANE, REFERENCE, THEORY, Finding, judged, not_compared
 from validation.suite.trials.closed_forms import CLOSED_FORMS, Pairs
-from validation.suite.trials.plane import in_the_plane
+from validation.suite.trials.engines import in_the_plane
 from validation.suite.trials.trial import RTOL, STANDS, Run, Trial, run
 
 SHIFT = 7
@@ -25,7 +25,7 @@ PASSES = {"iftomm_A02_fourbar_N2": 1e-8}
 ROUNDED = {"free_dzhanibekov": 1e-6}
 """Cases whose error is rounding -> allowed: 2e-16 in 400 steps at random, times 6 flips and (5 / 1e-3)^2, is 7e-7."""
 LONG = {"chain100_spherical": "chain10_spherical", "bicycle_M3": "bicycle_M1", "iftomm_rscr_slidercrank": "rssr_driven"}
-"""Case -> the one that stands for its mechanism in other engines when the run must be short."""
+"""Case -> the one compared with other engines in its place when the run must be short."""
 
 
 def trials(quick: bool = False) -> list[Trial]:
@@ -61,7 +61,7 @@ def standing(name: str) -> Run:
 def allowed(case: cases.Case, rtol: float = RTOL) -> float:
     """Allowed scaled error: ten times what the case makes of a relative error of ``rtol``.
 
-    At 1e-10 never more than 1e-7, or what rounding comes to. The floor of 100 rtol stands for the errors of some
+    At 1e-10 never more than 1e-7, or what rounding comes to. The floor of 100 rtol covers the errors of some
     hundred steps that add up in a case of condition 1.
     """
     most = ROUNDED.get(case.id, 1e-7) * (rtol / RTOL)

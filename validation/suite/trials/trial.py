@@ -1,19 +1,16 @@
 """A case of the suite: a mechanism, how it is run, and who judges it."""
 
-import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mbsd3d import System, simulate
+from mbsd3d import Solution, State, System, simulate
 from mbsd3d.extend import Mbsd3dError
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
-RTOL = 1e-10
-"""Of our runs: a hundredth of the tightest limit."""
-ACCURACY = 100 * RTOL
-"""What the errors of some hundred steps add up to where nothing is amplified."""
-STANDS = "other engines take too long for a short run; {} stands for it"
+RTOL = 1e-10  # Of our runs: a hundredth of the tightest limit
+ACCURACY = 100 * RTOL  # What the errors of some hundred steps add up to where nothing is amplified
+STANDS = "other engines take too long for a short run; see {} instead"
 """Why a trial is not compared with engines in a short run."""
 
 
@@ -22,20 +19,26 @@ class Run:
     """A mechanism with its motion.
 
     ``t_end``: [s]; 0 where only the start counts; ``solution``: our motion; None without one; ``state``: start; None =
-    that of the bodies; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
+    as the bodies give it; ``source``: what the judges of a group need: a `validation.cases.Case`, an outcome of a demo;
     ``accuracy``: what our own motion may be wrong, relative to ``max(1, largest value)``: nobody is judged more finely.
     """
 
     system: System
     t_end: float = 0.0
-    solution: Any = None
-    state: Any = None
+    solution: Solution | None = None
+    state: State | None = None
     source: Any = None
     accuracy: float = ACCURACY
 
 
 def run(
-    system: System, t_end: float, *, state: Any = None, source: Any = None, accuracy: float = ACCURACY, **options: Any
+    system: System,
+    t_end: float,
+    *,
+    state: State | None = None,
+    source: Any = None,
+    accuracy: float = ACCURACY,
+    **options: Any,
 ) -> Run:
     """Simulate a mechanism at `RTOL`; other options as for `simulate`."""
     solution = simulate(system, t_end, state=state, **{"rtol": RTOL, **options})
@@ -78,16 +81,13 @@ def certificate(run: Run) -> list[Finding]:
 
 def examine(trial: Trial) -> tuple[Record, Run | None]:
     """Run a trial and ask its judges; whatever stops one of them is a finding that differs."""
-    began = time.perf_counter()
     try:
         made = trial.make()
     except (Mbsd3dError, ValueError) as error:
-        findings = (stopped(CERTIFICATE, "run", error),)
-        return Record(trial.name, trial.group, trial.title, findings, seconds=time.perf_counter() - began), None
+        return Record(trial.name, trial.group, trial.title, (stopped(CERTIFICATE, "run", error),)), None
     judges = {CERTIFICATE: certificate, **trial.judges}
     findings = [finding for name, judge in judges.items() for finding in asked(name, judge, made)]
-    seconds = time.perf_counter() - began
-    return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made), seconds=seconds), made
+    return Record(trial.name, trial.group, trial.title, tuple(findings), facts_of(made)), made
 
 
 def asked(name: str, judge: Judge, made: Run) -> list[Finding]:

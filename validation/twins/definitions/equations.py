@@ -9,13 +9,11 @@ It reads the public fields of bodies, joints and springs:
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, SpringDamper
-from validation.twins.definitions.rows import Motion, law_of
-from validation.twins.definitions.taylor import Array, Series, dot, sqrt
+from mbsd3d import GROUND, SpringDamper, State, System
+from validation.twins.definitions.rows import Array, Motion, Series, dot, law_of, sqrt
 
 RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""
@@ -48,7 +46,7 @@ class Reference:
     condition: float
 
 
-def constraint_rows(system: Any, state: Any) -> tuple[Array, Array, list[slice], float, float]:
+def constraint_rows(system: System, state: State) -> tuple[Array, Array, list[slice], float, float]:
     """(J, gamma, rows of each joint, greatest |c|, greatest |J v - b|)."""
     n = len(system.bodies)
     unit = np.concatenate([np.eye(6 * n), np.zeros((1, 6 * n))]).reshape(-1, n, 6)
@@ -68,7 +66,7 @@ def constraint_rows(system: Any, state: Any) -> tuple[Array, Array, list[slice],
     return np.concatenate([none, *J]), np.concatenate([none[:, 0], *gamma]), spans, residual, rate
 
 
-def mass_and_force(system: Any, state: Any) -> tuple[Array, Array]:
+def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
     """(M, Q - h), (6 n, 6 n) and (6 n,): gravity and springs."""
     n = len(system.bodies)
     M, F, v = np.zeros((6 * n, 6 * n)), np.zeros(6 * n), state.v.reshape(n, 6)
@@ -97,7 +95,7 @@ def mass_and_force(system: Any, state: Any) -> tuple[Array, Array]:
     return M, F
 
 
-def solve(system: Any, state: Any) -> Reference:
+def solve(system: System, state: State) -> Reference:
     """Accelerations and wrenches of a mechanism at a state.
 
     ``system``: bodies with mass and inertia, joints of any type, gravity and `SpringDamper`; ``state``: a consistent

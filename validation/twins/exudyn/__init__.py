@@ -2,33 +2,24 @@
 
 from typing import Any
 
-from validation.twins.base import EngineFailed, NotExpressible, Twin
+from mbsd3d import State, System
+from validation.twins.base import EngineFailed, Twin, check_met, start_of
 from validation.twins.exudyn.assembly import ROTATIONS
 from validation.twins.exudyn.bodies import BodyTwin
-from validation.twins.exudyn.forces import FORCES
-from validation.twins.exudyn.joints import JOINTS
-from validation.twins.exudyn.library import exudyn
+from validation.twins.exudyn.joints import FORCES, JOINTS
 from validation.twins.exudyn.minimal import TreeTwin
-from validation.twins.exudyn.solvers import last_words
-from validation.twins.inputs import check_met, start_of
+from validation.twins.exudyn.solvers import exudyn, last_words
 
-EXPRESSES = {kind: expression.how for kind, expression in JOINTS.items()}
-"""Joint class -> one line how."""
-
-EXPRESSES_FORCES = {kind: expression.how for kind, expression in FORCES.items()}
-"""Force class -> one line how."""
-
+EXPRESSES, EXPRESSES_FORCES = tuple(JOINTS), tuple(FORCES)  # classes
 FORMULATIONS = ("rigid bodies", "kinematic tree")
-ROWS = ("independent", "all")
 
 
 def twin(
-    system: Any,
+    system: System,
     *,
-    state: Any = None,
+    state: State | None = None,
     formulation: str = "rigid bodies",
     rotation: str = "rotation vector",
-    rows: str = "all",
     **scheme: Any,
 ) -> Twin:
     """A twin of a system in Exudyn.
@@ -44,12 +35,9 @@ def twin(
         solver; no reactions.
     rotation : str
         Of rigid bodies: "rotation vector" (Lie group) or "euler parameters".
-    rows : str
-        Of rigid bodies where constraints repeat each other: "all" keeps them, for full pivoting, "independent" leaves
-        out as many as Exudyn counts.
     **scheme
         Fields of `Scheme`: solver "generalized-alpha", "index2", "rk44", "dopri5" or "rk67", spectral_radius, linear
-        "dense", "sparse" or "full-pivot", tolerance, modified_newton, adaptive. What is not given is chosen to fit:
+        "dense", "sparse" or "full-pivot", tolerance, adaptive. What is not given is chosen to fit:
         see `BodyTwin`; "rk67" for kinematic trees.
 
     Returns
@@ -77,7 +65,7 @@ def twin(
     0.77375
     """
     for name, value, known in (
-        ("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS)), ("rows", rows, ROWS),
+        ("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS)),
     ):  # fmt: skip
         if value not in known:
             raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
@@ -87,32 +75,6 @@ def twin(
     try:
         if formulation == "kinematic tree":
             return TreeTwin(module, system, start, **scheme)
-        return BodyTwin(module, system, start, rotation, rows, **scheme)
+        return BodyTwin(module, system, start, rotation, **scheme)
     except module.ExudynError as error:
         raise EngineFailed(f"Exudyn does not take the model: {last_words(str(error))}") from None
-
-
-def advised(system: Any) -> list[dict[str, Any]]:
-    """Settings that one who knows Exudyn would try for a system, in order; the first are those of ``twin(system)``.
-
-    Where rows repeat each other, full pivoting takes them as they are and passes singular positions, but stops where
-    masses are tiny (the squeezer mechanism of Andrews); rows left out run there, and stop at singular positions.
-
-    Returns keyword arguments of `twin`. EngineMissing, NotExpressible as `twin`.
-    """
-    made = twin(system)
-    if not system.joints:
-        return [{}, {"solver": "dopri5"}, {"solver": "rk44"}]
-    found: list[dict[str, Any]] = [{}]
-    if made.repeated:
-        found += [
-            {"rows": "independent", "solver": "index2"},
-            {"rows": "independent", "solver": "generalized-alpha", "tolerance": 1e-6},
-        ]
-    else:
-        found += [{"solver": "generalized-alpha"}, {"modified_newton": False}]
-    try:
-        twin(system, formulation="kinematic tree")
-    except NotExpressible:
-        return found
-    return [*found, *({"formulation": "kinematic tree", "solver": name} for name in ("rk67", "dopri5", "rk44"))]

@@ -3,49 +3,37 @@
 from typing import Any
 
 import numpy as np
-from scipy.linalg import qr
 
-from mbsd3d import GROUND
-from mbsd3d.extend import Coupling, matrix, multiply, on_one_thread, one_thread
-from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible
-from validation.twins.exudyn.assembly import Assembly
-from validation.twins.exudyn.equations import Equations
-from validation.twins.exudyn.forces import add_force_element
-from validation.twins.exudyn.joints import add_joint
-from validation.twins.exudyn.library import quiet
-from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
-from validation.twins.inputs import check_run
+from mbsd3d import GROUND, Joint, State, System
+from mbsd3d.extend import Coupling, matrix, multiply, one_thread
+from validation.twins.base import Array, Kinetic, Load, Motion, NotExpressible, check_run, spanning
+from validation.twins.exudyn.assembly import Assembly, Equations
+from validation.twins.exudyn.joints import add_force_element, add_joint
+from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened, quiet
 
 SPARSE_FROM = 10
 """Bodies from which the sparse linear solver is the faster one: chains, measured; 23 times faster at 60 bodies."""
-REMOVABLE = ("JointGeneric", "JointSpherical", "ConnectorDistance", "ConnectorCoordinate")
-"""Objects of Exudyn that can do without single rows."""
 
 
 class BodyTwin:
     """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
 
     Where nothing else is asked for: bodies without joints by RK67; rows that repeat none by the index-2 trapezoidal
-    rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting if
-    all rows are kept. Where rows repeat each other, no reactions are reported: they are one choice among many.
+    rule, whose multipliers are of second order from the first sample on; else generalized-alpha, with full pivoting:
+    where rows repeat each other no reactions are reported, they are one choice among many.
 
-    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`; ``rows``: "all" or "independent";
-    ``**scheme``: of `Scheme`.
+    ``module``: `exudyn`; ``state``: the start; ``rotation``: a key of `ROTATIONS`; ``**scheme``: of
+    `Scheme`.
     """
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, rotation: str, rows: str = "all", **scheme: Any) -> None:
+    def __init__(self, module: Any, system: System, state: State, rotation: str, **scheme: Any) -> None:
         self.module, self.system, self.state, self.rotation = module, system, state, rotation
         Scheme(**scheme)  # refuses what it does not know before anything is built
-        self.build({})
+        self.build()
         self.counts = {} if is_forest(system) else self.counted()
-        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has none
-        self.open = self.repeated > 0  # whether rows that repeat others are in the equations
-        left_out = repeated_rows(self.model, self.equations(), self.repeated) if self.open else {}
-        if left_out and rows == "independent":
-            self.build(left_out)
-            self.open = False
+        self.repeated = self.counts.get("redundantConstraints", 0)  # a forest of joints has no repeated rows
         self.scheme = Scheme(**self.fitting() | scheme)
         if system.joints and not self.scheme.implicit:
             raise NotExpressible(
@@ -53,12 +41,11 @@ class BodyTwin:
                 "solver, or formulation='kinematic tree' for a tree of hinges and guides"
             )
         self.order = float(SOLVERS[self.scheme.solver][1])
-        without = f", {self.repeated} repeated rows left out" if self.repeated and not self.open else ""
-        self.settings = f"rigid bodies with {rotation}s{without}, {self.scheme}"
+        self.settings = f"rigid bodies with {rotation}s, {self.scheme}"
 
-    def build(self, left_out: dict[int, set[int]]) -> None:
-        """The system of Exudyn, without some rows."""
-        self.model = Assembly(self.module, self.system, self.state, self.rotation, left_out)
+    def build(self) -> None:
+        """The system of Exudyn."""
+        self.model = Assembly(self.module, self.system, self.state, self.rotation)
         for joint in self.system.joints:
             add_joint(self.model, joint)
         for force in self.system.forces:
@@ -75,11 +62,9 @@ class BodyTwin:
         """
         if not self.system.joints:
             return {"solver": "rk67"}
-        if self.open:
+        if self.repeated:
             return {"solver": "generalized-alpha", "linear": "full-pivot"}
         linear = "sparse" if len(self.system.bodies) > SPARSE_FROM else "dense"
-        if self.repeated:
-            return {"solver": "generalized-alpha", "linear": linear}
         return {"solver": "index2", "linear": linear, "tolerance": 1e-10}
 
     def degrees_of_freedom(self) -> dict[str, int]:
@@ -96,7 +81,7 @@ class BodyTwin:
 
     def equations(self) -> Equations:
         """The equations at the start."""
-        return Equations(self.model, opened(self.module, self.mbs, self.state.t), self.open)
+        return Equations(self.model, opened(self.module, self.mbs, self.state.t), self.repeated > 0)
 
     def kinetic(self) -> Kinetic:
         """Mass matrix at the start, and the map from Exudyn's velocities."""
@@ -146,7 +131,7 @@ class BodyTwin:
 class Carrier:
     """Bodies over time, as joints ask a solution for their points and axes."""
 
-    def __init__(self, system: Any, position: Array, turn: Array) -> None:
+    def __init__(self, system: System, position: Array, turn: Array) -> None:
         self.index = {id(body): i for i, body in enumerate(system.bodies)}
         self.place, self.axes = position, matrix(turn)
 
@@ -162,7 +147,7 @@ class Carrier:
             return np.broadcast_to(point, (len(self.place), 3))
         return self.place[:, self.index[id(body)]] + self.body_axis(body, point - body.position)
 
-    def load(self, joint: Any, wrenches: Array) -> Load:
+    def load(self, joint: Joint, wrenches: Array) -> Load:
         """A joint's wrench on its body b at its point; what acts on the ground balances the rest."""
         point = joint.reaction_points(self)
         if joint.b is GROUND:
@@ -174,43 +159,10 @@ class Carrier:
         return Load(force, moment - np.cross(point - self.place[:, b], force))
 
 
-@on_one_thread
-def repeated_rows(model: Assembly, equations: Equations, redundant: int) -> dict[int, set[int]]:
-    """id(joint) -> rows of its first object that repeat others, as many as Exudyn counts; {} if they cannot go.
-
-    Its users leave such rows out by hand; here those go that column-pivoted QR of Exudyn's own J' at the start takes
-    last. The motion is the same; reactions are those of one mechanism among many, so none are reported.
-    """
-    J = equations.jacobian()
-    real = np.flatnonzero(J.any(axis=1))  # the others say "multiplier = 0"
-    _, _, order = qr(J[real].T, mode="economic", pivoting=True)
-    last = set(real[order[len(order) - redundant :]].tolist())
-    found: dict[int, set[int]] = {}
-    for joint in model.system.joints:
-        for place, item in enumerate(model.objects[id(joint)]):
-            own = [k for k, row in enumerate(model.mbs.systemData.GetObjectLTGAE(item)) if row in last]
-            if own and (place or model.mbs.GetObject(item)["objectType"] not in REMOVABLE):
-                return {}
-            if own:
-                found[id(joint)] = set(own)
-    return found
-
-
-def is_forest(system: Any) -> bool:
+def is_forest(system: System) -> bool:
     """Whether joints only hang bodies on each other: no loops, no couplings, no drivers."""
-    root = {id(body): id(body) for body in (*system.bodies, GROUND)}
-
-    def top(key: int) -> int:
-        while root[key] != key:
-            key = root[key]
-        return key
-
-    for joint in system.joints:
-        a, b = top(id(joint.a)), top(id(joint.b))
-        if isinstance(joint, Coupling) or a == b:
-            return False
-        root[a] = b
-    return True
+    joints = system.joints
+    return len(spanning(joints)) == len(joints) and not any(isinstance(joint, Coupling) for joint in joints)
 
 
 def snapshot(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> Array:

@@ -1,21 +1,31 @@
-"""Couplings and drivers in Exudyn: conditions on hinge coordinates and rates."""
+"""Couplings, drivers and contacts in Exudyn: conditions on hinge coordinates, on rates, and on velocities of points.
+
+Contacts without slip, for which Exudyn has no element, are rows D (V_b - V_a) = 0 at a point of space, V the velocity
+of the matter of each body there: functions of Python; everything else is Exudyn's.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import AngleDriver, Constant, Gear, PositionDriver, RackPinion, SlideDriver, SpeedDriver
-from mbsd3d.extend import Coordinate, evaluate
-from validation.twins.base import NotExpressible
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Constant,
+    Gear,
+    Joint,
+    PositionDriver,
+    RackPinion,
+    Signal,
+    SlideDriver,
+    SpeedDriver,
+)
+from mbsd3d.extend import Coordinate, cross, evaluate, exponential, matrix, skew
+from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
 
-
-class Expression(NamedTuple):
-    """One line how, and the function that adds the elements."""
-
-    how: str
-    add: Callable[[Assembly, Any, str], None]
+Add = Callable[[Assembly, Any, str], None]  # elements of a joint or force, which errors name so
 
 
 def follow(signal: Any, order: int = 0) -> Callable[[float], float]:
@@ -31,54 +41,32 @@ def hinge_coordinate(model: Assembly, x: Coordinate, what: str) -> int:
     return model.coordinate(x)
 
 
-def couple(model: Assembly, joint: Any, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
+def couple(model: Assembly, joint: Joint, driven: Coordinate, ratio: float, by: Coordinate, what: str) -> None:
     """driven = ratio by."""
     markers = [hinge_coordinate(model, x, what) for x in (driven, by)]
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, factor1=ratio))
 
 
-def add_gear(model: Assembly, joint: Any, what: str) -> None:
-    """angle b = ratio angle a."""
-    couple(model, joint, joint.hinge_b.angle(), joint.ratio, joint.hinge_a.angle(), what)
-
-
-def add_rack(model: Assembly, joint: Any, what: str) -> None:
-    """slide = radius angle."""
-    couple(model, joint, joint.rack.slide(), joint.radius, joint.pinion.angle(), what)
-
-
-def prescribe(model: Assembly, x: Coordinate, signal: Any, what: str) -> Any:
+def prescribe(model: Assembly, joint: Joint, x: Coordinate, signal: Signal, what: str) -> None:
     """x = f(t)."""
+    given: dict[str, Any] = {"offset": signal.value} if isinstance(signal, Constant) else {}
+    if not given:
+        place, rate = follow(signal), follow(signal, 1)
+        given["offsetUserFunction"] = lambda mbs, t, item, offset: place(t)
+        given["offsetUserFunction_t"] = lambda mbs, t, item, offset: rate(t)
     markers = [model.zero, hinge_coordinate(model, x, what)]
-    if isinstance(signal, Constant):
-        return model.items.ObjectConnectorCoordinate(markerNumbers=markers, offset=signal.value)
-    place, rate = follow(signal), follow(signal, 1)
-    return model.items.ObjectConnectorCoordinate(
-        markerNumbers=markers,
-        offsetUserFunction=lambda mbs, t, item, offset: place(t),
-        offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
-    )
+    model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, **given))
 
 
-def add_angle_driver(model: Assembly, joint: Any, what: str) -> None:
-    """theta = f(t)."""
-    model.connect(joint, prescribe(model, joint.hinge.angle(), joint.signal, what))
-
-
-def add_slide_driver(model: Assembly, joint: Any, what: str) -> None:
-    """s = f(t)."""
-    model.connect(joint, prescribe(model, joint.slider.slide(), joint.signal, what))
-
-
-def add_position_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
     """Displacements along world axes."""
     for axis, signal in zip(np.eye(3), joint.signal, strict=True):
         if signal is not None:
             x = Coordinate("slide", joint.a, joint.b, axis, axis, joint.at, joint.at)
-            model.connect(joint, prescribe(model, x, signal, what))
+            prescribe(model, joint, x, signal, what)
 
 
-def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
+def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
     """x_a . (w_b - w_a) = f(t), a condition on velocities."""
     x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
     moving = {}
@@ -89,12 +77,112 @@ def add_speed_driver(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, item)
 
 
-COUPLINGS: dict[type, Expression] = {
-    Gear: Expression("CoordinateConstraint of two angles", add_gear),
-    RackPinion: Expression("CoordinateConstraint of slide and angle", add_rack),
-    AngleDriver: Expression("CoordinateConstraint with offset f(t)", add_angle_driver),
-    SlideDriver: Expression("CoordinateConstraint with offset f(t)", add_slide_driver),
-    PositionDriver: Expression("CoordinateConstraint per direction with offset f(t)", add_position_driver),
-    SpeedDriver: Expression("CoordinateConstraint on velocities", add_speed_driver),
+COUPLINGS: dict[type, Add] = {
+    Gear: lambda model, j, what: couple(model, j, j.hinge_b.angle(), j.ratio, j.hinge_a.angle(), what),
+    RackPinion: lambda model, j, what: couple(model, j, j.rack.slide(), j.radius, j.pinion.angle(), what),
+    AngleDriver: lambda model, j, what: prescribe(model, j, j.hinge.angle(), j.signal, what),
+    SlideDriver: lambda model, j, what: prescribe(model, j, j.slider.slide(), j.signal, what),
+    PositionDriver: add_position_driver,
+    SpeedDriver: add_speed_driver,
 }
-"""Class -> how it is expressed."""
+"""Class -> what adds its elements."""
+
+
+class Pose(NamedTuple):
+    """A body now, where its point and axes stood along the world at the reference pose."""
+
+    body: Any
+    r: Array
+    R: Array
+    spin: Array
+
+    def axis(self, reference: Array) -> Array:
+        """A direction of the body."""
+        return self.R @ reference
+
+    def point(self, reference: Array) -> Array:
+        """A point of the body."""
+        return self.r + self.R @ (reference - self.body.position)
+
+    def velocity_of(self, point: Array) -> Array:
+        """(3, m): velocity of its matter at a point of space from Exudyn's velocities."""
+        return np.hstack([np.eye(3), -skew(point - self.r) @ self.spin])
+
+
+def pose(model: Assembly, body: Any, q: Array) -> Pose:
+    """From all coordinates of its node; the ground has no node."""
+    if body is GROUND:
+        return Pose(body, np.zeros(3), np.eye(3), np.zeros((3, 0)))
+    e = exponential(q[3:]) if model.rotation == "rotation vector" else q[3:]
+    return Pose(body, q[:3], matrix(e), model.spin(e))
+
+
+def add_contact(
+    model: Assembly, joint: Joint, contact: Callable[[Pose, Pose, Any], tuple[Array, Array]], rows: int
+) -> None:
+    """Rows of ``contact(a, b, mbs)`` = (point, directions (rows, 3))."""
+
+    def jacobian(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
+        q = np.array(q)
+        sizes = [0 if body is GROUND else len(q) // sides for body in (joint.a, joint.b)]
+        a, b = pose(model, joint.a, q[: sizes[0]]), pose(model, joint.b, q[sizes[0] :])
+        point, directions = contact(a, b, mbs)
+        blocks = [sign * directions @ side.velocity_of(point) for sign, side in ((-1.0, a), (1.0, b)) if side.spin.size]
+        return np.hstack(blocks)
+
+    def residual(mbs: Any, t: float, item: int, q: Any, q_t: Any, on_velocities: bool) -> Array:
+        return jacobian(mbs, t, item, q, q_t, on_velocities) @ np.array(q_t)
+
+    sides = sum(body is not GROUND for body in (joint.a, joint.b))
+    nodes = [model.zero_node if body is GROUND else model.nodes[id(body)] for body in (joint.a, joint.b)]
+    markers = [model.mbs.AddMarker(model.items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+    item = model.items.ObjectConnectorCoordinateVector(
+        markerNumbers=markers, scalingMarker0=np.zeros((rows, 1)), velocityLevel=True,
+        constraintUserFunction=residual, jacobianUserFunction=jacobian,
+    )  # fmt: skip
+    model.connect(joint, item)
+
+
+def add_knife_edge(model: Assembly, joint: Joint, what: str) -> None:
+    """The point of b does not move along a direction of b."""
+    add_contact(model, joint, lambda a, b, mbs: (b.point(joint.at_b), b.axis(joint.lateral)[None]), 1)
+
+
+def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
+    """The joint of Exudyn for a sharp rim, else all three components of the velocity at the point of a torus."""
+    if joint.crown:
+        add_contact(model, joint, lambda a, b, mbs: (lowest(joint, a, b), np.eye(3)), 3)
+        return
+    # rows on velocities do not ask where the plane lies, and Exudyn wants its marker in the body's O
+    markers = [model.marker(joint.a, joint.a.position), model.marker(joint.b, joint.centre)]
+    disc = model.items.ObjectJointRollingDisc(
+        markerNumbers=markers, discRadius=joint.radius, discAxis=joint.axis, planeNormal=joint.plane[1]
+    )
+    model.connect(joint, disc)
+
+
+def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
+    """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
+    carrier, n = joint.support(), joint.direction()
+
+    def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
+        frame = carried(model, mbs, carrier)
+        return frame.point(joint.at), frame.axis(n)[None]
+
+    add_contact(model, joint, contact, 1)
+
+
+def carried(model: Assembly, mbs: Any, body: Any) -> Pose:
+    """A body that no row moves, asked of Exudyn."""
+    if body is GROUND:
+        return pose(model, body, np.zeros(0))
+    kinds, number = model.module.OutputVariableType, model.body[id(body)]
+    r, R = (mbs.GetObjectOutputBody(number, kind, [0.0, 0.0, 0.0]) for kind in (kinds.Position, kinds.RotationMatrix))
+    return Pose(body, np.array(r), np.reshape(R, (3, 3)), np.zeros((3, 0)))
+
+
+def lowest(joint: Joint, a: Pose, b: Pose) -> Array:
+    """Point of the torus nearest to the plane: down the disc by radius - crown, down the plane's normal by crown."""
+    n, u = a.axis(joint.plane[1]), b.axis(joint.axis)
+    steepest = cross(u, cross(u, n))
+    return b.point(joint.centre) + (joint.radius - joint.crown) * steepest / np.linalg.norm(steepest) - joint.crown * n

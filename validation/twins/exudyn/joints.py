@@ -1,4 +1,4 @@
-"""Every joint that Exudyn has an element for: how, and its frames.
+"""Every joint and force element that Exudyn has: how, its frames, and why not the others.
 
 A frame is three columns, world at the reference pose. Exudyn locks directions of the frame on body a (0..2 shifts,
 3..5 turns); with two turns locked the third axis of frame a stays across the other two of frame b, with one locked the
@@ -11,12 +11,126 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
-from mbsd3d import GearMesh, KnifeEdge, RollingDisc
-from mbsd3d.extend import Coordinate, cross, matched_perpendiculars, perpendiculars
-from validation.twins.base import Array, label, refused
+from mbsd3d.extend import Coordinate, cross, exponential, matched_perpendiculars, matrix, multiply, perpendiculars
+from mbsd3d.extend import hinge_coordinate as coordinate_of
+from validation.twins.base import Array, NotExpressible, label, refused
 from validation.twins.exudyn.assembly import Assembly
-from validation.twins.exudyn.contacts import add_knife_edge, add_mesh, add_rolling
-from validation.twins.exudyn.couplings import COUPLINGS, Expression, couple
+from validation.twins.exudyn.couplings import (
+    COUPLINGS,
+    Add,
+    add_knife_edge,
+    add_mesh,
+    add_rolling,
+    couple,
+    follow,
+    hinge_coordinate,
+)
+
+
+def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
+    """A force or torque; a Python function of time only where a component changes."""
+    axes = load.body.axes if load.frame == "body" else np.eye(3)  # in Exudyn they are along the world at first
+    functions = [follow(signal) for signal in components]
+
+    def now(mbs: Any, t: float, vector: Any = None) -> Array:
+        return axes @ [f(t) for f in functions]
+
+    steady = all(isinstance(signal, mbsd3d.Constant) for signal in components)
+    item = getattr(model.items, element)(
+        markerNumber=model.marker(load.body, point), bodyFixed=load.frame == "body",
+        loadVector=now(None, model.state.t), **{} if steady else {"loadVectorUserFunction": now},
+    )  # fmt: skip
+    model.mbs.AddLoad(item)
+
+
+def add_spring(model: Assembly, spring: Any, what: str) -> None:
+    """Along the line between two points."""
+    markers = [model.marker(spring.a, spring.at_a), model.marker(spring.b, spring.at_b)]
+    item = model.items.ObjectConnectorSpringDamper(
+        markerNumbers=markers, referenceLength=spring.length, stiffness=spring.stiffness, damping=spring.damping
+    )
+    model.connect(spring, item)
+
+
+def add_torsion(model: Assembly, spring: Any, what: str) -> None:
+    """Along a hinge coordinate."""
+    markers = [model.zero, hinge_coordinate(model, coordinate_of(spring.hinge, what), what)]
+    item = model.items.ObjectConnectorCoordinateSpringDamper(
+        markerNumbers=markers, stiffness=spring.stiffness, damping=spring.damping, offset=spring.angle
+    )
+    model.connect(spring, item)
+
+
+def add_friction(model: Assembly, friction: Any, what: str) -> None:
+    """T tanh(x_dot / v0) + c x_dot against the motion."""
+    dry, viscous, scale = friction.coulomb, friction.viscous, friction.transition
+    markers = [model.zero, hinge_coordinate(model, coordinate_of(friction.hinge, what), what)]
+    smooth = {}
+    if dry:
+        smooth = {"springForceUserFunction": lambda mbs, t, item, x, v, k, c, x0: dry * np.tanh(v / scale) + c * v}
+    item = model.items.ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, damping=viscous, **smooth)
+    model.connect(friction, item)
+
+
+def add_drag(model: Assembly, drag: Any, what: str) -> None:
+    """-k |u| u at a point, u its velocity relative to the wind, asked of Exudyn's own sensor."""
+    factor, wind = 0.5 * drag.density * drag.drag_area, [follow(signal) for signal in drag.wind]
+    sensor = model.velocity_sensor(drag.body, drag.at)
+
+    def pull(mbs: Any, t: float, vector: Any) -> list[float]:
+        u = np.array(mbs.GetSensorValues(sensor)) - [f(t) for f in wind]
+        return list(-factor * np.linalg.norm(u) * u)
+
+    marker = model.marker(drag.body, drag.at)
+    model.mbs.AddLoad(model.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=pull))
+
+
+def add_bushing(model: Assembly, bushing: Any, what: str) -> None:
+    """Six components in axes of the ground; the elastic moment of large rotations by a function."""
+    if bushing.a is not mbsd3d.GROUND:
+        raise NotExpressible(f"{what}: hangs on '{bushing.a.name}'; the one of Exudyn pulls each side at its own point")
+    axes = matrix(bushing.axes)
+    markers = [model.marker(body, bushing.at, axes) for body in (bushing.a, bushing.b)]
+    stiffness = np.concatenate([bushing.stiffness, bushing.turning_stiffness])
+    damping = np.concatenate([bushing.damping, bushing.turning_damping])
+
+    def load(mbs: Any, t: float, item: int, d: Any, angles: Any, d_dot: Any, w: Any, *rest: Any) -> Array:
+        x, y, z = (exponential(angle * axis) for angle, axis in zip(angles, np.eye(3), strict=True))
+        p0, *p = multiply(multiply(x, y), z)  # of the Tait-Bryan angles that Exudyn hands over
+        twist = stiffness[3:] * p
+        moment = 2.0 * (p0 * twist + np.cross(p, twist))
+        return np.concatenate([stiffness[:3] * d, moment]) + damping * np.concatenate([d_dot, w])
+
+    by_function = {"springForceTorqueUserFunction": load} if bushing.turning_stiffness.any() else {}
+    item = model.items.ObjectConnectorRigidBodySpringDamper(
+        markerNumbers=markers, stiffness=np.diag(stiffness), damping=np.diag(damping), **by_function
+    )
+    model.connect(bushing, item)
+
+
+FORCES: dict[type, Add] = {
+    mbsd3d.Force: lambda model, x, what: add_load(model, x, x.at, x.force, "LoadForceVector"),
+    mbsd3d.Torque: lambda model, x, what: add_load(model, x, x.body.position, x.torque, "LoadTorqueVector"),
+    mbsd3d.SpringDamper: add_spring,
+    mbsd3d.TorsionSpring: add_torsion,
+    mbsd3d.JointFriction: add_friction,
+    mbsd3d.AeroDrag: add_drag,
+    mbsd3d.Bushing: add_bushing,  # from the ground only
+}
+"""Force class -> what adds its elements."""
+
+REFUSED: dict[type, str] = {
+    mbsd3d.StateFeedback: "Exudyn has no force element with internal states and measures",
+    mbsd3d.CustomForce: "its function is compiled for mbsd3d",
+}
+"""Force class -> why not."""
+
+
+def add_force_element(model: Assembly, force: Any) -> None:
+    """Add a force element, or NotExpressible with its name."""
+    if type(force) not in FORCES:
+        raise refused(model.system, force, REFUSED, "Exudyn has no element for it")
+    FORCES[type(force)](model, force, label(model.system, force))
 
 
 def frames_along(axis: Array, axis_b: Array, place: int) -> tuple[Array, Array]:
@@ -33,47 +147,16 @@ def frames_across(axis_a: Array, axis_b: Array) -> tuple[Array, Array]:
     return np.column_stack([axis_a, cross(z, axis_a), z]), np.column_stack([cross(axis_b, z), axis_b, z])
 
 
-DOTS = {1: {5: (0, 1)}, 2: {3: (2, 0), 4: (2, 1)}, 3: {3: (2, 1), 4: (2, 0), 5: (0, 1)}}
-"""Locked turns -> row of GenericJoint -> (axis of frame a, axis of frame b) that stay across each other."""
-
-
 def generic(locked: tuple[int, ...], frames: Callable[[Any], tuple[Array, Array]]) -> Callable:
-    """A joint that locks directions of its frames.
+    """A joint that locks directions of its frames."""
 
-    Three locked shifts stand along the world in GenericJoint, fewer along its frame: where a row of three is left out,
-    SphericalJoint keeps the others as they are. Where some of its turns are left, each is a GenericJoint.
-    """
-
-    def add(model: Assembly, joint: Any, what: str) -> None:
+    def add(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
         axes_a, axes_b = frames(joint)
         at, at_b = getattr(joint, "at", joint.a.position), getattr(joint, "at_b", joint.b.position)
-        flags, shifts, turns = model.kept(joint, locked), sum(locked[:3]), sum(locked[3:])
-        single = [k for k in (3, 4, 5) if flags[k]] if 0 < sum(flags[3:]) < turns else []
-        if single:
-            flags[3:] = 0, 0, 0
-        if sum(flags[:3]) < shifts == 3:
-            add_point(model, joint, at, at_b, flags[:3])
-            flags[:3] = 0, 0, 0
-        if any(flags):
-            connect(model, joint, flags, (at, axes_a), (at_b, axes_b))
-        for k in single:
-            first, second = DOTS[turns][k]
-            across_a, across_b = frames_across(axes_a[:, first], axes_b[:, second])
-            connect(model, joint, [0, 0, 0, 0, 0, 1], (at, across_a), (at_b, across_b))
+        markers = [model.marker(joint.a, at, axes_a), model.marker(joint.b, at_b, axes_b)]
+        model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=locked))
 
     return add
-
-
-def add_point(model: Assembly, joint: Any, at: Array, at_b: Array, flags: list[int]) -> None:
-    """Points coincide along the world axes with a flag."""
-    markers = [model.marker(joint.a, at), model.marker(joint.b, at_b)]
-    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers, constrainedAxes=flags))
-
-
-def connect(model: Assembly, joint: Any, flags: list[int], side_a: tuple, side_b: tuple) -> None:
-    """One GenericJoint between (point, axes) on a and b."""
-    markers = [model.marker(joint.a, *side_a), model.marker(joint.b, *side_b)]
-    model.connect(joint, model.items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=flags))
 
 
 def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
@@ -81,23 +164,24 @@ def along(place: int) -> Callable[[Any], tuple[Array, Array]]:
     return lambda joint: frames_along(joint.axis, joint.axis_b, place)
 
 
-def one_sided(joint: Any) -> tuple[Array, Array]:
+def one_sided(joint: mbsd3d.Joint) -> tuple[Array, Array]:
     """Frames along the axis or normal of a; only a's matters."""
     axis = joint.normal if hasattr(joint, "normal") else joint.axis
     return frames_along(axis, axis, 2)
 
 
-def crossed(joint: Any) -> tuple[Array, Array]:
+def crossed(joint: mbsd3d.Joint) -> tuple[Array, Array]:
     """Frames of axis_a and axis_b."""
     return frames_across(joint.axis_a, joint.axis_b)
 
 
-def add_spherical(model: Assembly, joint: Any, what: str) -> None:
+def add_spherical(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Points coincide."""
-    add_point(model, joint, joint.at, joint.at_b, model.kept(joint, (1, 1, 1)))
+    markers = [model.marker(joint.a, joint.at), model.marker(joint.b, joint.at_b)]
+    model.connect(joint, model.items.ObjectJointSpherical(markerNumbers=markers))
 
 
-def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
+def add_constant_velocity(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Points coincide; no turn about the bisector: (axis_a + axis_b) . (w_b - w_a) = 0, kept as velocities."""
     add_spherical(model, joint, what)
     turn_a = Coordinate("angle", joint.a, joint.b, joint.axis_a, joint.axis_a)
@@ -106,52 +190,43 @@ def add_constant_velocity(model: Assembly, joint: Any, what: str) -> None:
     model.connect(joint, model.items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True))
 
 
-def add_distance(model: Assembly, joint: Any, what: str) -> None:
+def add_distance(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """Constant distance."""
     markers = [model.marker(joint.a, joint.at_a), model.marker(joint.b, joint.at_b)]
     model.connect(joint, model.items.ObjectConnectorDistance(markerNumbers=markers, distance=joint.length))
 
 
-def add_screw(model: Assembly, joint: Any, what: str) -> None:
+def add_screw(model: Assembly, joint: mbsd3d.Joint, what: str) -> None:
     """A cylindrical joint and slide = pitch angle / (2 pi)."""
     generic((1, 1, 0, 1, 1, 0), along(2))(model, joint, what)
     couple(model, joint, joint.slide(), joint.pitch / (2 * np.pi), joint.angle(), what)
 
 
-JOINTS: dict[type, Expression] = {
-    mbsd3d.Spherical: Expression("SphericalJoint", add_spherical),
-    mbsd3d.Revolute: Expression("GenericJoint, turn about z free", generic((1, 1, 1, 1, 1, 0), along(2))),
-    mbsd3d.Universal: Expression("GenericJoint, x of a across y of b", generic((1, 1, 1, 0, 0, 1), crossed)),
-    mbsd3d.Prismatic: Expression("GenericJoint, shift along x free", generic((0, 1, 1, 1, 1, 1), along(0))),
-    mbsd3d.Cylindrical: Expression("GenericJoint, shift and turn along z free", generic((1, 1, 0, 1, 1, 0), along(2))),
-    mbsd3d.Planar: Expression(
-        "GenericJoint, shifts in xy and turn about z free", generic((0, 0, 1, 1, 1, 0), one_sided)
-    ),
-    mbsd3d.Fixed: Expression(
-        "GenericJoint, all locked", generic((1, 1, 1, 1, 1, 1), lambda joint: (np.eye(3), np.eye(3)))
-    ),
-    mbsd3d.PointOnLine: Expression("GenericJoint, shifts across z locked", generic((1, 1, 0, 0, 0, 0), one_sided)),
-    mbsd3d.PointOnPlane: Expression("GenericJoint, shift along z locked", generic((0, 0, 1, 0, 0, 0), one_sided)),
-    mbsd3d.Distance: Expression("DistanceConstraint", add_distance),
-    mbsd3d.Parallel: Expression("GenericJoint, turns about x and y locked", generic((0, 0, 0, 1, 1, 0), along(2))),
-    mbsd3d.Perpendicular: Expression("GenericJoint, x of a across y of b", generic((0, 0, 0, 0, 0, 1), crossed)),
-    mbsd3d.ConstantVelocity: Expression(
-        "SphericalJoint and CoordinateConstraint of two rates about the shafts, on velocities", add_constant_velocity
-    ),
-    mbsd3d.Screw: Expression("GenericJoint (cylindrical) and CoordinateConstraint of slide and angle", add_screw),
+JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and three turns are locked
+    mbsd3d.Spherical: add_spherical,
+    mbsd3d.Revolute: generic((1, 1, 1, 1, 1, 0), along(2)),
+    mbsd3d.Universal: generic((1, 1, 1, 0, 0, 1), crossed),  # x of a across y of b
+    mbsd3d.Prismatic: generic((0, 1, 1, 1, 1, 1), along(0)),
+    mbsd3d.Cylindrical: generic((1, 1, 0, 1, 1, 0), along(2)),
+    mbsd3d.Planar: generic((0, 0, 1, 1, 1, 0), one_sided),
+    mbsd3d.Fixed: generic((1, 1, 1, 1, 1, 1), lambda joint: (np.eye(3), np.eye(3))),
+    mbsd3d.PointOnLine: generic((1, 1, 0, 0, 0, 0), one_sided),
+    mbsd3d.PointOnPlane: generic((0, 0, 1, 0, 0, 0), one_sided),
+    mbsd3d.Distance: add_distance,
+    mbsd3d.Parallel: generic((0, 0, 0, 1, 1, 0), along(2)),
+    mbsd3d.Perpendicular: generic((0, 0, 0, 0, 0, 1), crossed),
+    mbsd3d.ConstantVelocity: add_constant_velocity,
+    mbsd3d.Screw: add_screw,
     **COUPLINGS,
-    RollingDisc: Expression(
-        "RollingDiscJoint, all rows on velocities; a rounded rim by CoordinateVectorConstraint with the rows in Python",
-        add_rolling,
-    ),
-    GearMesh: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_mesh),
-    KnifeEdge: Expression("CoordinateVectorConstraint with the row in Python, on velocities", add_knife_edge),
+    mbsd3d.RollingDisc: add_rolling,  # a rounded rim with its rows in Python
+    mbsd3d.GearMesh: add_mesh,
+    mbsd3d.KnifeEdge: add_knife_edge,
 }
-"""Joint class -> how it is expressed."""
+"""Joint class -> what adds its elements."""
 
 
-def add_joint(model: Assembly, joint: Any) -> None:
+def add_joint(model: Assembly, joint: mbsd3d.Joint) -> None:
     """Add a joint, or NotExpressible with its name."""
     if type(joint) not in JOINTS:
         raise refused(model.system, joint, {}, "Exudyn has no element for it")
-    JOINTS[type(joint)].add(model, joint, label(model.system, joint))
+    JOINTS[type(joint)](model, joint, label(model.system, joint))

@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND
+from mbsd3d import GROUND, State, System
 from mbsd3d.extend import Coordinate, multiply, quaternion_from_matrix
-from validation.twins.base import Array, Kinetic, Motion, NotExpressible
-from validation.twins.exudyn.forces import add_force_element
+from validation.twins.base import Array, Kinetic, Motion, NotExpressible, check_run
+from validation.twins.exudyn.joints import add_force_element
 from validation.twins.exudyn.solvers import SOLVERS, Scheme, check_samples, march, opened
 from validation.twins.exudyn.tree import SHIFT, TURN, Frame, Link, links_of
-from validation.twins.inputs import check_run
 
 OUTPUTS = ("Position", "RotationMatrix", "Velocity", "AngularVelocity")
 SECOND = ("Acceleration", "AngularAcceleration")
@@ -21,7 +20,7 @@ WORLD = Frame(np.zeros(3), np.eye(3))
 class Tree:
     """The items of Exudyn for one tree; answers force elements as `Assembly` does."""
 
-    def __init__(self, module: Any, system: Any, state: Any) -> None:
+    def __init__(self, module: Any, system: System, state: State) -> None:
         self.module, self.items, self.system, self.state = module, module.itemInterface, system, state
         self.links, self.numbers = links_of(system, state)
         self.container = module.SystemContainer()
@@ -110,12 +109,12 @@ def own_inertia(link: Link) -> tuple[float, Array, Array]:
 class TreeTwin:
     """See `validation.twins.base.Twin`; ``mbs`` is the system of Exudyn, for settings of one's own.
 
-    It reports no reactions: a tree in hinge coordinates has none.
+    It reports no reactions: hinge coordinates have no constraint forces.
     """
 
     engine = "Exudyn"
 
-    def __init__(self, module: Any, system: Any, state: Any, **scheme: Any) -> None:
+    def __init__(self, module: Any, system: System, state: State, **scheme: Any) -> None:
         self.module, self.system, self.state = module, system, state
         self.scheme = Scheme(**{"solver": "rk67"} | scheme)
         self.model = Tree(module, system, state)

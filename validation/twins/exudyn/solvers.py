@@ -1,14 +1,61 @@
-"""Time integration in Exudyn: solvers by name, the settings a knowledgeable user would choose, and the loop."""
+"""Exudyn itself, found and quiet; its solvers by name, the settings one who knows it would choose, the loop."""
 
 import re
 import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from importlib import metadata
+from io import StringIO
 from typing import Any
 
 import numpy as np
 
-from validation.twins.base import Array, EngineFailed
-from validation.twins.exudyn.library import quiet
+from validation.twins.base import Array, EngineFailed, EngineMissing, release
+
+OLDEST = (1, 13, 6)
+"""Earlier versions name their settings otherwise, and have no coordinate of a hinge (MarkerBodiesRelative...)."""
+
+WANTED = ".".join(map(str, OLDEST))
+
+
+def exudyn() -> Any:
+    """The module, imported when it is asked for.
+
+    EngineMissing if it is not installed or older than `OLDEST`.
+    """
+    try:
+        version = metadata.version("exudyn")
+    except metadata.PackageNotFoundError:
+        raise EngineMissing(f"Exudyn is not installed; pip install 'exudyn>={WANTED}'") from None
+    check_version(version)
+    try:
+        import exudyn as module
+        import exudyn.itemInterface
+    except ImportError as error:
+        raise EngineMissing(f"Exudyn {version} does not load: {error}; install it again") from None
+    return module
+
+
+def check_version(version: str) -> None:
+    """EngineMissing for a version before `OLDEST`."""
+    if release(version) < OLDEST:
+        raise EngineMissing(f"Exudyn {version} is older than {WANTED}; pip install -U 'exudyn>={WANTED}'")
+
+
+@contextmanager
+def quiet(module: Any) -> Iterator[StringIO]:
+    """Nothing reaches the terminal, what was said is kept; the setting of the console is restored."""
+    said, before = StringIO(), module.config.printToConsole
+    try:
+        with redirect_stdout(said), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Exudyn's own hints; what matters ends in an error text
+            module.config.printToConsole = True
+            yield said
+    finally:
+        module.config.printToConsole = before
+
 
 SOLVERS = {
     "generalized-alpha": ("GeneralizedAlpha", 2),
@@ -19,8 +66,7 @@ SOLVERS = {
 }
 """Name -> (name in Exudyn, order of the error in the step)."""
 
-IMPLICIT = ("generalized-alpha", "index2")
-"""Solvers that take constraints."""
+IMPLICIT = ("generalized-alpha", "index2")  # Solvers that take constraints
 
 PULSES, LONG = 128, 1024
 """Records of a run at most, where fewer samples are asked for; body-steps between them at least (5 ms or more)."""
@@ -33,28 +79,16 @@ LINEAR = {"dense": "EXUdense", "sparse": "EigenSparse", "full-pivot": "EigenDens
 class Scheme:
     """How Exudyn integrates.
 
-    Parameters
-    ----------
-    solver : str
-        A key of `SOLVERS`.
-    spectral_radius : float
-        Of generalized-alpha, 0 to 1; 1 does not damp and can blow up.
-    linear : str
-        A key of `LINEAR`.
-    tolerance : float
-        Of Newton's iterations, relative; absolute 1e-2 of it, as Exudyn has them. Of the steps that dopri5 chooses,
-        relative and absolute.
-    modified_newton : bool
-        Keep the Jacobian over iterations and steps while it converges.
-    adaptive : bool
-        Let dopri5 choose its steps, none longer than the given ones; only the end is a sample then.
+    ``solver``: a key of `SOLVERS`; ``spectral_radius``: of generalized-alpha, 0 to 1; 1 does not damp and can blow
+    up; ``linear``: a key of `LINEAR`; ``tolerance``: of Newton's iterations, relative; absolute 1e-2 of it, as
+    Exudyn has them. Of the steps that dopri5 chooses, relative and absolute; ``adaptive``: let dopri5 choose its
+    steps, none longer than the given ones; only the end is a sample then.
     """
 
     solver: str = "generalized-alpha"
     spectral_radius: float = 0.8
     linear: str = "dense"
     tolerance: float = 1e-8
-    modified_newton: bool = True
     adaptive: bool = False
 
     def __post_init__(self) -> None:
@@ -79,8 +113,7 @@ class Scheme:
         if not self.implicit:
             return SOLVERS[self.solver][0] + (f", its own steps to {self.tolerance:g}" if self.adaptive else "")
         radius = f", spectral radius {self.spectral_radius:g}" if self.solver == "generalized-alpha" else ""
-        newton = "modified" if self.modified_newton else "full"
-        return f"{SOLVERS[self.solver][0]}{radius}, {newton} Newton to {self.tolerance:g}, {self.linear} linear solver"
+        return f"{SOLVERS[self.solver][0]}{radius}, modified Newton to {self.tolerance:g}, {self.linear} linear solver"
 
     def records(self, steps: int, samples: int, bodies: int) -> int:
         """Records kept per sample: up to `PULSES` in a long run, so that Ctrl-C is heard between them.
@@ -109,7 +142,7 @@ class Scheme:
         alpha.computeInitialAccelerations = False  # given, see `Equations.begin_with_accelerations`
         alpha.useNewmark = alpha.useIndex2Constraints = self.solver == "index2"
         newton = integration.newton
-        newton.useModifiedNewton = self.modified_newton
+        newton.useModifiedNewton = True  # the Jacobian is kept while iterations converge
         newton.relativeTolerance, newton.absoluteTolerance = self.tolerance, 1e-2 * self.tolerance
         out.linearSolver.solverType = getattr(module.LinearSolverType, LINEAR[self.linear])
         out.linearSolver.ignoreSingularJacobian = self.linear == "full-pivot"
@@ -156,9 +189,7 @@ def last_words(text: str) -> str:
     """What Exudyn said, on one line of at most 300 characters, without places in files."""
     text = re.sub(r"\[Python file [^]]*\]", "", text)
     words = " ".join(text.replace("*", " ").replace("=", " ").split())[:300] or "it gave no reason"
-    return words + (
-        "; rows that repeat each other need linear='full-pivot' or rows='independent'" if "singular" in words else ""
-    )
+    return words + ("; rows that repeat each other need linear='full-pivot'" if "singular" in words else "")
 
 
 def check_samples(found: Array, start: float, t_end: float, records: int, *values: Array) -> Array:

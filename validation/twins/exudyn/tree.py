@@ -1,7 +1,7 @@
 """A tree of hinges and guides as one kinematic tree of Exudyn, in its hinge coordinates.
 
-Every joint becomes one or two hinge coordinates; between two of one joint stands a link without mass. The frame of a
-link is that of its joint, z along the axis, and coordinates count from the reference pose as those of `mbsd3d` do.
+Every joint becomes one or two hinge coordinates; between two of one joint is a massless link. The frame of a
+link is its joint frame, z along the axis; coordinates count from the reference pose as in `mbsd3d`.
 """
 
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import GROUND, Cylindrical, Prismatic, Revolute, Universal
+from mbsd3d import GROUND, Cylindrical, Joint, Prismatic, Revolute, State, System, Universal
 from mbsd3d.extend import Coordinate, conjugate, cross, matched_perpendiculars, matrix, multiply, perpendiculars
 from validation.twins.base import Array, NotExpressible, label
 
@@ -30,20 +30,11 @@ class Link(NamedTuple):
     parent: int
     there: Frame
     here: Frame
-    body: Any
-    """None for a link without mass."""
-    value: float
-    """Of the coordinate at the start [rad or m]."""
+    body: Any  # None for a link without mass
+    value: float  # Of the coordinate at the start [rad or m]
 
 
-class Sides(NamedTuple):
-    """A joint seen from the side that hangs on the other: bodies, frames on both, start values."""
-
-    outer: Any
-    frames: list[tuple[str, Frame, Frame, float]]
-
-
-def axis_frames(joint: Any, reverse: bool) -> tuple[Frame, Frame]:
+def axis_frames(joint: Joint, reverse: bool) -> tuple[Frame, Frame]:
     """Frames (inner, outer) along the axis, which counts from a to b whichever side is the inner one."""
     x, y = perpendiculars(joint.axis)
     first = Frame(joint.at, np.column_stack([x, y, joint.axis]))
@@ -65,7 +56,7 @@ def along(axis: Array, point: Array, sign: float) -> Frame:
 class Start:
     """Hinge coordinates at the start, by the poses of the bodies."""
 
-    def __init__(self, system: Any, state: Any) -> None:
+    def __init__(self, system: System, state: State) -> None:
         self.system, self.state = system, state
         q = state.q.reshape(-1, 7)
         turns = multiply(q[:, 3:], conjugate(np.array([body.orientation for body in system.bodies])))
@@ -97,23 +88,23 @@ class Start:
         return float(np.arctan2(c @ (R @ b), b @ (R @ b))), float(np.arctan2(d @ cross(a, b), d @ a))
 
 
-def revolute(joint: Any, start: Start, reverse: bool) -> list[tuple]:
+def revolute(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
     """One turn."""
     return [(TURN, *axis_frames(joint, reverse), start.angle(joint.angle()))]
 
 
-def prismatic(joint: Any, start: Start, reverse: bool) -> list[tuple]:
+def prismatic(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
     """One shift."""
     return [(SHIFT, *axis_frames(joint, reverse), start.slide(joint.slide()))]
 
 
-def cylindrical(joint: Any, start: Start, reverse: bool) -> list[tuple]:
+def cylindrical(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
     """A shift, then a turn about the same axis."""
     inner, outer = axis_frames(joint, reverse)
     return [(SHIFT, inner, inner, start.slide(joint.slide())), (TURN, inner, outer, start.angle(joint.angle()))]
 
 
-def universal(joint: Any, start: Start, reverse: bool) -> list[tuple]:
+def universal(joint: Joint, start: Start, reverse: bool) -> list[tuple]:
     """Two turns."""
     first, second = start.cross(joint)
     sign = -1.0 if reverse else 1.0
@@ -134,7 +125,7 @@ TREE_JOINTS: dict[type, tuple[str, Callable]] = {
 """Joint class -> how a kinematic tree has it, and its coordinates from the inner to the outer side."""
 
 
-def links_of(system: Any, state: Any) -> tuple[list[Link], dict[tuple, int]]:
+def links_of(system: System, state: State) -> tuple[list[Link], dict[tuple, int]]:
     """Links from the ground outwards, and the number of every hinge coordinate (kind, joint).
 
     NotExpressible for joints that a tree has not, loops and free bodies.

@@ -1,6 +1,6 @@
 """A `System` as MuJoCo has it: a tree of joints, loops closed by soft equalities.
 
-Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball stands before a slide
+Two traps of MuJoCo 4.0.1 that are dodged here, both measured: ``mj_jacDot`` is wrong where a ball comes before a slide
 in one body (0.6 m/s^2 off at speeds of 1 m/s), so that joints of a point on a line or plane are the last to span the
 tree; and with a heavy body in the model its solver keeps the last forces at the usual tolerance of 1e-8 (1.6e-2 m off
 where 1e-24 leaves 3.8e-6), so that `TOLERANCE` is far below.
@@ -11,42 +11,20 @@ from typing import Any
 import mbsd3d
 from mbsd3d import State, System
 from mbsd3d.extend import number
-from validation.twins.base import NotExpressible, refused, release
-from validation.twins.inputs import start_of
+from validation.twins.base import NotExpressible, refused, release, start_of
 from validation.twins.mujoco.build import sketch
-from validation.twins.mujoco.couplings import couple
-from validation.twins.mujoco.layout import lay_out
-from validation.twins.mujoco.library import SPARSE_BUG, require
+from validation.twins.mujoco.couplings import Motors, couple
+from validation.twins.mujoco.layout import TABLE, lay_out
 from validation.twins.mujoco.loads import load_all
-from validation.twins.mujoco.motors import Motors
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import add_tendons, set_lengths
-from validation.twins.mujoco.simulator import MujocoTwin
+from validation.twins.mujoco.simulator import SPARSE_BUG, MujocoTwin, require
 
-EXPRESSES: dict[type, str] = {
-    mbsd3d.Revolute: "hinge; closes a loop by two connects on its axis",
-    mbsd3d.Spherical: "ball; closes a loop by a connect",
-    mbsd3d.Fixed: "body without joint",
-    mbsd3d.Universal: "two hinges",
-    mbsd3d.Prismatic: "slide",
-    mbsd3d.Cylindrical: "slide and hinge on one axis",
-    mbsd3d.Planar: "two slides and a hinge",
-    mbsd3d.PointOnLine: "slide and ball",
-    mbsd3d.PointOnPlane: "two slides and ball",
-    mbsd3d.Parallel: "three slides and a hinge",
-    mbsd3d.Perpendicular: "three slides and two hinges",
-    mbsd3d.ConstantVelocity: "hinges about shaft, common normal, shaft; the outer ones coupled; not for aligned shafts",
-    mbsd3d.Screw: "slide and hinge, coupled",
-    mbsd3d.Distance: "two hinges at one end and a ball at the other, or a spatial tendon held at its length",
-    mbsd3d.Gear: "sum of joint coordinates held at zero",
-    mbsd3d.RackPinion: "sum of joint coordinates held at zero",
-    mbsd3d.GearMesh: "sum of joint coordinates held at zero, its force as that of the teeth",
-    mbsd3d.AngleDriver: "joint coordinate tied to a clock and oscillators; no Table",
-    mbsd3d.SlideDriver: "joint coordinate tied to a clock and oscillators; no Table",
-    mbsd3d.PositionDriver: "three slides and a ball, the slides tied to a clock and oscillators; no Table",
-    mbsd3d.SpeedDriver: "joint coordinate tied to a clock and oscillators, if a joint turns about its axis; no Table",
-}
-"""Joint class -> how; where a joint without closure of its own closes a loop, a piece of its body is welded to it."""
+EXPRESSES = (
+    *TABLE, mbsd3d.ConstantVelocity, mbsd3d.Distance, mbsd3d.Gear, mbsd3d.RackPinion, mbsd3d.GearMesh,
+    mbsd3d.AngleDriver, mbsd3d.SlideDriver, mbsd3d.SpeedDriver,
+)  # fmt: skip
+"""Joint classes: of `TABLE` by joints of MuJoCo, couplings and drivers by sums of their coordinates (no Table)."""
 
 REFUSED: dict[type, str] = {
     mbsd3d.RollingDisc: "MuJoCo rolls by contact with friction only, which slips",
@@ -55,8 +33,7 @@ REFUSED: dict[type, str] = {
 
 
 def twin(
-    system: System, *, state: State | None = None, integrator: str = "RK4", softness: float = 16.0,
-    dampratio: float = 0.5, rods: str = "joints",
+    system: System, *, state: State | None = None, softness: float = 16.0, dampratio: float = 0.5, rods: str = "joints"
 ) -> MujocoTwin:  # fmt: skip
     """The twin of a system in MuJoCo.
 
@@ -65,8 +42,6 @@ def twin(
     system : System
     state : State or None
         Start; None is ``system.state()``.
-    integrator : str
-        "RK4", "Euler", "implicit" or "implicitfast".
     softness, dampratio : float
         Equalities have ``solref = (softness h, dampratio)``, h the step: stiffness 1 / (softness dampratio h)^2,
         damping 2 / (softness h). At 2 and 1 the stages of RK4, which leave the rows by h^2, see accelerations that do
@@ -80,7 +55,8 @@ def twin(
     Returns
     -------
     MujocoTwin
-        With MuJoCo's ``model`` and ``data``. Trees with RK4 have order 4, loops order 2.
+        With MuJoCo's ``model`` and ``data``, run by RK4: trees have order 4, loops 2, as their softness falls with the
+        square of the step.
 
     Raises
     ------
@@ -101,9 +77,6 @@ def twin(
     ([-0.586308, 0.0, -0.810088], [4.3413, 0.0, 6.8901])
     """
     mujoco = require()
-    integrators = {"rk4": "RK4", "euler": "Euler", "implicit": "implicit", "implicitfast": "implicitfast"}
-    if str(integrator).lower() not in integrators:
-        raise ValueError(f"MuJoCo: integrator {integrator!r} is unknown; give one of {', '.join(integrators.values())}")
     softness = number(softness, "MuJoCo: softness", positive=True)
     dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
     if rods not in ("joints", "tendons"):
@@ -112,28 +85,27 @@ def twin(
     for joint in system.joints:
         if type(joint) not in EXPRESSES:
             raise refused(system, joint, REFUSED, "MuJoCo has no such element")
+    return assembled(mujoco, system, start, rods == "joints", softness, dampratio)
+
+
+def assembled(
+    mujoco: Any, system: System, start: State, rods: bool, softness: float, dampratio: float
+) -> MujocoTwin:  # fmt: skip
+    """The twin of a system whose joints MuJoCo has; ``rods``: a Distance becomes joints, else a tendon."""
     dense = release(mujoco.__version__) == SPARSE_BUG
-    made = sketch(mujoco, system, lay_out(system, rods == "joints"), integrator, dense)
+    made = sketch(mujoco, system, lay_out(system, rods), dense)
     motors, tendons = Motors(mujoco, made.spec, system.bodies), add_tendons(made)
     couplings, loads = couple(made, motors), load_all(made)
     model = compile_spec(mujoco, made, softness)
     set_lengths(made, model, tendons)
     reactions = Reactions(made, loads, couplings, tendons, mujoco, model)
-    method = integrators[str(integrator).lower()]
     soft = f", solref ({softness:g} h, {dampratio:g})" if model.neq else ""
     thin = f", inertia 1e-14 m L^2 or kg m^2 where it is less ({', '.join(made.raised)})" if made.raised else ""
     solver = ", dense Jacobian (4.0.0 factors sparse ones wrongly)" if dense else ""
     return MujocoTwin(
-        made, model, mujoco.MjData(model), start, reactions, loads, couplings, motors, softness,
-        dampratio, f"MuJoCo {mujoco.__version__}: {method}{soft}{solver}{thin}", order_of(method, model.neq),
+        made, model, mujoco.MjData(model), start, reactions, loads, couplings, motors, softness, dampratio,
+        f"MuJoCo {mujoco.__version__}: RK4{soft}{solver}{thin}", 2.0 if model.neq else 4.0,
     )  # fmt: skip
-
-
-def order_of(method: str, equalities: int) -> float:
-    """Of the error in the step: the softness of a loop falls with the square of it."""
-    if method != "RK4":
-        return 1.0
-    return 2.0 if equalities else 4.0
 
 
 def compile_spec(mujoco: Any, made: Any, softness: float) -> Any:

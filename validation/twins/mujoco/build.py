@@ -1,6 +1,6 @@
 """The MuJoCo model of a layout: bodies with their joints, and equalities that close loops.
 
-The frame of every MuJoCo body is the one of the body it stands for: its ``xpos`` is O, its ``xquat`` the orientation.
+The frame of a MuJoCo body is the frame of the body it represents: its ``xpos`` is O, its ``xquat`` the orientation.
 """
 
 from dataclasses import dataclass, field
@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Distance, Revolute, System
+from mbsd3d import GROUND, Body, Distance, Joint, Revolute, System
 from mbsd3d.extend import quaternion_from_matrix
 from validation.twins.base import NotExpressible
 from validation.twins.mujoco import rods
-from validation.twins.mujoco.freedoms import Freedoms, freedoms_of
-from validation.twins.mujoco.layout import Layout, Piece
+from validation.twins.mujoco.layout import Freedoms, Layout, Piece, freedoms_of
 
 FLAGS = ("CONTACT", "LIMIT", "FRICTIONLOSS", "SENSOR", "ISLAND", "AUTORESET")  # none is in a twin, or one of no use
 TOLERANCE, ITERATIONS = 1e-24, 5  # of the solver; a Newton step is exact, rounding calls for no more than five
@@ -42,7 +41,7 @@ class Sketch:
     held: dict[str, Any] = field(default_factory=dict)
 
     def body(self, body: Any) -> Any:
-        """The MuJoCo body that stands for a body of the system."""
+        """The MuJoCo body that represents a body of the system."""
         return self.spec.worldbody if body is GROUND else self.spec.body(self.layout.main[id(body)].name)
 
     def site(self, body: Any, point: np.ndarray) -> str:
@@ -61,12 +60,12 @@ class Sketch:
         return name
 
 
-def sketch(mujoco: Any, system: System, layout: Layout, integrator: str, dense: bool) -> Sketch:
+def sketch(mujoco: Any, system: System, layout: Layout, dense: bool) -> Sketch:
     """Bodies, joints and loop closures."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.gravity = system.gravity
-    spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE if dense else mujoco.mjtJacobian.mjJAC_AUTO
     spec.option.disableflags = sum(int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")) for flag in FLAGS)
     spec.option.tolerance, spec.option.iterations = TOLERANCE, ITERATIONS
@@ -171,7 +170,7 @@ def turn_name(piece: Piece, k: int) -> str:
     return f"{piece.number} turn {k}"
 
 
-def close(made: Sketch, joint: Any) -> list[str]:
+def close(made: Sketch, joint: Joint) -> list[str]:
     """Equalities of a joint outside the tree, body b first: their forces act on b."""
     name = made.system.name(joint)
     offsets = (0.0,)

@@ -1,17 +1,98 @@
-"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold."""
+"""Angles and slides as sums of MuJoCo's joint coordinates: fixed tendons, which springs pull and equalities hold.
+
+MuJoCo knows no function of time inside a step, but its Runge-Kutta stages carry everything that moves. A rotor that
+turns by itself at 1 rad/s is a clock, one on a spring swings as a sine; an equality ties a joint to them. Their inertia
+is `HEAVY` times that of the mechanism, and so the error is 1 / `HEAVY`.
+"""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbsd3d import ConstantVelocity, Fixed, GearMesh, PositionDriver, Prismatic, Screw
+from mbsd3d import ConstantVelocity, Fixed, GearMesh, Joint, PositionDriver, Prismatic, Screw, Signal
 from mbsd3d.extend import Coordinate, kinds
 from validation.twins.base import NotExpressible, label
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
-from validation.twins.mujoco.freedoms import ALONG, Z
-from validation.twins.mujoco.layout import Piece
-from validation.twins.mujoco.motors import Motors
+from validation.twins.mujoco.layout import ALONG, Piece, Z
+
+HEAVY = 1e12  # times mass and inertia of all bodies
+HIGHEST = 4  # degree of the polynomials of MuJoCo's equalities
+
+
+class Generator(NamedTuple):
+    """An oscillator x = amplitude sin(omega t + phase); the clock x = t has omega 0."""
+
+    name: str
+    amplitude: float
+    omega: float
+    phase: float
+
+    def start(self, t: float) -> tuple[float, float]:
+        """x and its rate."""
+        if not self.omega:
+            return t, 1.0
+        angle = self.omega * t + self.phase
+        return self.amplitude * np.sin(angle), self.amplitude * self.omega * np.cos(angle)
+
+
+class Motors:
+    """The generators of a model."""
+
+    def __init__(self, mujoco: Any, spec: Any, bodies: tuple) -> None:
+        self.mujoco, self.spec = mujoco, spec
+        self.inertia = HEAVY * max(1.0, sum(body.mass + np.trace(body.inertia) for body in bodies))
+        self.generators: list[Generator] = []
+
+    def clock(self) -> str:
+        """The tendon whose length is the time."""
+        if not any(not generator.omega for generator in self.generators):
+            self.add(0.0, 0.0, 0.0)
+            tendon = self.spec.add_tendon(name="clock")
+            tendon.wrap_joint(self.generators[-1].name, 1.0)
+        return "clock"
+
+    def add(self, amplitude: float, omega: float, phase: float) -> str:
+        """The joint of a new generator; it turns about its centre of mass, so that gravity does not move it."""
+        name = f"generator {len(self.generators)}"
+        body = self.spec.worldbody.add_body(name=name, mass=self.inertia, inertia=np.full(3, self.inertia))
+        body.explicitinertial = True
+        joint = body.add_joint(name=name, type=self.mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, 1))
+        joint.stiffness[0] = self.inertia * omega**2
+        self.generators.append(Generator(name, amplitude, omega, phase))
+        return name
+
+    def generate(self, signal: Signal, integrated: bool, shown: str) -> tuple[dict[str, float], tuple[float, ...]]:
+        """Generators of the sines with their factors, and ascending coefficients of the rest.
+
+        ``integrated`` gives the integral of the signal; a sine becomes a sine a quarter turn later.
+        """
+        sines, polynomial = {}, np.zeros(1)
+        for term in signal.terms():
+            if term.kind == kinds.SINE and term.data[1]:
+                amplitude, omega, phase = term.data
+                if integrated:
+                    amplitude, phase = amplitude / omega, phase - np.pi / 2
+                sines[self.add(amplitude, omega, phase)] = 1.0
+            elif term.kind == kinds.SINE:
+                polynomial = added(polynomial, np.array([term.data[0] * np.sin(term.data[2])]), integrated)
+            elif term.kind == kinds.POLYNOMIAL:
+                polynomial = added(polynomial, term.data, integrated)
+            else:
+                raise NotExpressible(
+                    f"{shown}: its signal is a Table or a Pulse; MuJoCo moves only by sines and polynomials"
+                )
+        if polynomial.size > HIGHEST + 1:
+            raise NotExpressible(
+                f"{shown}: its signal is a polynomial of degree {polynomial.size - 1}; MuJoCo's equalities have "
+                f"{HIGHEST} at most"
+            )
+        return sines, tuple(polynomial)
+
+
+def added(first: np.ndarray, second: np.ndarray, integrated: bool) -> np.ndarray:
+    """Sum of polynomials, the second one perhaps integrated; no leading zeros."""
+    return np.polynomial.polynomial.polyadd(first, np.polynomial.polynomial.polyint(second) if integrated else second)
 
 
 @dataclass(eq=False)
@@ -61,7 +142,7 @@ def along_the_teeth(mesh: GearMesh) -> list[tuple[Coordinate, float]]:
 
 
 def hold(
-    made: Sketch, motors: Motors, joint: Any, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
+    made: Sketch, motors: Motors, joint: Joint, pairs: list[tuple[Coordinate, float]], signal: Any, adrift: bool = False
 ) -> Coupling:
     """Sum of factor coordinate = signal, 0 without one; with ``adrift`` the signal is the rate of the sum."""
     name, terms = made.system.name(joint), {}
@@ -74,7 +155,7 @@ def hold(
 
 
 def hold_tendon(
-    made: Sketch, motors: Motors, joint: Any, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
+    made: Sketch, motors: Motors, joint: Joint, name: str, terms: dict[str, float], signal: Any, adrift: bool = False
 ) -> Coupling:
     """The tendon of a sum, less what oscillates in the signal, held equal to the polynomial of time in it."""
     shown = label(made.system, joint)
@@ -136,6 +217,6 @@ def step_of(made: Sketch, piece: Piece, x: Coordinate) -> dict[str, float] | Non
     return {turn_name(piece, 0): np.sign(along)} if abs(abs(along) - 1.0) < ALONG else None
 
 
-def loads_of(joint: Any) -> bool:
+def loads_of(joint: Joint) -> bool:
     """Whether a coupling of this joint is part of its own reaction."""
     return isinstance(joint, Screw | ConstantVelocity | PositionDriver)

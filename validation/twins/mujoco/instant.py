@@ -1,11 +1,113 @@
-"""What MuJoCo says at the start: mass matrix and accelerations. The data stand there (`MujocoTwin.begin`)."""
+"""The start: coordinates and velocities of MuJoCo from a state of mbsd3d, its mass matrix and its accelerations."""
 
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
+from mbsd3d import Distance, Joint, State
+from mbsd3d.extend import driven_coordinates, key_of, matrix, quaternion_from_matrix
 from validation.twins.base import Kinetic
+from validation.twins.mujoco import rods
+from validation.twins.mujoco.build import Sketch, local_axes, slide_name, turn_name
+from validation.twins.mujoco.layout import Piece
+
+FITS = 1e-7  # [1] a state that its joints miss by more, relative to its size, is not on the tree of MuJoCo
+
+
+def coordinates(made: Sketch, model: Any, state: State) -> np.ndarray:
+    """qpos of a state; angles are counted as the state counts them."""
+    qpos, q = model.qpos0.copy(), state.q.reshape(-1, 7)
+    index = {id(body): i for i, body in enumerate(made.system.bodies)}
+
+    def pose(body: Any) -> tuple[np.ndarray, np.ndarray]:
+        i = index.get(id(body))
+        return (np.zeros(3), np.eye(3)) if i is None else (q[i, :3], matrix(q[i, 3:]))
+
+    def put(name: str, value: Any) -> None:
+        first = int(model.joint(name).qposadr[0])
+        qpos[first : first + np.size(value)] = value
+
+    for piece in made.layout.pieces:
+        if piece.joint is None:
+            put(f"{piece.number} free", q[index[id(piece.body)]])
+            continue
+        free, joint = made.joints[piece.number], piece.joint
+        (r_a, R_a), (r_b, R_b) = pose(joint.a), pose(joint.b)
+        if isinstance(joint, Distance):
+            span = r_b + R_b @ joint.b.local_point(joint.at_b) - r_a - R_a @ joint.a.local_point(joint.at_a)
+            R_near, rod = (R_a, span) if piece.is_b else (R_b, -span)
+            q1, q2 = rods.angles(piece, (R_near @ local_axes(rods.ends(piece)[0], np.eye(3))).T @ rod)
+            put(rods.swing_name(piece, 0), q1)
+            put(rods.swing_name(piece, 1), q2)
+            put(f"{piece.number} ball", quaternion_from_matrix(ball(made, piece, R_a, R_b, rods.swing(piece, q1, q2))))
+            continue
+        A = R_a @ local_axes(joint.a, free.A)
+        s = A.T @ (r_b + R_b @ joint.b.local_point(free.at_b) - r_a - R_a @ joint.a.local_point(free.at_a))
+        for k in free.slides:
+            put(slide_name(piece, k), s[k])
+        R = A.T @ R_b @ local_axes(joint.b, free.B)
+        if free.turns is None:
+            put(f"{piece.number} ball", quaternion_from_matrix(ball(made, piece, R_a, R_b)))
+            continue
+        turns = counted(made, joint, state, free.angles(R))
+        for k, angle in enumerate(turns):
+            put(turn_name(piece, k), angle)
+    return qpos
+
+
+def ball(made: Sketch, piece: Piece, R_a: np.ndarray, R_b: np.ndarray, turn: np.ndarray | None = None) -> np.ndarray:
+    """Turn of a child in its own axes, from its pose at rest on its parent or on a rod that has taken a ``turn``."""
+    R_parent, R = (R_a, R_b) if piece.is_b else (R_b, R_a)
+    R0_parent = np.eye(3) if piece.parent is None else made.poses[piece.parent.number][1]
+    at_rest = made.poses[piece.number][1]
+    if turn is not None:
+        parent = rods.ends(piece)[0]
+        F = R0_parent @ local_axes(parent, np.eye(3))
+        at_rest = F @ turn @ F.T @ at_rest
+    return (R_parent @ R0_parent.T @ at_rest).T @ R
+
+
+def counted(made: Sketch, joint: Joint, state: State, angles: tuple) -> tuple:
+    """The angle of a hinge with the turns that the state has counted, or else its driver."""
+    own, lowered = joint.angle(), made.system.lowered
+    if own is None or len(angles) != 1 or key_of(own) not in lowered.coordinate_index:
+        return angles
+    known = driven_coordinates(lowered, state.t) if state.coordinates is None else state.coordinates
+    turns = np.round((known[lowered.coordinate_index[key_of(own)]] - angles[0]) / (2 * np.pi))
+    return (angles[0] + 2 * np.pi * turns,)
+
+
+def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -> np.ndarray:
+    """qvel of a state, piece by piece: the axes of its joints times their rates are its velocity less its parent's."""
+    qvel, v = np.zeros(model.nv), state.v.reshape(-1, 6)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    index = {id(body): i for i, body in enumerate(made.system.bodies)}
+    scale = np.abs(v).max(initial=1e-3)
+
+    def twist(piece: Piece | None, centre: np.ndarray) -> np.ndarray:
+        if piece is None:
+            return np.zeros(6)
+        r_dot, omega = np.split(v[index[id(piece.body)]], 2)
+        return np.concatenate([omega, r_dot + np.cross(omega, centre - data.xpos[model.body(piece.name).id])])
+
+    for piece in made.layout.pieces:
+        b = model.body(piece.name).id
+        first, count = model.body_dofadr[b], model.body_dofnum[b]
+        if not count:
+            continue
+        centre = data.subtree_com[model.body_rootid[b]]
+        S, wanted = data.cdof[first : first + count].T, twist(piece, centre) - twist(piece.parent, centre)
+        rates = np.linalg.lstsq(S, wanted, rcond=None)[0]
+        if np.abs(S @ rates - wanted).max() > FITS * scale * max(1.0, np.abs(S).max()):
+            raise ValueError(
+                f"state: the velocity of body '{piece.body.name}' does not fit its joint "
+                f"'{made.system.name(piece.joint)}'; start from system.state() or system.assemble()"
+            )
+        qvel[first : first + count] = rates
+    return qvel
+
 
 REPEATED = 1e-10  # [1] singular values below this belong to rows that repeat others
 RIGID = 1e-12  # [m or 1] rows below this are zero but for rounding: of bodies that other joints keep together

@@ -6,18 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import (
-    AeroDrag,
-    Bushing,
-    Constant,
-    CustomForce,
-    Force,
-    JointFriction,
-    SpringDamper,
-    StateFeedback,
-    Torque,
-    TorsionSpring,
-)
+import mbsd3d
 from mbsd3d.extend import hinge_coordinate
 from validation.twins.base import NotExpressible, label, refused
 from validation.twins.mujoco.build import Sketch
@@ -48,7 +37,7 @@ def load_all(made: Sketch) -> Loads:
     return loads
 
 
-def spring(made: Sketch, loads: Loads, force: SpringDamper, name: str) -> None:
+def spring(made: Sketch, loads: Loads, force: mbsd3d.SpringDamper, name: str) -> None:
     """A spatial tendon between two sites."""
     tendon = made.spec.add_tendon(name=f"spring {name}", springlength=(force.length,) * 2)
     tendon.stiffness[0], tendon.damping[0] = force.stiffness, force.damping
@@ -57,12 +46,12 @@ def spring(made: Sketch, loads: Loads, force: SpringDamper, name: str) -> None:
     loads.springs.append((force, tendon.name))
 
 
-def torsion(made: Sketch, loads: Loads, force: TorsionSpring, name: str) -> None:
+def torsion(made: Sketch, loads: Loads, force: mbsd3d.TorsionSpring, name: str) -> None:
     """A spring along a hinge or slide."""
     turning(made, loads, force, name, force.stiffness, force.damping, force.angle)
 
 
-def friction(made: Sketch, loads: Loads, force: JointFriction, name: str) -> None:
+def friction(made: Sketch, loads: Loads, force: mbsd3d.JointFriction, name: str) -> None:
     """A damper along a hinge or slide."""
     if force.coulomb != 0.0:
         text = "dry friction follows tanh(v / v0) here, in MuJoCo it is a soft constraint"
@@ -80,15 +69,15 @@ def turning(made: Sketch, loads: Loads, force: Any, name: str, stiffness: float,
     loads.turning.append((f"spring {name}", terms, stiffness, damping))
 
 
-def apply(made: Sketch, loads: Loads, force: Force | Torque, name: str) -> None:
+def apply(made: Sketch, loads: Loads, force: mbsd3d.Force | mbsd3d.Torque, name: str) -> None:
     """Actuators at a site, measured in the axes of the body or of the world, so that every stage has them right."""
-    turns = isinstance(force, Torque)
+    turns = isinstance(force, mbsd3d.Torque)
     components = force.torque if turns else force.force
     at = force.body.position if turns else force.at
     site = made.site(force.body, at)
-    constant = [float(s(0.0)) if isinstance(s, Constant) else 0.0 for s in components]
+    constant = [float(s(0.0)) if isinstance(s, mbsd3d.Constant) else 0.0 for s in components]
     wanted = [(None, np.array(constant))] if any(constant) else []
-    wanted += [(s, axis) for s, axis in zip(components, np.eye(3), strict=True) if not isinstance(s, Constant)]
+    wanted += [(s, axis) for s, axis in zip(components, np.eye(3), strict=True) if not isinstance(s, mbsd3d.Constant)]
     for k, (signal, direction) in enumerate(wanted):
         actuator = made.spec.add_actuator(name=f"load {name} {k}", target=site)
         actuator.trntype = made.mujoco.mjtTrn.mjTRN_SITE
@@ -108,18 +97,18 @@ def world_site(made: Sketch) -> str:
 
 
 FORCES: dict[type, Callable[[Sketch, Loads, Any, str], None]] = {
-    SpringDamper: spring,
-    TorsionSpring: torsion,
-    JointFriction: friction,
-    Force: apply,
-    Torque: apply,
+    mbsd3d.SpringDamper: spring,
+    mbsd3d.TorsionSpring: torsion,
+    mbsd3d.JointFriction: friction,
+    mbsd3d.Force: apply,
+    mbsd3d.Torque: apply,
 }
 """Force class -> what adds it to the model."""
 
 REFUSED: dict[type, str] = {
-    Bushing: "MuJoCo has no spring of six components between two bodies",
-    AeroDrag: "the drag of MuJoCo is one of boxes and ellipsoids in a medium, not of an area",
-    CustomForce: "it is a function of the user's; MuJoCo has it only if it is written again for it",
-    StateFeedback: "MuJoCo has no feedback through a filter on measures",
+    mbsd3d.Bushing: "MuJoCo has no spring of six components between two bodies",
+    mbsd3d.AeroDrag: "the drag of MuJoCo is one of boxes and ellipsoids in a medium, not of an area",
+    mbsd3d.CustomForce: "it is a function of the user's; MuJoCo has it only if it is written again for it",
+    mbsd3d.StateFeedback: "MuJoCo has no feedback through a filter on measures",
 }
 """Force class -> why not."""

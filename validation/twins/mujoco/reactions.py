@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, GearMesh, Torque
+from mbsd3d import GROUND, GearMesh, Joint, Torque
 from validation.twins.mujoco.build import Sketch, slide_name, turn_name
 from validation.twins.mujoco.couplings import Coupling, loads_of
 from validation.twins.mujoco.layout import Piece
@@ -139,8 +139,8 @@ class Reactions:
                 moment = moment - sense * along[name] * data.xaxis[self.model.joint(name).id]
         return force, moment
 
-    def of_closure(self, data: Any, joint: Any) -> Wrench:
-        """Of points kept together: the site on b stands first, so that the forces act on b."""
+    def of_closure(self, data: Any, joint: Joint) -> Wrench:
+        """Of points kept together: the site on b comes first, so that the forces act on b."""
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)

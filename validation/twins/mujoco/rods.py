@@ -2,7 +2,7 @@
 
 Nothing lies between them, so that the rod has no mass. The rod points along E (sin q2, -sin q1 cos q2, cos q1 cos q2),
 E fixed in the parent, and at cos q2 = 0 it lies along the first hinge: there the joint is lost. With ``rods="tendons"``
-it is a spatial tendon held at its length, which has no such place; but MuJoCo leaves the term J_dot v out of tendons,
+it is a spatial tendon held at its length, which is never lost; but MuJoCo leaves the term J_dot v out of tendons,
 and the error is J_dot v over the stiffness, 100 times greater.
 """
 
@@ -76,7 +76,7 @@ def check(model: Any, rods: list[tuple[str, Piece]], t: np.ndarray, qpos: np.nda
         if late.size:
             raise EngineFailed(
                 f"MuJoCo: at t = {t[late[0]]:.6g} s rod '{name}' (Distance) lies along the first of the two hinges "
-                "that stand for its end; use twin(..., rods='tendons')"
+                "that represent its end; use twin(..., rods='tendons')"
             )
 
 

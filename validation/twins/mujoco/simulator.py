@@ -1,4 +1,4 @@
-"""The twin: model, start, time loop, and what is read from it."""
+"""MuJoCo itself, loaded when it is asked for; the twin: model, start, time loop, and what is read from it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,18 +10,58 @@ import numpy as np
 
 from mbsd3d import Distance, State
 from mbsd3d.extend import evaluate, matrix
-from validation.twins.base import EngineFailed, Kinetic, Load, Motion, finite, label
-from validation.twins.inputs import check_met, check_run
+from validation.twins.base import (
+    EngineFailed,
+    EngineMissing,
+    Kinetic,
+    Load,
+    Motion,
+    check_met,
+    check_run,
+    finite,
+    label,
+    release,
+)
 from validation.twins.mujoco.build import Sketch
-from validation.twins.mujoco.couplings import Coupling
-from validation.twins.mujoco.instant import mass_matrix, start_accelerations
+from validation.twins.mujoco.couplings import Coupling, Motors
+from validation.twins.mujoco.instant import FITS, coordinates, mass_matrix, start_accelerations, velocities
 from validation.twins.mujoco.layout import Piece
-from validation.twins.mujoco.library import quiet
 from validation.twins.mujoco.loads import Loads
-from validation.twins.mujoco.motors import Motors
 from validation.twins.mujoco.reactions import Reactions
 from validation.twins.mujoco.rods import check as check_rods
-from validation.twins.mujoco.start import FITS, coordinates, velocities
+
+OLDEST = (4, 0, 0)  # before it, RK4 turned free and ball joints at second order only
+SPARSE_BUG = (4, 0, 0)  # its sparse Cholesky factor was wrong, mended in 4.0.1
+
+
+def require() -> Any:
+    """The module ``mujoco``.
+
+    EngineMissing if it is not installed, or older than `OLDEST`.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mujoco-core>=4.0.1'") from None
+    if release(mujoco.__version__) < OLDEST:
+        raise EngineMissing(
+            f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "
+            "pip install 'mujoco-core>=4.0.1'"
+        )
+    return mujoco
+
+
+@contextmanager
+def quiet(mujoco: Any) -> Iterator[None]:
+    """Warnings are read from the data afterwards; MuJoCo would also write them to a file in the working folder."""
+    before, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
+    silent.logto_file = silent.logto_console = False
+    silent.set()
+    try:
+        yield
+    finally:
+        before.set()
+
 
 CHUNK = 64  # steps between two looks at Ctrl-C
 WARNINGS = ("INERTIA", "BADQPOS", "BADQVEL", "BADQACC", "BADCTRL")
@@ -173,14 +213,11 @@ class MujocoTwin:
             mujoco.mj_step(m, d, min(steps, CHUNK))
             steps -= CHUNK
             for warning in WARNINGS:
-                found = d.warning[getattr(mujoco.mjtWarning, f"mjWARN_{warning}")]
+                kind = getattr(mujoco.mjtWarning, f"mjWARN_{warning}")
+                found = d.warning[kind]
                 if found.number:
-                    raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {self.said(warning, found.lastinfo)}")
-
-    def said(self, warning: str, info: int) -> str:
-        """MuJoCo's own words."""
-        kind = int(getattr(self.made.mujoco.mjtWarning, f"mjWARN_{warning}"))
-        return self.made.mujoco.mju_warningText(kind, info)
+                    said = mujoco.mju_warningText(int(kind), found.lastinfo)
+                    raise EngineFailed(f"MuJoCo stopped at t = {d.time:.6g} s: {said}")
 
     def rods(self) -> list[tuple[str, Piece]]:
         """Names of the Distance joints and the pieces that hang on them."""

@@ -30,8 +30,6 @@ from validation.twins.planar.joints import (
     Slider,
 )
 from validation.twins.planar.loads import Force, Spring, TorsionSpring
-from validation.twins.planar.motions import Motion, Polynomial, Sine, Table, rate
-from validation.twins.planar.parts import GROUND, Body
-from validation.twins.planar.runs import kinematics, simulate
-from validation.twins.planar.solution import Energy, Reaction, Solution
+from validation.twins.planar.parts import GROUND, Body, Motion, Polynomial, Sine, Table, rate
+from validation.twins.planar.runs import Energy, Reaction, Solution, kinematics, simulate
 from validation.twins.planar.system import System

@@ -7,8 +7,7 @@ import numpy as np
 
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.motions import NONE, Motion
-from validation.twins.planar.parts import Ground, Part, Row, check_bodies, direction, pair
+from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,12 +104,9 @@ class Distance(Joint):
 
     def check(self, what: str) -> None:
         check_bodies(self, what)
-        at_a, at_b = pair(self.at_a, f"{what}: at_a"), pair(self.at_b, f"{what}: at_b")
-        span = np.hypot(*(at_b - at_a))
-        if span < 1e-12:
-            raise ValueError(f"{what}: the end points coincide, so the rod has no direction; use Revolute or move one")
+        span = ends(self, what, "the rod has no direction; use Revolute or move one")
         length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
-        self.set(at_a=at_a, at_b=at_b, length=float(length))
+        self.set(length=float(length))
 
     def point(self) -> np.ndarray:
         return self.at_b
@@ -127,19 +123,9 @@ class Rolling(PointJoint):
     With n the normal towards the disc and t = (n_y, -n_x): n . (C - P) = radius and t . (C - P) + radius theta is
     constant, where theta is the angle of b relative to a.
 
-    Parameters
-    ----------
-    at, along : (2,) array_like
-        A point of the line and its direction, world [m], [-].
-    radius : float
-        [m] > 0; the distance of the centre from the line at the reference pose.
-    centre : (2,) array_like or None
-        Of the disc, world [m]; None = centre of mass.
-
-    Raises
-    ------
-    ValueError
-        If the disc does not touch the line at the reference pose.
+    ``at, along`` (2,): a point of the line and its direction, world [m], [-]; ``radius``: [m] > 0, the distance of the
+    centre from the line at the reference pose; ``centre`` (2,): of the disc, world [m]; None = centre of mass.
+    ValueError if the disc does not touch the line at the reference pose.
     """
 
     along: Any = field(kw_only=True)
@@ -156,8 +142,7 @@ class Rolling(PointJoint):
         gap = along[0] * (world - self.at)[1] - along[1] * (world - self.at)[0]
         if abs(abs(gap) - radius) > 1e-9 * radius:
             raise ValueError(
-                f"{what}: radius {radius:.12g} m, but the centre stands {abs(gap):.12g} m from the line; "
-                "make them equal"
+                f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; make them equal"
             )
         self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
 

@@ -3,12 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
-from validation.twins.planar.motions import UNIT, Motion
-from validation.twins.planar.parts import GROUND, Body, Part, Row, check_bodies, pair
+from validation.twins.planar.parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, ends, pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +56,9 @@ class Spring(Part):
 
     def check(self, what: str) -> None:
         check_bodies(self, what)
-        at_a, at_b = pair(self.at_a, f"{what}: at_a"), pair(self.at_b, f"{what}: at_b")
-        span = np.hypot(*(at_b - at_a))
-        if span < 1e-12:
-            raise ValueError(f"{what}: the end points coincide; move one, a spring needs a direction")
+        span = ends(self, what, "a spring needs a direction; move one")
         length = span if self.length is None else number(self.length, f"{what}: length", minimum=0.0)
-        self.set(at_a=at_a, at_b=at_b, length=length, **constants(self, what))
+        self.set(length=length, **constants(self, what))
 
     def load(self) -> Row:
         """Kind, bodies and numbers."""

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from validation.twins.planar.jit import inner, kernel
-from validation.twins.planar.rows import put, rates, rows
+from validation.twins.planar.rows import inner, kernel, put, rates, rows
 from validation.twins.planar.saddle import accelerations, factor, solve
 
 DONE, SINGULAR, NOT_CLOSED, NOT_FINITE = range(4)

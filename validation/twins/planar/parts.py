@@ -1,13 +1,104 @@
-"""The words of a planar mechanism: bodies and parts, in world coordinates at a reference pose."""
+"""The words of a planar mechanism: bodies and parts in world coordinates at a reference pose, functions of time."""
 
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
 
 from mbsd3d.extend import number
-from validation.twins.planar.motions import NONE, Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """f(t) = sum c_k t^k + amplitude sin(frequency t + phase), or a spline."""
+
+    interval = (-np.inf, np.inf)
+    """Where f is known [s]."""
+
+    def numbers(self) -> tuple:
+        """The nine numbers of f: c_0 ... c_5, amplitude, frequency [rad/s], phase [rad]."""
+        raise NotImplementedError
+
+    def pieces(self) -> np.ndarray:
+        """(pieces, 5) of a spline: start [s] and c_0 ... c_3 of the time since then."""
+        return np.empty((0, 5))
+
+    def steady(self) -> bool:
+        """Whether f_ddot is zero for all times."""
+        return not any(self.numbers()[2:7]) and not self.pieces()[:, 3:].any()
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomial(Motion):
+    """c_0 + c_1 t + ... of degree 5 at most; a constant rate w is ``Polynomial((0, w))``."""
+
+    coefficients: tuple
+
+    def __post_init__(self) -> None:
+        if not 0 < len(self.coefficients) <= 6:
+            raise ValueError(f"Polynomial: {len(self.coefficients)} coefficients; give 1 to 6")
+        values = tuple(number(c, f"Polynomial: c_{k}") for k, c in enumerate(self.coefficients))
+        object.__setattr__(self, "coefficients", values)
+
+    def numbers(self) -> tuple:
+        return (*self.coefficients, *(0.0,) * (6 - len(self.coefficients)), 0.0, 0.0, 0.0)
+
+
+def rate(speed: float) -> Polynomial:
+    """A constant rate, ``speed t`` [rad/s or m/s]."""
+    return Polynomial((0.0, speed))
+
+
+@dataclass(frozen=True, eq=False)
+class Sine(Motion):
+    """amplitude sin(frequency t + phase), frequency in rad/s."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "frequency", "phase"):
+            object.__setattr__(self, name, number(getattr(self, name), f"Sine: {name}"))
+
+    def numbers(self) -> tuple:
+        return (*(0.0,) * 6, self.amplitude, self.frequency, self.phase)
+
+
+@dataclass(frozen=True, eq=False)
+class Table(Motion):
+    """Cubic spline through values at times [s], four at least, not-a-knot at its ends."""
+
+    times: Any
+    values: Any
+
+    def __post_init__(self) -> None:
+        times, values = np.array(self.times, dtype=float), np.array(self.values, dtype=float)
+        if times.ndim != 1 or times.size < 4 or values.shape != times.shape:
+            raise ValueError(
+                f"Table: times {times.shape}, values {values.shape}; give two rows of four numbers or more"
+            )
+        if not (np.isfinite(values).all() and np.isfinite(times).all() and (np.diff(times) > 0).all()):
+            raise ValueError("Table: times do not increase or a number is not finite; sort the points, leave such out")
+        for name, array in (("times", times), ("values", values)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """First and last time [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def numbers(self) -> tuple:
+        return (0.0,) * 9
+
+    def pieces(self) -> np.ndarray:
+        return np.column_stack([self.times[:-1], CubicSpline(self.times, self.values).c[::-1].T])
+
+
+NONE, UNIT = Polynomial((0.0,)), Polynomial((1.0,))
 
 
 def pair(value: ArrayLike, what: str) -> np.ndarray:
@@ -52,22 +143,10 @@ GROUND = Ground()
 class Body:
     """A rigid body in the plane.
 
-    Parameters
-    ----------
-    name : str
-    mass, inertia : float
-        [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its rate constant.
-    com : (2,) array_like
-        r_G, from the reference point O, body axes [m].
-    position, angle
-        O (2,) [m] and the direction of the body's x axis [rad] at the reference pose, world.
-    velocity, omega
-        Of O (2,) [m/s] and [rad/s] at t = 0; None = from the joints, with least kinetic energy.
-
-    Raises
-    ------
-    ValueError
-        Naming body, value and remedy.
+    ``mass, inertia``: [kg] > 0, and about the centre of mass [kg m^2] >= 0; 0, a point mass, only where joints keep its
+    rate constant; ``com`` (2,): r_G, from the reference point O, body axes [m]; ``position, angle``: O (2,) [m] and the
+    direction of the body's x axis [rad] at the reference pose, world; ``velocity, omega``: of O (2,) [m/s] and [rad/s]
+    at t = 0; None = from the joints, with least kinetic energy. ValueError naming body, value and remedy.
     """
 
     name: str
@@ -114,7 +193,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A joint or a load: a name of its own, and a check of its fields."""
+    """A joint or a load: a unique name, and a check of its fields."""
 
     name: str | None = field(default=None, kw_only=True)
 
@@ -139,3 +218,12 @@ def check_bodies(part: Any, what: str) -> None:
             raise ValueError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
     if part.a is part.b:
         raise ValueError(f"{what}: joins '{part.a.name}' to itself; give two different bodies")
+
+
+def ends(part: Any, what: str, remedy: str) -> float:
+    """Distance of the two end points of a part [m], which must not coincide."""
+    part.set(at_a=pair(part.at_a, f"{what}: at_a"), at_b=pair(part.at_b, f"{what}: at_b"))
+    span = float(np.hypot(*(part.at_b - part.at_a)))
+    if span < 1e-12:
+        raise ValueError(f"{what}: the end points coincide, {remedy}")
+    return span

@@ -9,8 +9,7 @@ and S = Y Y' = L D L' is factored by Cholesky within the profile of its ordered 
 
 import numpy as np
 
-from validation.twins.planar.jit import inner
-from validation.twins.planar.rows import SPRING, TORSION, arm, motion, put, rates
+from validation.twins.planar.rows import SPRING, TORSION, arm, inner, motion, put, rates
 
 LEAST_PIVOT = 1e-13  # of a row, over its diagonal
 

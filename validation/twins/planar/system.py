@@ -23,17 +23,8 @@ KINDS = (("bodies", Body), ("joints", Joint), ("loads", Part))
 class System:
     """A planar mechanism: x and y in the plane, angles counted from x to y.
 
-    Parameters
-    ----------
-    bodies, joints, loads : sequences of parts
-    gravity : (2,) array_like
-        [m/s^2].
-
-    Raises
-    ------
-    ValueError
-        For two parts of one name, a part of a body or joint that is not in the system; at the first run for redundant
-        rows.
+    ``gravity`` (2,): [m/s^2]. ValueError for two parts of one name, a part of a body or joint that is not in the
+    system; at the first run for redundant rows.
     """
 
     bodies: Sequence[Body]
@@ -59,7 +50,7 @@ class System:
         names = [part.name for key, _ in KINDS for part in getattr(self, key) if part.name is not None]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a name of its own")
+                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
 
     def _check_members(self) -> None:
         """Joints and loads act on bodies of the system and through joints of it."""
@@ -99,10 +90,8 @@ class Lowered(NamedTuple):
     """The arrays of a system with the joint of every row, and its reference pose."""
 
     model: Model
-    joint_of: np.ndarray
-    """(m,) index of the joint."""
-    q: np.ndarray
-    """(n + 1, 3) at the reference pose; the last row is the ground."""
+    joint_of: np.ndarray  # (m,) index of the joint
+    q: np.ndarray  # (n + 1, 3) at the reference pose; the last row is the ground
 
     def work(self) -> Work:
         """A new work space."""

@@ -1,9 +1,11 @@
-"""Universal joints: angle, rate, torque and harmonics of one and of two."""
+"""Angles, ratios and harmonics of universal joints, of one and of two."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from validation.theory import cardan_rate
 from validation.theory.common import Array
+from validation.theory.one_freedom import _check_bend
 
 
 def cardan_angle(angle: ArrayLike, bend: float) -> Array:
@@ -19,37 +21,6 @@ def cardan_angle(angle: ArrayLike, bend: float) -> Array:
     s, c = np.sin(angle), np.cos(angle)
     # the lag stays between -pi/2 and pi/2, so no turn is ever lost
     return angle + np.arctan2((np.cos(bend) - 1) * s * c, c * c + np.cos(bend) * s * s)
-
-
-def cardan_rate(angle: ArrayLike, bend: float, rate: float = 1.0) -> Array:
-    """Output rate of a universal joint, ``w cos(bend) / (1 - sin^2(bend) sin^2(in))``.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
-    rate; 1 gives the transmission ratio [rad/s]. Returns output rate [rad/s].
-    """
-    _check_bend(bend)
-    return rate * np.cos(bend) / (1 - (np.sin(bend) * np.sin(angle)) ** 2)
-
-
-def cardan_acceleration(angle: ArrayLike, bend: float, rate: float, acceleration: float = 0.0) -> Array:
-    """Output angular acceleration, ``i alpha + w^2 cos(b) sin^2(b) sin(2 in) / (1 - sin^2(b) sin^2(in))^2``.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle b between the shafts [rad];
-    ``rate, acceleration``: input rate w [rad/s] and acceleration alpha [rad/s^2]; i is the ratio of
-    :func:`cardan_rate`. Returns output acceleration [rad/s^2].
-    """
-    ratio = cardan_rate(angle, bend)
-    return ratio * acceleration + rate**2 * ratio**2 * np.sin(bend) ** 2 * np.sin(2 * np.asarray(angle)) / np.cos(bend)
-
-
-def cardan_motor_torque(angle: ArrayLike, bend: float, rate: float, inertia: float) -> Array:
-    """Torque that keeps the input rate constant, from the power balance ``T w = I w_out alpha_out``.
-
-    ``angle``: input angle as in :func:`cardan_angle` [rad]; ``bend``: angle between the shafts [rad]; ``rate``: input
-    rate w [rad/s]; ``inertia``: axial moment of inertia I of the output shaft [kg m^2]. Returns torque on the input
-    shaft [N m].
-    """
-    return inertia * cardan_acceleration(angle, bend, rate) * cardan_rate(angle, bend)
 
 
 def cardan_ratio(bend: float) -> float:
@@ -94,9 +65,3 @@ def double_cardan_ratio(angle: ArrayLike, first: float, second: float, phasing: 
     """
     middle = cardan_angle(angle, first) + np.pi / 2 + phasing
     return cardan_rate(angle, first) * cardan_rate(middle, second)
-
-
-def _check_bend(bend: float) -> None:
-    """Refuse a universal joint that cannot turn."""
-    if not abs(bend) < np.pi / 2:
-        raise ValueError(f"bend {bend} rad of the universal joint: must stay below a right angle")

@@ -1,49 +1,11 @@
-"""Steady rolling on a circle; small motions about equilibria and steady motions: frequencies and growth rates."""
+"""Small motions about equilibria and steady motions: frequencies and growth rates that tests of `linearize` know."""
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from validation.theory.common import GRAVITY
-
-
-class RollingCircle(NamedTuple):
-    """Steady circular rolling of a disc."""
-
-    precession: float
-    """Rate about the vertical, > 0 [rad/s]."""
-    spin: float
-    """Own rotation about the disc axis relative to the precessing frame, opposite in sign to the precession [rad/s]."""
-    centre_radius: float
-    """Radius of the circle of the disc centre [m]."""
-    centre_height: float
-    """[m]"""
-
-    @property
-    def period(self) -> float:
-        """Time for one round [s]."""
-        return 2 * np.pi / self.precession
-
-
-def rolling_circle(
-    mass: float, radius: float, transverse: float, axial: float, circle: float, lean: float, gravity: float = GRAVITY
-) -> RollingCircle:
-    """Thin disc rolling without slip on a horizontal circle, leaning inwards by a constant angle b.
-
-    Moment of momentum about the centre of mass, with rho = R - r sin(b) and spin = -W R / r:
-    ``W^2 (m r rho + C rho / r + A sin b) = m g r tan b``.
-
-    ``mass, radius``: of the disc [kg], r [m]; ``transverse, axial``: A (a diameter) and C (the axis) about the centre
-    of mass [kg m^2]; ``circle``: radius R of the track of the contact point [m]; ``lean``: angle b of the disc plane
-    from the vertical, 0 < b < pi/2 [rad]; ``gravity``: [m/s^2]. Returns rates, radius and height of the disc centre.
-    ValueError if no such motion exists.
-    """
-    rho = circle - radius * np.sin(lean)
-    inertia = mass * radius * rho + axial * rho / radius + transverse * np.sin(lean)
-    if not 0 < lean < np.pi / 2 or inertia <= 0:
-        raise ValueError(f"lean {lean} rad on a circle of {circle} m: lean inwards, by less than pi/2")
-    precession = np.sqrt(mass * gravity * radius * np.tan(lean) / inertia)
-    return RollingCircle(precession, -precession * circle / radius, rho, radius * np.cos(lean))
+from validation.theory import GRAVITY
+from validation.theory.whipple_lagrange import STEP, WEIGHTS, accelerations, state
 
 
 def upright_disc(
@@ -131,3 +93,17 @@ def whirling_pendulum_rate(
     s, c = np.sin(angle), np.cos(angle)
     curvature = 2 * mass * arm * (arm * c**2 - (offset + arm * s) * s) + 2 * (i2 - i3) * (c**2 - s**2)
     return (mass * gravity * arm * c - 0.5 * turn**2 * curvature) / (i1 + mass * arm**2)
+
+
+def bicycle_matrix(p: Any, speed: float) -> np.ndarray:
+    """(4, 4) A of x' = A x, x = (lean, steer, lean rate, steer rate), by differences of order eight."""
+
+    def swing(x: np.ndarray) -> np.ndarray:
+        lean, steer, *rates = x
+        return accelerations(p, *state(p, lean, steer, np.array([*rates, speed])))[[3, 5]]
+
+    columns = [
+        sum(weight * (swing(k * STEP * unit) - swing(-k * STEP * unit)) / STEP for k, weight in WEIGHTS.items())
+        for unit in np.eye(4)
+    ]
+    return np.vstack([np.eye(4)[2:], np.array(columns).T])

@@ -1,0 +1,127 @@
+"""Families of cases: demos with their theory, ladders of four-bars, random mechanisms.
+
+A ladder of N four-bars has three redundant rows in each, and poses in which N + 1 freedoms open; its motion is known in
+closed form. Nobody knows the motion of random mechanisms, so only other formulations and engines judge them.
+"""
+
+from collections.abc import Iterable
+from functools import cache, partial
+from typing import Any
+
+from mbsd3d import IntegrationError, System
+from mbsd3d.extend import discover
+from validation.benchmark.counts import Count, counted_by_exudyn
+from validation.cases.examples import mechanism, moving
+from validation.cases.mechanisms import four_bars
+from validation.crosscheck.ours import TIGHT
+from validation.suite.findings import FREEDOMS, THEORY, Finding, judged
+from validation.suite.trials import closed_forms
+from validation.suite.trials.references import counts, theory_of
+from validation.suite.trials.trial import STANDS, Run, Trial, run
+
+WHOLE = {
+    "cardan": ("cardan", "cardan_double"),
+    "door": ("door", "door_cured"),
+    "dzhanibekov": ("dzhanibekov", "dzhanibekov_least", "dzhanibekov_greatest"),
+    "heavy_top": ("heavy_top", "heavy_top_slow", "heavy_top_fast"),
+}
+"""Demo -> its runs with all terms; of other demos the first run is one."""
+LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
+"""Demo -> the case compared with other engines in its place when the run must be short."""
+
+
+def demonstrations(quick: bool) -> list[Trial]:
+    """One per mechanism of a demo; the theory goes with the first one."""
+    found = []
+    for demo in discover().values():
+        names = WHOLE.get(demo.name, (demo.name,))
+        for name in names[:1] if quick else names:
+            judges = {THEORY: rows} if name == names[0] else {}
+            title = demo.title if name == names[0] else f"{demo.title} ({name.removeprefix(demo.name + '_')})"
+            alone = STANDS.format(LONG[name]) if quick and name in LONG else ""
+            found.append(Trial(f"demo_{name}", "demos", title, partial(shown, demo, name), judges, alone=alone))
+    return found
+
+
+@cache
+def outcome(demo: Any) -> Any:
+    """Of a demo, run once."""
+    return demo.run()
+
+
+def shown(demo: Any, name: str) -> Run:
+    """A run of a demo by its name, or its first one."""
+    done = outcome(demo)
+    solution = done.solutions.get(name) or next(iter(done.solutions.values()))
+    return Run(solution.system, float(solution.t[-1]), solution, solution.state(0), done)
+
+
+def rows(made: Run) -> Iterable[Finding]:
+    """The table of the demo, in the units of its rows."""
+    for row in made.source.rows:
+        yield judged(THEORY, row.quantity, row.error, row.tolerance, f"absolute, [{row.unit or '-'}]")
+
+
+SIZES = (10, 40)
+LADDER_END, LADDER_SAMPLES = 3.0, 7  # s: twice through a pose in which all rods lie on one line
+LADDER_RTOL = 1e-8  # Closer to rounding, which 605 rows make larger, the steps of N = 40 become tiny
+LARGE = "Exudyn takes minutes for this size; see iftomm_A02_fourbar_N2 instead"
+
+
+def ladders(quick: bool) -> list[Trial]:
+    """The smaller one, or both; 605 rows of rank 485 for N = 40."""
+    judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, closed_forms.four_bars)}
+    return [
+        Trial(f"four_bars_N{n}", "ladders", f"{n} four-bars in a row", partial(falling, n), judges, alone=LARGE)
+        for n in (SIZES[:1] if quick else SIZES)
+    ]
+
+
+def falling(n: int) -> Run:
+    """From upright over the side and up again."""
+    return run(four_bars(n), LADDER_END, output=LADDER_SAMPLES, source=n, rtol=LADDER_RTOL)
+
+
+def freedoms(made: Run) -> Iterable[Finding]:
+    """Planar counting: 15 N + 5 rows, of which each window repeats three; Exudyn counts the smaller one."""
+    n = made.source
+    known: dict[str, Count | str] = {"planar counting": Count(15 * n + 5, 12 * n + 5, 1, 3 * n)}
+    if n == SIZES[0]:
+        known["Exudyn"] = counted_by_exudyn(made.system)
+    return counts(made, known)
+
+
+FEW, MANY = 20, 200
+T_END = 0.25  # s; with speeds of some m/s all terms with velocities take part
+SAMPLES = 9
+SHORTEST = 0.01  # s
+
+
+def randoms(quick: bool) -> list[Trial]:
+    """Seeded, so that a name is always the same mechanism."""
+    return [random(seed) for seed in range(FEW if quick else MANY)]
+
+
+def random(seed: int) -> Trial:
+    """The random mechanism of a seed."""
+    title = f"random mechanism of seed {seed}"
+    return Trial(f"random_{seed:03d}", "random mechanisms", title, partial(started, seed), drawn=False)
+
+
+def started(seed: int) -> Run:
+    """A motion from general velocities."""
+    system = mechanism(seed)
+    return run_to(system, moving(system, seed), T_END)
+
+
+def run_to(system: System, state: object, t_end: float) -> Run:
+    """A run, half as long where a driver pulls the mechanism to a dead centre before.
+
+    As tight as in `cross_check`, which must reach the end too.
+    """
+    try:
+        return run(system, t_end, state=state, output=SAMPLES, rtol=TIGHT)
+    except IntegrationError:
+        if t_end < SHORTEST:
+            raise
+        return run_to(system, state, 0.5 * t_end)
