@@ -27,17 +27,8 @@ def trials(quick: bool) -> list[Trial]:
     found = []
     for demo in discover().values():
         if isinstance(demo, Demo):
-            make = partial(shown, demo, demo.name)
-            found.append(
-                Trial(
-                    f"gallery_{demo.name}",
-                    "gallery",
-                    demo.title,
-                    make,
-                    {THEORY: rows},
-                    alone=SHORT * quick or demo.alone,
-                )
-            )
+            make, why = partial(shown, demo, demo.name), SHORT if quick else demo.alone
+            found.append(Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=why))
             continue
         names = WHOLE.get(demo.name, (demo.name,))
         for name in names[:1] if quick else names:
