@@ -97,6 +97,7 @@ demo = Demo(
         "curves": [("reaction", "left"), ("reaction", "right")],
         "shown": ["reaction force"],
         "follow": "car",
+        "traces": [],
         "hidden": ["joints", "joint names"],
     },
 )
