@@ -266,6 +266,7 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
 @pytest.mark.parametrize("name", own_demos())
 def test_every_demo_is_seen_moving(chromium, name, tmp_path):
     demo = own_demos()[name]
+    still = "nothing moves" in getattr(demo, "alone", "")
     write(demo, demo.run(), tmp_path)
     pages = sorted(tmp_path.glob("*.html"))
     assert pages
@@ -280,4 +281,4 @@ def test_every_demo_is_seen_moving(chromium, name, tmp_path):
                 seek(seen, times["first"] + share * length)
                 changes.append(differing(first, scene(seen)))
                 assert seen.run(OUTSIDE) == []
-            assert min(changes[:-1]) > 200  # the end may be the pose of the start again
+            assert still or min(changes[:-1]) > 200  # the end may be the pose of the start again

@@ -65,7 +65,7 @@ def without_gyroscopic(*, m, h, track, J, Omega, v, R):
 
 def measure(build, terms, *, m, v, R) -> Measured:
     """Loads of the feet, against half the weight at the front."""
-    run = simulate(build(), 0.5 * abs(R / v), rtol=1e-12, output=61, **terms)
+    run = simulate(build(), 0.2 * abs(R / v), rtol=1e-12, output=61, **terms)
     front, left, right = (run.reaction(name).force[:, 2].mean() for name in ("front", "left", "right"))
     return Measured({"right_minus_left_N": right - left, "front_change_N": front - m * G / 2}, [run])
 
@@ -96,7 +96,7 @@ demo = Demo(
     show={
         "curves": [("reaction", "left"), ("reaction", "right")],
         "shown": ["reaction force"],
-        "follow": "car",
+        "traces": [],
         "hidden": ["joints", "joint names"],
     },
 )

@@ -21,7 +21,7 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 SAMPLES = 145  # of one turn: the eighths of a turn, where the torque is greatest, are among them
 
 
-def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=1) -> System:
+def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=9) -> System:
     """Drum at omega [rad/s] about z, pistons m [kg] in bores at R [m], their shoes on a plane tilted about y."""
     require(pistons >= 1, f"demo 'swash_plate': pistons = {pistons}; give 1 or more")
     slope = np.tan(np.radians(tilt_deg))
@@ -47,10 +47,10 @@ def theory(*, tilt_deg, R, m, omega):
 
 
 def measure(build, terms, *, omega) -> Measured:
-    """Stroke of a piston and greatest torque of one and of nine."""
+    """Stroke of a piston and greatest torque of one and of all."""
     turn = 2 * np.pi / abs(omega)
     one = simulate(build(pistons=1), turn, method=Kinematic(), output=SAMPLES, **terms)
-    nine = simulate(build(pistons=9), turn, method=Kinematic(), output=SAMPLES, **terms)
+    all_of_them = simulate(build(), turn, method=Kinematic(), output=SAMPLES, **terms)
     height, torque = one.position("piston 1")[:, 2], one.effort("motor")
     degrees, peak = np.degrees(abs(omega) * one.t), build.theory["one_piston_torque_peak_Nm"]
     wave = peak * np.sin(2 * np.radians(degrees)) * np.sign(omega)
@@ -58,15 +58,17 @@ def measure(build, terms, *, omega) -> Measured:
     curves = [
         Curve("torque of one piston [N m]", degrees, torque, (degrees, sign * wave), "shaft [deg]"),
         Curve(
-            "of nine pistons [N m]",
+            "of all pistons [N m]",
             degrees,
-            nine.effort("motor"),
+            all_of_them.effort("motor"),
             (degrees, 0 * wave),
             "shaft [deg]",
             scale=peak,
         ),
     ]
-    return Measured({"stroke_m": np.ptp(height), "one_piston_torque_peak_Nm": abs(torque).max()}, [nine, one], curves)
+    return Measured(
+        {"stroke_m": np.ptp(height), "one_piston_torque_peak_Nm": abs(torque).max()}, [all_of_them, one], curves
+    )
 
 
 demo = Demo(

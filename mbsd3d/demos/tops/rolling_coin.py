@@ -71,6 +71,6 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("speed", "at rest it falls at once", {"v": 0.0}),
-    show={"curves": [("com", "coin")], "follow": "coin", "speed": 0.2},
+    show={"curves": [("com", "coin")], "speed": 0.1},
     ranges={"I3": (5e-7, 6e-7)},
 )
