@@ -57,17 +57,18 @@ def to_xarray(solution: RunResult) -> Any:
     Returns
     -------
     xarray.Dataset
-        Dimensions time, body, joint, driver, own_state (of forces), axis (x, y, z) and quaternion (e0 ... e3); every
-        variable carries units, frame and description. Quantities a joint does not have are NaN.
+        Dimensions time, body, joint, driver, force_element, own_state (of forces), axis (x, y, z) and quaternion
+        (e0 ... e3); every variable carries units, frame and description. Quantities a part does not have are NaN.
     """
     import xarray
 
     found, system = columns(solution), solution.system
-    efforts, states = ([column for column in found if column.kind == kind] for kind in ("driver", "own_state"))
+    efforts, loads, states = ([x for x in found if x.kind == kind] for kind in ("driver", "force_element", "own_state"))
     names = {
         "body": [body.name for body in system.bodies],
         "joint": [system.name(joint) for joint in system.joints],
         "driver": [column.part for column in efforts],
+        "force_element": list(dict.fromkeys(column.part for column in loads)),
         "own_state": [column.part for column in states],
     }
     grouped: dict[tuple[str, str], list[Column]] = {}

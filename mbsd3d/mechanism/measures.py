@@ -195,15 +195,15 @@ def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
-def state(force: ForceElement, index: int = 0) -> Measure:
+def state(force: ForceElement, index: int | str = 0) -> Measure:
     """An own state of a force element, e.g. of a filter or of a `CustomForce`.
 
     Parameters
     ----------
     force : ForceElement
         One with own states.
-    index : int
-        Which of them, from 0.
+    index : int or str
+        Which of them, from 0, or its name.
 
     Raises
     ------
@@ -212,7 +212,11 @@ def state(force: ForceElement, index: int = 0) -> Measure:
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()
+    names = force.state_names() if states else ()
+    if index in names:
+        index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
-        raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
+        have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
+        raise ValueError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
-    return Measure("state", f"state {index} of {label(force)}", what, part=force, index=index)
+    return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)

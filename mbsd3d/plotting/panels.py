@@ -8,8 +8,10 @@ import numpy as np
 
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
-from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
+from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
+from ..results.loads import Load
 from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
@@ -132,6 +134,52 @@ def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
     return panels
 
 
+def force_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Force and moment of force elements: components of one, magnitudes of several; none given = all."""
+    found = {name: load for force in forces_of(solution, parts) for name, load in loads_of(solution, force).items()}
+    panels = []
+    for kind in ("force", "moment"):
+        values, unit = {name: getattr(x, kind) for name, x in found.items()}, "[N]" if kind == "force" else "[N m]"
+        values = {name: x for name, x in values.items() if acts(found[name], kind)}
+        if len(found) == 1:
+            panels += vector_panels(kind, unit, AXIS_NAMES, values) if values else []
+        elif values:
+            panels.append(Panel(f"|{kind}|", unit, [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]))
+    return panels or [Panel("force", "[N]", [(name, np.linalg.norm(x.force, axis=1)) for name, x in found.items()])]
+
+
+def acts(load: Load, kind: str) -> bool:
+    """Whether an element has a force, or a moment, besides the rounding of moving the other to its point."""
+    if kind == "force":
+        return bool(load.force.any())
+    reach = np.abs(load.point).max(initial=0.0) + 1.0
+    return np.abs(load.moment).max(initial=0.0) > 1e-12 * reach * np.abs(load.force).max(initial=0.0)
+
+
+def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceElement]:
+    """The forces meant; none given = all whose load is known."""
+    forces = [solution.system.part(part, "forces") for part in parts]
+    forces = forces or [force for force in solution.system.forces if not isinstance(force, SavedForce)]
+    if not forces:
+        raise ValueError("this system has no force whose load is known; give another quantity")
+    return forces
+
+
+def power_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Power of force elements, given to all their bodies; none given = all."""
+    lines = [(solution.system.name(x), solution.force(x).power) for x in forces_of(solution, parts)]
+    return [scalar_panel("power", "[W]", lines)]
+
+
+def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Lengths of springs, and slides that forces act along; none given = all that have one."""
+    loads = [(solution.system.name(x), solution.force(x).length) for x in forces_of(solution, parts)]
+    lines = [(name, length) for name, length in loads if length is not None]
+    if not lines:
+        raise ValueError("these forces have no length; give another quantity")
+    return [scalar_panel("length", "[m]", lines)]
+
+
 def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Kinetic, potential and total energy, and work."""
     return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
@@ -159,6 +207,9 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
     **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
     "reaction": reaction_panels,
     "effort": effort_panels,
+    "force": force_panels,
+    "power": power_panels,
+    "length": length_panels,
     "state": state_panels,
     "momentum": momentum_panels,
     "drift": drift_panels,

@@ -12,9 +12,11 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 from .body_motion import Poses
 from .certificate import Certificate, certify
+from .loads import Load, load_of
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, reaction_of, unique_wrench
 from .record import Record
 
@@ -111,20 +113,22 @@ class RunResult(Poses):
     def rate(self, joint: Joint | str) -> np.ndarray:
         """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
         part = self.system.part(joint, "joints")
-        a, b = (None if body is GROUND else body for body in (part.a, part.b))
-        w_a = self.omega(a) if a else np.zeros((self.t.size, 3))
-        if part.angle() is not None:
-            axis = self.body_axis(part.a, part.angle().axis)
-            return np.einsum("ti,ti->t", axis, (self.omega(b) if b else 0.0) - w_a)
-        x = part.slide()
+        x = part.angle() or part.slide()
         if x is None:
             raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
-        axis = self.body_axis(part.a, x.axis)
-        p_b, v_b = self._point_motion(part.b, x.point_b)
-        v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
+        return self.coordinate_rate(x)
+
+    def coordinate_rate(self, x: Coordinate) -> np.ndarray:
+        """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
+        axis = self.body_axis(x.a, x.axis)
+        w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
+        if x.kind == "angle":
+            return np.einsum("ti,ti->t", axis, w_b - w_a)
+        p_b, v_b = self.point_motion(x.b, x.point_b)
+        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + np.cross(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))
@@ -152,6 +156,14 @@ class RunResult(Poses):
         constraints determine it; indeterminate shares are the ones of least norm, which depends on the length unit.
         """
         return reaction_of(self, joints)
+
+    def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
+
+        ``on`` None = body b of two, the last one of a `CustomForce`. Raises a ValueError for a body it does not act
+        on, and where the function of a `CustomForce` was not saved.
+        """
+        return load_of(self, force, on)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

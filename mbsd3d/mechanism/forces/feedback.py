@@ -98,3 +98,6 @@ class StateFeedback(ForceElement):
 
     def partners(self) -> tuple:
         return (self.on, *(measure.part for measure in self.measures if measure.part is not None))
+
+    def state_names(self) -> tuple[str, ...]:
+        return tuple(measure.label for measure in self.measures) if self.time_constant is not None else ()

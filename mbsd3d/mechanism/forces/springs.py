@@ -8,6 +8,7 @@ import numpy as np
 from ...base.checks import number, vector
 from ...base.rotations import as_quaternion, matrix
 from ...kernels import kinds
+from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
 
@@ -204,3 +205,6 @@ class Bushing(ForceElement):
     def record(self) -> ForceRecord:
         values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
         return ForceRecord(kinds.BUSHING, (self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)
+
+    def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
+        return self.b, self.at  # also on a: the force acts where the point of b is
