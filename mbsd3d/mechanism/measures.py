@@ -138,12 +138,13 @@ def slide_rate(slider: Joint) -> Measure:
     return Measure("coordinate rate", f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
 
 
-def _body(body: Any, what: str) -> None:
+def body_or_error(body: Any, what: str) -> None:
+    """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
         raise ValueError(f"{what}: {body!r} is not a body; give a Body")
 
 
-def _point(body: Any, at: Any, what: str) -> np.ndarray:
+def point_of(body: Any, at: Any, what: str) -> np.ndarray:
     """World point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
@@ -152,21 +153,21 @@ def _point(body: Any, at: Any, what: str) -> np.ndarray:
 
 def position(body: Body, *, axis: Any, at: Any = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
-    _body(body, "measures.position")
-    point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
+    body_or_error(body, "measures.position")
+    point, axis = point_of(body, at, "measures.position"), unit(axis, "measures.position: axis")
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
 def velocity(body: Body, *, axis: Any, at: Any = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
-    _body(body, "measures.velocity")
-    point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
+    body_or_error(body, "measures.velocity")
+    point, axis = point_of(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
 def omega(body: Body, *, axis: Any) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
-    _body(body, "measures.omega")
+    body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
@@ -175,14 +176,14 @@ def lean(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
 
     ``lateral`` is given in world axes at the reference pose.
     """
-    _body(body, "measures.lean")
+    body_or_error(body, "measures.lean")
     axis = body.local_axis(unit(lateral, "measures.lean: lateral"))
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
 def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
-    _body(body, "measures.lean_rate")
+    body_or_error(body, "measures.lean_rate")
     axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
@@ -190,8 +191,8 @@ def lean_rate(body: Body, *, lateral: Any = (0.0, 1.0, 0.0)) -> Measure:
 def distance(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> Measure:
     """Distance between a point of a and a point of b [m]; None = centre of mass."""
     for body in (a, b):
-        _body(body, "measures.distance")
-    point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
+        body_or_error(body, "measures.distance")
+    point_a, point_b = point_of(a, at_a, "measures.distance"), point_of(b, at_b, "measures.distance")
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 

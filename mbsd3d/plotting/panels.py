@@ -10,12 +10,13 @@ from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
+from ..mechanism.measures import Measure
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
 from ..results.loads import Load
 from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
-Wanted = Iterable[str | tuple[str | Part, ...]]  # quantities, each with or without parts
+Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
 WORDS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
@@ -217,8 +218,18 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
 OF_THE_SYSTEM = ("energy", "momentum", "drift")
 
 
-def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
+def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Panel]:
+    """Measures over time: those of one unit share a panel."""
+    groups: dict[str, list] = {}
+    for measure, values in zip(measures, solution.measure(measures).T, strict=True):
+        groups.setdefault(measure.unit.replace("^2", "²"), []).append((measure.label, values))
+    return [Panel(lines[0][0] if len(lines) == 1 else "measures", f"[{unit}]", lines) for unit, lines in groups.items()]
+
+
+def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
     """Panels of a quantity of some parts (none = all that have it), or of several quantities; see `plot_quantity`."""
+    if isinstance(quantity, Measure):
+        return measure_panels(solution, measures_only((quantity, *parts)))
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
@@ -228,15 +239,23 @@ def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ..
     return PANELS[quantity](solution, quantity, parts)
 
 
+def measures_only(entries: tuple) -> tuple[Measure, ...]:
+    """Measures that share axes; anything else among them is an error."""
+    for entry in entries:
+        if not isinstance(entry, Measure):
+            raise ValueError(f"{entry!r} stands beside a measure and is none; give measures, or a list of quantities")
+    return entries
+
+
 def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ...]) -> list[Panel]:
     """Panels of a list of quantities, each with or without parts."""
-    example = "e.g. ['energy', ('angle', 'hinge')]"
+    example = "e.g. ['energy', ('angle', 'hinge'), measures.distance(a, b)]"
     if parts:
         raise ValueError(f"curves: with several quantities each has its own parts; give {example}")
     try:
-        entries = [(entry,) if isinstance(entry, str) else tuple(entry) for entry in wanted]
+        entries = [(entry,) if isinstance(entry, str | Measure) else tuple(entry) for entry in wanted]
     except TypeError:
         entries = []
-    if not entries or not all(entry and isinstance(entry[0], str) for entry in entries):
+    if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):
         raise ValueError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

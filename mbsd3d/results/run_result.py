@@ -1,5 +1,6 @@
 """What a run leaves: every quantity by part, in world axes and SI units."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,11 +13,13 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.measures import Measure
 from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 from .body_motion import Poses
 from .certificate import Certificate, certify
 from .loads import Load, load_of
+from .measured import measured
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, reaction_of, unique_wrench
 from .record import Record
 
@@ -164,6 +167,14 @@ class RunResult(Poses):
         on, and where the function of a `CustomForce` was not saved.
         """
         return load_of(self, force, on)
+
+    def measure(self, measures: Measure | Sequence[Measure]) -> np.ndarray:
+        """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
+
+        Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
+        two of them the rate at the first must tell the turn to within half a turn.
+        """
+        return measured(self, measures)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

@@ -100,4 +100,7 @@ class StateFeedback(ForceElement):
         return (self.on, *(measure.part for measure in self.measures if measure.part is not None))
 
     def state_names(self) -> tuple[str, ...]:
-        return tuple(measure.label for measure in self.measures) if self.time_constant is not None else ()
+        if self.time_constant is None:
+            return ()
+        labels = tuple(measure.label for measure in self.measures)
+        return labels if len(set(labels)) == len(labels) else tuple(f"{x} ({k})" for k, x in enumerate(labels))
