@@ -14,6 +14,7 @@ from .api.small_motions import linearize as linearize
 from .api.solution import Solution as Solution
 from .api.system import System as System
 from .base.errors import AssemblyError as AssemblyError
+from .base.errors import EquilibriumError as EquilibriumError
 from .base.errors import IntegrationError as IntegrationError
 from .base.errors import SweepError as SweepError
 from .base.rotations import rotation as rotation

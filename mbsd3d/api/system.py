@@ -13,6 +13,7 @@ from .drawable import Drawable
 if TYPE_CHECKING:
     from ..constraints.redundancy import Diagnosis
     from ..equations.compiled import Compiled
+    from ..linear.equilibrium import Equilibrium
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +103,47 @@ class System(Mechanism, Drawable):
         from ..constraints.assembly import assemble
 
         return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
+
+    def equilibrium(self, state: State | None = None) -> "Equilibrium":
+        """The pose at rest that the mechanism comes to from a pose, as if it moved through honey: downhill.
+
+        Preloaded springs, gravity, own states of forces and nonholonomic rows are taken as they are. A start that is
+        an equilibrium is returned as it is, also an unstable one.
+
+        Parameters
+        ----------
+        state : State or None
+            Where to start looking, its velocities do not matter; None = ``system.state()``.
+
+        Returns
+        -------
+        Equilibrium
+            ``.state`` to start from, ``.stability`` ("stable", "stable, undamped", "neutral", "unstable", "held",
+            "unknown") with its ``.reason``, ``.moved`` by body, ``.residual``.
+
+        Raises
+        ------
+        ValueError
+            If a signal varies with time.
+        AssemblyError
+            If the start does not meet a joint, or a driver moves.
+        EquilibriumError
+            If it comes to no rest, with the body that still accelerates.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring
+        >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+        >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> rest = System([arm], [hinge], [TorsionSpring(hinge, stiffness=40.0)]).equilibrium()
+        >>> rest.stability, round(float(rest.state.coordinates[0]), 6)  # 40 x = 2 * 9.81 * 0.5 cos x
+        ('stable, undamped', 0.238318)
+        """
+        from ..linear.equilibrium import find_equilibrium
+        from ..run.simulation import check_state
+
+        check_state(state, "equilibrium")
+        return find_equilibrium(self, state or self.state())
 
     def to_file(self, path: str | Path, *, replace: bool = False) -> Path:
         """Write the system to a model file that people can read and edit; every number comes back bit for bit.

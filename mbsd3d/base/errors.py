@@ -59,6 +59,14 @@ class IntegrationError(Mbsd3dError):
     """
 
 
+class EquilibriumError(Mbsd3dError):
+    """A mechanism comes to no rest, or not near where it was looked for.
+
+    >>> print(EquilibriumError("no equilibrium: body 'stone' falls", advice="hold it"))
+    no equilibrium: body 'stone' falls; hold it
+    """
+
+
 class SweepError(Mbsd3dError):
     """A sweep had to stop; ``dataset`` holds the cells that had finished.
 
