@@ -5,7 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
+from ..mechanism.drivers import Driver
+from ..mechanism.force_element import ForceElement
+from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .drawable import Drawable
@@ -16,7 +20,7 @@ if TYPE_CHECKING:
     from ..linear.equilibrium import Equilibrium
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class System(Mechanism, Drawable):
     """A mechanism.
 
@@ -28,6 +32,8 @@ class System(Mechanism, Drawable):
     forces : sequence of ForceElement
     gravity : (3,) array_like
         [m/s^2], world.
+    name : str or None
+        Of the whole: the title of pages, reports and files; ``system.title`` reads it.
 
     Raises
     ------
@@ -42,10 +48,37 @@ class System(Mechanism, Drawable):
     1
     """
 
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        joints: Sequence[Joint] = (),
+        forces: Sequence[ForceElement] = (),
+        gravity: Any = (0.0, 0.0, -9.81),
+        *,
+        name: str | None = None,
+        title: str | None = None,
+    ) -> None:
+        super().__init__(bodies, joints, forces, gravity, title=title if name is None else name)
+
+    def __repr__(self) -> str:
+        drivers = sum(isinstance(joint, Driver) for joint in self.joints)
+        counts = {"body": len(self.bodies), "joint": len(self.joints) - drivers, "driver": drivers}
+        counts["force"] = len(self.forces)
+        shown = ", ".join(counted(count, kind) for kind, count in counts.items() if count)
+        return f"<system {self.title!r}: {shown}>" if self.title else f"<system: {shown}>"
+
+    def _repr_html_(self) -> str:
+        rows = [(body.name, "Body", f"{body.mass:g} kg") for body in self.bodies]
+        for part in (*self.joints, *self.forces):
+            on = dict.fromkeys(body.name for body in part.bodies())
+            rows.append((self.name(part), type(part).__name__, ", ".join(on)))
+        return html_table(repr(self).strip("<>"), ("part", "type", "mass, or bodies"), rows)
+
     @classmethod
     def of(cls, mechanism: Mechanism) -> "System":
         """The system of a mechanism: the same parts."""
-        return cls(mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
+        given = (mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
+        return cls(*given, title=mechanism.title)
 
     @property
     def lowered(self) -> "Compiled":

@@ -228,7 +228,8 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
                 entries[-1]["name"] = system.name(part)
     for body in lists["bodies"]:
         del body["type"]
-    return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}
+    head = {"format": SYSTEM, "version": FORMAT} | ({"name": system.title} if system.title else {})
+    return {**head, "gravity": system.gravity.tolist(), **lists}
 
 
 def rebuild(data: Mapping[str, Any]) -> Mechanism:
@@ -260,7 +261,7 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
     reader = Reader(data)
     gravity = reader.value(data["gravity"], ("gravity",))
     bodies = list(reader.bodies.values())[1:]
-    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity), reader
+    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity, title=data.get("name")), reader
 
 
 def check_format(data: Any, expected: str, what: str) -> None:

@@ -11,6 +11,8 @@ from ..base.paths import package_version, with_suffix, write_atomically
 from ..results.columns import QUANTITIES, Column, columns, components
 from ..results.run_result import RunResult
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters by which a spreadsheet knows one
+
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
     """Write a table with one row per sample and one column per component, e.g. ``crank.position.x [m]``.
@@ -18,7 +20,7 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
     Parameters
     ----------
     solution : Solution
-        Its numbers are written such that they read back equal.
+        Its numbers are written such that they read back equal; a name that begins like a formula gets an apostrophe.
     path : str or Path
         ".csv" is appended if it is missing; an older file is replaced in one go.
 
@@ -32,6 +34,31 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
     ValueError
         If the folder cannot be written.
     """
+    header, values = wide(solution)
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow([harmless(name) for name in header])
+    rows.writerows(zip(*(column.tolist() for column in values), strict=True))
+    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+
+
+def to_dataframe(solution: RunResult) -> Any:
+    """The table of `to_csv` as a pandas DataFrame: one row a sample, names and units in the columns.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Indexed by "time [s]"; columns as ``crank.position.x [m]``.
+    """
+    import pandas
+
+    header, values = wide(solution)
+    index = pandas.Index(values[0], name=header[0])
+    return pandas.DataFrame(np.column_stack(values[1:]), index, header[1:])
+
+
+def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
+    """(names, (samples,) values) of one column per component of every quantity, the time first."""
     header, table = ["time [s]"], [solution.t]
     for column in columns(solution):
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
@@ -39,11 +66,12 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
         header += [f"{name}{label} [{column.unit}]" for label in labels]
         values = np.broadcast_to(column.values, solution.t.shape) if column.values.ndim == 0 else column.values
         table += list(values.reshape(solution.t.size, len(labels)).T)
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(header)
-    rows.writerows(zip(*(values.astype(float).tolist() for values in table), strict=True))
-    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+    return header, [values.astype(float) for values in table]
+
+
+def harmless(name: str) -> str:
+    """A text that no spreadsheet takes for a formula: names may come from files of other people."""
+    return f"'{name}" if name[:1] in FORMULA else name
 
 
 def to_xarray(solution: RunResult) -> Any:
@@ -110,6 +138,7 @@ def attributes(solution: RunResult) -> dict[str, Any]:
         "stopped_by": solution.record.stopped_by or "end of the run",
         "certificate_passed": int(certificate.passed),
         "certificate": str(certificate),
+        "title": solution.system.title or "",
         "gravity": solution.system.gravity.tolist(),
         "mbsd3d_version": package_version(),
     }

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.style import html_text
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..kernels.batch import newton_euler, row_defects
@@ -94,6 +95,9 @@ class Certificate:
             order = "" if self.order is None else f", observed order {self.order:.2f}"
             lines.append(f"  estimated global error {self.error:.2e} (model lengths, radians){order}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
 
 def certify(solution: "RunResult") -> Certificate:

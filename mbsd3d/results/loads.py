@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.style import Sampled
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..kernels.loads import loads
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from .run_result import RunResult
 
 
-@dataclass(frozen=True)
-class Load:
+@dataclass(frozen=True, repr=False)
+class Load(Sampled):
     """Wrench of a force element on a body at its point there, world axes; all (samples, 3) in N, N m, m.
 
     ``power`` [W] is what the element gives to all its bodies, ``stored`` [J] the energy in it. ``length`` [m] or
@@ -39,14 +40,6 @@ class Load:
     angle: np.ndarray | None = None
     rate: np.ndarray | None = None
     states: dict[str, np.ndarray] = field(default_factory=dict)
-
-    def __repr__(self) -> str:
-        size = {"force": "N", "moment": "N m"}
-        largest = ", ".join(
-            f"largest {name} {np.linalg.norm(getattr(self, name), axis=1).max(initial=0.0):.4g} {unit}"
-            for name, unit in size.items()
-        )
-        return f"<load: {self.force.shape[0]} samples, {largest}>"
 
 
 def load_of(solution: "RunResult", force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
@@ -115,10 +108,10 @@ def stretch(solution: "RunResult", part: ForceElement) -> dict[str, np.ndarray]:
     x = part.record().coordinate
     if x is not None:
         values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
-        return {"length" if x.kind == "slide" else "angle": values, "rate": solution.coordinate_rate(x)}
+        return {"length" if x.kind == "slide" else "angle": values, "rate": solution._coordinate_rate(x)}
     if isinstance(part, SpringDamper):
         (p_a, v_a), (p_b, v_b) = (
-            solution.point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
+            solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
         )
         length = np.linalg.norm(p_b - p_a, axis=1)
         return {"length": length, "rate": np.einsum("ti,ti->t", p_b - p_a, v_b - v_a) / length}

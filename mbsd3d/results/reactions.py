@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base.style import Sampled
 from ..constraints.rank import redundant_combinations
 from ..equations.at_state import load_rows, rows_at
 from ..equations.compiled import Compiled
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from .run_result import RunResult
 
 
-@dataclass(frozen=True)
-class Reaction:
+@dataclass(frozen=True, repr=False)
+class Reaction(Sampled):
     """Wrench on body b at the joint's point, world axes; all (samples, 3) in N, N m, m."""
 
     force: np.ndarray

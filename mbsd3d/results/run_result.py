@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base.rotations import matrix
+from ..base.style import Sampled
 from ..equations.compiled import Compiled
 from ..kernels.layout import Data
 from ..mechanism.bodies import GROUND, Body, Ground
@@ -24,8 +25,8 @@ from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, reaction
 from .record import Record
 
 
-@dataclass(frozen=True)
-class Energy:
+@dataclass(frozen=True, repr=False)
+class Energy(Sampled):
     """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none."""
 
     kinetic: np.ndarray
@@ -34,16 +35,16 @@ class Energy:
     work: np.ndarray
 
 
-@dataclass(frozen=True)
-class Momentum:
+@dataclass(frozen=True, repr=False)
+class Momentum(Sampled):
     """Linear momentum [kg m/s] and angular momentum about the world origin [kg m^2/s], (samples, 3)."""
 
     linear: np.ndarray
     angular: np.ndarray
 
 
-@dataclass(frozen=True)
-class Drift:
+@dataclass(frozen=True, repr=False)
+class Drift(Sampled):
     """Largest |c| [m or rad] and |J v - b| [m/s or rad/s] over all rows at each sample."""
 
     position: np.ndarray
@@ -119,19 +120,19 @@ class RunResult(Poses):
         x = part.angle() or part.slide()
         if x is None:
             raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
-        return self.coordinate_rate(x)
+        return self._coordinate_rate(x)
 
-    def coordinate_rate(self, x: Coordinate) -> np.ndarray:
+    def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
         """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
         axis = self.body_axis(x.a, x.axis)
         w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
         if x.kind == "angle":
             return np.einsum("ti,ti->t", axis, w_b - w_a)
-        p_b, v_b = self.point_motion(x.b, x.point_b)
+        p_b, v_b = self._point_motion(x.b, x.point_b)
         v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + np.cross(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
-    def point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """World position and velocity of a body point given at the reference pose."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3)), np.zeros((self.t.size, 3))

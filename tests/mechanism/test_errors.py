@@ -334,7 +334,15 @@ SYSTEMS = {
     ),
     "body twice": (lambda: System(bodies=[ROD, ROD]), ["twice", "bodies", "once"]),
     "gravity NaN": (lambda: System(bodies=[ROD], gravity=(0, 0, NAN)), ["gravity", "nan", "finite"]),
-    "joint among the bodies": (lambda: System(bodies=[ROD, BALL]), ["ball", "bodies", "Body"]),
+    "joint among the bodies": (
+        lambda: System(bodies=[ROD, BALL]),
+        ["Spherical 'ball' is in bodies", "belongs in joints="],
+    ),
+    "one body without a list": (lambda: System(ROD), ["Body 'rod' is no sequence", r"bodies=\[...\]"]),
+    "one joint without a list": (lambda: System([ROD], BALL), ["Spherical 'ball'", r"joints=\[...\]"]),
+    "joint among the forces": (lambda: System([ROD], [], [BALL]), ["Spherical 'ball' is in forces", "joints="]),
+    "class among the joints": (lambda: System([ROD], [Spherical]), ["is a class", r"Spherical\(...\)"]),
+    "name that is none": (lambda: System([ROD], name=3), ["name 3", "text"]),
 }
 
 
