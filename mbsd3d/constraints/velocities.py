@@ -78,11 +78,14 @@ def least_energy(
     speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
     if size.size and size.max() > tolerance * speed:
         k = int(np.argmax(size))
+        what = "the given velocities contradict a joint"
+        advice = "correct velocity or omega of its bodies, or leave one of them None to have it solved"
+        if not known.any():
+            what = "no velocities meet all joints and drivers"
+            advice = "two of them ask for different motions: take one out, or give drivers the same speed at the start"
         raise AssemblyError(
-            "the given velocities contradict a joint (J v - b in m/s or rad/s)",
-            part=names[k], residual=float(residual[k]), time=pose.t,
-            advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
-        )  # fmt: skip
+            f"{what} (J v - b in m/s or rad/s)", part=names[k], residual=float(residual[k]), time=pose.t, advice=advice
+        )
     return v
 
 

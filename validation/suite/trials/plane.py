@@ -101,6 +101,8 @@ def add_joint(made: Flat, system: System, joint: Any) -> None:
             raise NotPlanarError(f"the axis of {what} leaves the plane")
         made.joints.append(planar.Slider(*ends, at=made.flat(joint.at), axis=made.flat(joint.axis), name=what))
         return
+    if joint.axis is None:
+        raise NotPlanarError(f"{what} moves a point, not a hinge")
     sense = made.sense(joint.axis, what)
     shared = [found for found in made.joints if isinstance(found, planar.Revolute) and {found.a, found.b} == {*ends}]
     if isinstance(joint, SpeedDriver):
