@@ -1,3 +1,4 @@
+from . import errors as errors
 from . import inertia as inertia
 from . import measures as measures
 from . import rotations as rotations

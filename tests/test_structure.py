@@ -13,7 +13,7 @@ STACK = (
     "base", "kernels", "mechanism", "integrators", "equations", "constraints", "results", "run", "linear", "files",
     "plotting", "view", "report", "api", "sweeps", "demos", "cli",
 )  # fmt: skip
-PUBLIC_MODULES = ("inertia", "measures", "rotations", "shapes", "signals")
+PUBLIC_MODULES = ("errors", "inertia", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")
 FACADES = ("validation", "validation.crosscheck.result")
 LINES, FILES = 300, 14

@@ -8,7 +8,6 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any
 
-from ..base.errors import Mbsd3dError
 from .reading import read_mjcf, read_urdf
 from .system import System
 
@@ -90,5 +89,5 @@ def guarded(file: str, function: Callable[[], Any]) -> Any:
     except (Exception, SystemExit) as error:
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
         where = f", line {lines[-1]}" if lines else ""
-        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
+        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
         raise ValueError(f"'{file}'{where}: {kind}{error}") from error

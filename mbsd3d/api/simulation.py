@@ -76,7 +76,7 @@ def simulate(
     >>> round(float(flight.position(stone)[-1, 2]), 9)  # v^2 / (2 g)
     0.458715596
     """
-    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
+    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, baumgarte)
     start = start_of(system, state, "simulate", as_built)
     try:
         result = run_to(

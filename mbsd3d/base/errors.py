@@ -1,10 +1,12 @@
-"""What can go wrong while a model runs: when, at which part, by how much, and what to do about it."""
+"""What is refused and what fails: one base class, and errors that say when, at which part, by how much, what to do."""
 
 from typing import Any
 
 
-class Mbsd3dError(RuntimeError):
-    """A run-time failure that says where it happened; base of those below, not raised itself.
+class MbsError(ValueError):
+    """Base of what this package raises of its own; a `ValueError`, as all that it refuses is.
+
+    ``except ValueError`` catches wrong input and failures of runs, ``except MbsError`` the latter.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
 
@@ -43,7 +45,7 @@ class Mbsd3dError(RuntimeError):
         self.advice = advice
 
 
-class AssemblyError(Mbsd3dError):
+class AssemblyError(MbsError):
     """No configuration or velocity satisfies the joints.
 
     >>> print(AssemblyError("the loop cannot be closed", part="joint 'crank'", residual=2e-3, advice="shorten the rod"))
@@ -51,7 +53,7 @@ class AssemblyError(Mbsd3dError):
     """
 
 
-class IntegrationError(Mbsd3dError):
+class IntegrationError(MbsError):
     """The integrator could not go on; ``solution`` holds the samples up to ``time``.
 
     >>> print(IntegrationError("the model is stiff", time=0.25, part="force 'mount'", advice="use GeneralizedAlpha()"))
@@ -59,7 +61,7 @@ class IntegrationError(Mbsd3dError):
     """
 
 
-class EquilibriumError(Mbsd3dError):
+class EquilibriumError(MbsError):
     """A mechanism comes to no rest, or not near where it was looked for.
 
     >>> print(EquilibriumError("no equilibrium: body 'stone' falls", advice="hold it"))
@@ -67,7 +69,7 @@ class EquilibriumError(Mbsd3dError):
     """
 
 
-class SweepError(Mbsd3dError):
+class SweepError(MbsError):
     """A sweep had to stop; ``dataset`` holds the cells that had finished.
 
     >>> print(SweepError("the ledger cannot be written: disk is full", advice="make room and run the sweep again"))

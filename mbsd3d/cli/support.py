@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base.errors import Mbsd3dError
-
 if TYPE_CHECKING:
     from ..api.solution import Solution
 
@@ -65,7 +63,7 @@ class Commands(click.Group):
         except OSError as error:
             where = f"'{error.filename}': " if error.filename else ""
             raise Failure(f"{where}{error.strerror or error}") from error
-        except (ValueError, Mbsd3dError) as error:
+        except ValueError as error:
             raise Failure(str(error)) from error
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from ..base.checks import number
+from ..base.checks import number, shown
 from ..base.errors import AssemblyError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
@@ -169,6 +169,9 @@ def assemble(
     t: float,
 ) -> State:
     """See `System.assemble`."""
+    for what, given in (("angles", angles), ("slides", slides), ("rates", rates), ("measures", measures)):
+        if not isinstance(given, Mapping):
+            raise ValueError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
     probes = tuple(measures)
     for probe in probes:
         if not isinstance(probe, Measure):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import vector
+from ..base.checks import shown, vector
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
@@ -37,8 +37,7 @@ def short(part: Any) -> str:
     """A part by its type and name, anything else by what it prints, cut."""
     if isinstance(part, tuple(KINDS.values())):
         return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
-    text = repr(part)
-    return text if len(text) <= 80 else f"{text[:77]}..."
+    return shown(part)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,8 @@ from scipy.interpolate import CubicSpline
 from .signal import Signal, _row, _store_finite
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
+STEEPEST = 1e90  # coefficients of splines, whose squares can be computed with
+
 
 @dataclass(frozen=True)
 class Ramp(Signal):
@@ -120,6 +122,11 @@ class Table(Signal):
         times.flags.writeable = values.flags.writeable = False
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
+        if not np.abs(self._term.data).max() < STEEPEST:
+            raise ValueError(
+                f"Table: times as near as {np.diff(times).min():.3g} s with values up to {np.abs(values).max():.3g} "
+                "make a spline too steep to compute with; check the units, or leave points out"
+            )
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -172,6 +179,8 @@ class Pulse(Signal):
         _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
         if not self.edge > 0.0:
             raise ValueError(f"Pulse: edge is {self.edge:g} s; give a positive time")
+        if abs(self.height) >= STEEPEST * min(self.edge, 1.0) ** 3:
+            raise ValueError(f"Pulse: an edge of {self.edge:g} s is too steep to compute with; give a longer one")
         if self.duration is not None and not self.duration >= 2.0 * self.edge:
             raise ValueError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mbsd3d import System, simulate
-from mbsd3d.extend import Mbsd3dError
 from validation.suite.findings import CERTIFICATE, DIFFERS, Finding, Record, judged
 
 RTOL = 1e-10
@@ -81,7 +80,7 @@ def examine(trial: Trial) -> tuple[Record, Run | None]:
     began = time.perf_counter()
     try:
         made = trial.make()
-    except (Mbsd3dError, ValueError) as error:
+    except ValueError as error:
         findings = (stopped(CERTIFICATE, "run", error),)
         return Record(trial.name, trial.group, trial.title, findings, seconds=time.perf_counter() - began), None
     judges = {CERTIFICATE: certificate, **trial.judges}
