@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.checks import number
 from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
 from ..mechanism.drivers import Driver
@@ -95,7 +96,7 @@ class System(Mechanism, Drawable):
         """
         from ..constraints.redundancy import diagnose
 
-        return diagnose(self, as_built)
+        return diagnose(self, number(as_built, "check: as_built", minimum=0.0))
 
     def state(self, *, as_built: float | None = None) -> State:
         """The initial state at the reference pose; velocities that are None are solved from the constraints.

@@ -36,7 +36,8 @@ def reference_pose(system: Mechanism, t: float = 0.0) -> State:
 def reference_state(system: Mechanism, as_built: float | None = None) -> State:
     """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
     compiled = compile_system(system)
-    tolerance = 1e-9 if as_built is None else max(1e-9, as_built / compiled.model.length)
+    play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)
+    tolerance = max(1e-9, play / compiled.model.length)
     pose = closed_or_error(compiled, reference_pose(system), tolerance)
     return with_velocities(compiled, pose, {}, tolerance=10.0 * tolerance)
 

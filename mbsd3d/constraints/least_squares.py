@@ -12,6 +12,8 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
+from ..base.errors import AssemblyError
+
 DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
 
 
@@ -30,7 +32,7 @@ def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None
 
     Raises
     ------
-    RuntimeError
+    AssemblyError
         If the matrix is exactly singular.
 
     Examples
@@ -47,7 +49,13 @@ def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None
     data = np.concatenate([D.data, A.data, A.data, np.full(m, -DAMPING)])
     i = np.concatenate([D.row, A.row + n, A.col, own])
     j = np.concatenate([D.col, A.col, A.row + n, own])
-    factor = splu(csc_array((data, (i, j)), shape=(n + m, n + m)))
+    try:
+        factor = splu(csc_array((data, (i, j)), shape=(n + m, n + m)))
+    except RuntimeError as error:  # of SuperLU: exactly singular
+        raise AssemblyError(
+            "the joints cannot be met: their equations are singular to the last digit",
+            advice="masses, inertias or lengths differ by too many orders of magnitude; check the units",
+        ) from error
     p = np.zeros(m)
     for _ in range(passes):
         x, p = np.split(factor.solve(np.concatenate([f, b - DAMPING * p])), [n])

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..base.checks import number, vector
+from ..base.checks import number, shown, vector
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -87,8 +87,7 @@ class Body:
     shape: Any = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name:
-            raise ValueError(f"body name {self.name!r}: give a non-empty text")
+        check_name(self.name, "body")
         what = f"body '{self.name}'"
         mass = number(self.mass, f"{what}: mass", minimum=0.0)
         set_field = object.__setattr__
@@ -133,6 +132,14 @@ class Body:
         return self.axes.T @ np.asarray(axis, float)
 
 
+def check_name(name: Any, what: str) -> None:
+    """A text that can be written, or a ValueError."""
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"{what} name {shown(name)}: give a non-empty text")
+    if any("\ud800" <= sign <= "\udfff" for sign in name):
+        raise ValueError(f"{what} name {shown(name)}: holds half a character, which no file can; give another text")
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """What joints and force elements share: a name, and fields that are checked and converted once."""
@@ -143,6 +150,8 @@ class Part:
 
     def __post_init__(self) -> None:
         kind = type(self).__name__
+        if self.name is not None:
+            check_name(self.name, kind)
         self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
 
     def check(self, what: str) -> None:

@@ -184,7 +184,7 @@ def test_check_inertia_refuses(inertia, mass, message):
         (lambda: combine([(1.0, (0, 0), (1, 1, 1))]), r"combine: part 0: com: expected three numbers, got \(0, 0\)"),
         (
             lambda: combine([(1.0, "left", (1, 1, 1))]),
-            "combine: part 0: com: 'left' is not numeric; give three numbers",
+            "part 0: com: 'left' is not numeric; give three numbers",
         ),
         (lambda: combine([(1.0, (0, 0, 0), (1, 1, 3))]), "combine: part 0: inertia has the principal moments"),
         (lambda: combine([(1.0, (0, 0, 0), (1, 1, 1), (1, 1, 0, 0))]), "combine: part 0: orientation: the quaternion"),
