@@ -4,7 +4,7 @@
 sensible, so that many models run, and fail where only a run can fail.
 """
 
-import traceback
+import dis
 from pathlib import Path
 
 import numpy as np
@@ -224,8 +224,10 @@ def ask(seed, wild):
 
 
 def foreign(error):
-    """Whether an error comes from below this package, or is of a type that it does not use for refusals."""
-    frames = traceback.extract_tb(error.__traceback__)
-    raised = next((f for f in reversed(frames) if not f.filename.startswith("<")), None)
-    by_us = raised is not None and raised.filename.startswith(OURS)
-    return not (isinstance(error, ValueError) and by_us and raised.line.startswith("raise"))
+    """Whether an error was not raised by a statement of this package, or is of a type that it does not refuse by."""
+    last = error.__traceback__
+    while last.tb_next is not None:
+        last = last.tb_next
+    code = last.tb_frame.f_code
+    raised = code.co_code[last.tb_lasti] == dis.opmap["RAISE_VARARGS"]
+    return not (isinstance(error, ValueError) and raised and code.co_filename.startswith(OURS))

@@ -1,6 +1,10 @@
 """What is refused and what fails: one base class, and errors that say when, at which part, by how much, what to do."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
+
+import numpy as np
 
 
 class MbsError(ValueError):
@@ -43,6 +47,18 @@ class MbsError(ValueError):
         self.residual = residual
         self.solution = solution
         self.advice = advice
+
+
+@contextmanager
+def solvable(what: str) -> Iterator[None]:
+    """Turn what the linear algebra inside cannot solve into an error of this package."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, OverflowError) as error:
+        raise MbsError(
+            f"{what}: {error}",
+            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
+        ) from error
 
 
 class AssemblyError(MbsError):

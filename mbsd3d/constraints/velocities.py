@@ -8,7 +8,7 @@ from scipy.sparse import csr_array, vstack
 
 from ..base.checks import number
 from ..base.concurrency import one_thread
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, solvable
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
@@ -45,7 +45,7 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
     J = vstack(J, format="csr") if len(J) > 1 else J[0]
-    with one_thread():
+    with one_thread(), solvable("velocities at the start"):
         v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 

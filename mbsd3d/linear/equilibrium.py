@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError, EquilibriumError
+from ..base.errors import AssemblyError, EquilibriumError, solvable
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..constraints.row_choice import schur_of
@@ -34,7 +34,8 @@ from .steady_motion import Units, natural_units, varies
 from .tangent_space import Tangent, tangent_space
 from .variations import Field, Variations
 
-STEPS = 400
+STEPS = 200
+AWAY = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
 REST = 1e-10  # accelerations, in units of length rate^2, at which a pose is an equilibrium; Newton mostly reaches 1e-15
 SHORT = 0.2  # rad, or model lengths, that nothing moves by more in one step
 ROUNDING = 1e-12  # m or rad that print as nothing
@@ -118,6 +119,7 @@ def check_rest(system: Mechanism) -> None:
             raise ValueError(f"equilibrium: the signal of '{system.name(part)}' varies with time; give a constant")
 
 
+@solvable("equilibrium")
 @on_one_thread
 def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
     """The equilibrium that the mechanism comes to from a pose; errors as `mbsd3d.System.equilibrium`."""
@@ -146,7 +148,9 @@ def find_equilibrium(system: Mechanism, start: State) -> Equilibrium:
 def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float, int]:
     """(y, variations, tangent space, units, residual, steps) at the equilibrium."""
     model, y = field.compiled.model, field.y.copy()
-    best, stalled, growth = np.inf, 0, 1.0
+    best, growth, n = np.inf, 1.0, model.body.size
+    begin = y[: 7 * n].reshape(n, 7)[:, :3].copy()
+    far = AWAY * (model.length + np.ptp(begin, axis=0).max())
     for step in range(STEPS):
         at = field.at(field.t, y)
         space = tangent_space(field.compiled, at)
@@ -154,13 +158,14 @@ def search(field: Field) -> tuple[np.ndarray, Variations, Tangent, Units, float,
         size = unrest(at, units, model.length)
         if size <= 1e-14 or (size <= REST and size > 0.1 * best):
             return y, at, space, units, size, step
-        stalled = 0 if size < 0.99 * best else stalled + 1
         growth = growth * 4.0 if size < best else max(1.0, growth / 4.0)
         best = min(best, size)
+        if np.abs(y[: 7 * n].reshape(n, 7)[:, :3] - begin).max() > far:
+            break  # it falls, or drifts away
         X, dz = direction(at, space, units, model.body.size, growth / units.rate**2)
         y = moved(field, y, X, dz)
     raise EquilibriumError(
-        f"no equilibrium within {STEPS} steps: {fastest(field, at)}", residual=size, time=field.t,
+        f"no equilibrium after {step + 1} steps: {fastest(field, at)}", residual=size, time=field.t,
         advice="hold the mechanism by a joint, spring or contact where it gives way, or start nearer with state=",
     )  # fmt: skip
 

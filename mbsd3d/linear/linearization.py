@@ -10,6 +10,7 @@ import scipy.linalg
 
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
+from ..base.errors import solvable
 from ..constraints.nearby_poses import closed
 from ..constraints.row_choice import schur_of
 from ..equations.compiled import Compiled, compile_system
@@ -107,6 +108,7 @@ class Linearization:
         return table(self)
 
 
+@solvable("linearize")
 @on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize_at(
     system: Mechanism, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8

@@ -94,8 +94,8 @@ def check_room(samples: int, width: int) -> None:
     """ValueError for more samples than memory has room for."""
     if samples * width > MOST_NUMBERS:
         raise ValueError(
-            f"simulate: output: {samples} samples of {width} numbers need {8e-9 * samples * width:.3g} GB; give at "
-            f"most {MOST_NUMBERS // width}"
+            f"simulate: output: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
+            f"{MOST_NUMBERS // width}"
         )
 
 
