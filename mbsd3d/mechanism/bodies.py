@@ -133,11 +133,9 @@ class Body:
 
 
 def check_name(name: Any, what: str) -> None:
-    """A text that can be written, or a ValueError."""
+    """A text that is not empty, or a ValueError."""
     if not isinstance(name, str) or not name:
         raise ValueError(f"{what} name {shown(name)}: give a non-empty text")
-    if any("\ud800" <= sign <= "\udfff" for sign in name):
-        raise ValueError(f"{what} name {shown(name)}: holds half a character, which no file can; give another text")
 
 
 @dataclass(frozen=True, eq=False)
