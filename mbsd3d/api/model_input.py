@@ -8,12 +8,17 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any
 
+from .model_parameters import given_parameters, parameter_lines
 from .reading import read_mjcf, read_urdf
 from .system import System
 
 
-def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
+def load_model(
+    file: str, drop: tuple[str, ...] = (), settings: tuple[str, ...] = ()
+) -> tuple[System, list[str]]:  # fmt: skip
     """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
+
+    ``settings`` are texts NAME=VALUE, the parameters of ``build()``.
 
     Raises
     ------
@@ -21,6 +26,8 @@ def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]
         Naming the file and the place in it.
     """
     suffix = Path(file).suffix.lower()
+    if settings and suffix != ".py":
+        raise ValueError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
@@ -29,7 +36,7 @@ def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]
         return System.from_file(file), []
     if suffix != ".py":
         raise ValueError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
-    return built_by(file), []
+    return built_by(file, settings), []
 
 
 def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
@@ -41,14 +48,33 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
     return found.system, lines
 
 
-def built_by(file: str) -> System:
-    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
+def parameters_of(file: str) -> list[str]:
+    """A line per parameter of ``build()`` of a Python file."""
+    if Path(file).suffix.lower() != ".py":
+        raise ValueError(f"'{file}' is no Python file, only build(...) of one has parameters")
+    with builder(file) as build:
+        return parameter_lines(build)
+
+
+def built_by(file: str, settings: tuple[str, ...] = ()) -> System:
+    """The System that ``build()`` of a Python file returns for parameters NAME=VALUE.
 
     Raises
     ------
     ValueError
         Naming file and line: no such file, no Python, an error while it runs, no ``build()``, no System.
     """
+    with builder(file) as build:
+        given = given_parameters(build, settings, file)
+        system = guarded(file, lambda: build(**given))
+    if not isinstance(system, System):
+        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
+    return system
+
+
+@contextmanager
+def builder(file: str) -> Iterator[Callable[..., Any]]:
+    """``build`` of a Python file; modules beside the file can be imported inside."""
     path = Path(file)
     try:
         source = path.read_bytes()
@@ -61,10 +87,7 @@ def built_by(file: str) -> System:
         build = getattr(module, "build", None)
         if not callable(build):
             raise ValueError(f"'{file}' has no function build(); define build() and let it return a System")
-        system = guarded(file, build)
-    if not isinstance(system, System):
-        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
-    return system
+        yield build
 
 
 @contextmanager

@@ -48,7 +48,7 @@ class Viewable:
             Where the page is written too; ".html" is appended if it is missing.
         curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
             None = a few that tell most; () = none. A mode has none.
-        traces : list of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
             Points whose paths are drawn; None = centres of mass that move; () = none.
         shown, hidden : layer or list of layers, optional
             From the start besides and without the usual ones, e.g. ["angular momentum"], see `mbsd3d.api.viewable`;
@@ -100,7 +100,7 @@ class Viewable:
         ----------
         t : float, sequence of float, or None
             Time [s]; several = a multiple exposure; None = the last one.
-        traces : list of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
             Points whose paths until then (of several times: from the first to the last) are drawn; None = centres of
             mass that move; () = none.
         shown, hidden : layer or list of layers, optional
