@@ -20,6 +20,7 @@ NONSENSE = (
     "", 1 + 2j, [], [1], (1, 2), {}, np.zeros((2, 2)), np.array(["a"]), object, len, b"1", np.nan, [[1, 2, 3]] * 3,
     [None] * 3, np.float32(2.0), np.int64(3), "nan",
 )  # fmt: skip
+STEPS = (*NONSENSE, 1e-300, 1e-30, 0.01, 0.3, 1e30)
 NAMES = ("", " ", "a\nb", "=1+1", "<b>", "ground", "\ud800", 3, None, "x" * 10_000, "é", "a.b", True)
 
 
@@ -185,8 +186,8 @@ class Model:
             found[key] = self.pick([*NONSENSE, 10**18, "baumgarte", (1e300, 1e300), [0.0, 0.0], [1e308], 0.01])
         if self.odd(0.3):
             found["method"] = self.pick([
-                lambda: m.DOP853(dt=self.number()), lambda: m.RK4(self.number()), lambda: m.RK4, lambda: m.RK4(1e-300),
-                lambda: m.GeneralizedAlpha(self.number(), self.number()), lambda: m.DOP853,
+                lambda: m.DOP853(dt=self.pick(STEPS)), lambda: m.RK4(self.pick(STEPS)), lambda: m.RK4,
+                lambda: m.GeneralizedAlpha(self.pick(STEPS), self.number()), lambda: m.DOP853,
             ])()  # fmt: skip
         return found
 

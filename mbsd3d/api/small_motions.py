@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..base.errors import explaining
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
 from ..mechanism.state import State
@@ -100,6 +101,7 @@ class Linearization(linearization.Linearization):
         return plot_eigenvalues(self)
 
 
+@explaining
 def linearize(
     system: System, state: State | None = None, *, outputs: Sequence[Measure] | None = None, tolerance: float = 1e-8
 ) -> Linearization:

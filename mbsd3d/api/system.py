@@ -135,7 +135,9 @@ class System(Mechanism, Drawable):
             Naming the joint with the largest gap.
         """
         from ..constraints.assembly import assemble
+        from ..run.simulation import check_state
 
+        check_state(near, "assemble")
         return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":

@@ -1,10 +1,16 @@
 """What is refused and what fails: one base class, and errors that say when, at which part, by how much, what to do."""
 
-from collections.abc import Iterator
+import functools
+import inspect
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from difflib import get_close_matches
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+
+T = TypeVar("T")
 
 
 class MbsError(ValueError):
@@ -103,3 +109,73 @@ def _sentence(what: str, time: float | None, part: str | None, residual: float |
     size = None if residual is None else f"residual {residual:.3g}"
     where = ", ".join(piece for piece in (part, size) if piece)
     return what + when + (f": {where}" if where else "") + (f"; {advice}" if advice else "")
+
+
+class ArgumentError(MbsError, TypeError):
+    """A call with an argument that there is not, or without one that there must be."""
+
+
+# What people write who come from other programs or other habits: name -> what it is called here.
+SYNONYMS = MappingProxyType({
+    "angular_velocity": "omega", "angular_rate": "omega", "w": "omega", "pos": "position", "vel": "velocity",
+    "quaternion": "orientation", "rotation": "orientation", "R": "orientation", "cog": "com", "center": "com",
+    "k": "stiffness", "c": "damping", "d": "damping", "l0": "length", "rest_length": "length", "free_length": "length",
+    "origin": "at", "point": "at", "location": "at", "direction": "axis", "torque": "speed", "omega": "speed",
+    "dt": "method", "step": "method", "integrator": "method", "solver": "method", "tol": "rtol", "tolerance": "rtol",
+    "tend": "t_end", "tf": "t_end", "duration": "t_end", "samples": "output", "initial": "state", "x0": "state",
+    "constraints": "joints", "links": "bodies", "loads": "forces", "g": "gravity", "title": "name",
+})  # fmt: skip
+
+
+def explained(name: str, signature: inspect.Signature, args: tuple, given: Mapping[str, Any]) -> ArgumentError | None:
+    """What is wrong with a call, by the public name of what was called; None if it fits."""
+    try:
+        signature.bind(*args, **given)
+    except TypeError as error:
+        known = [x for x in signature.parameters if x != "self"]
+        unknown = [x for x in given if x not in known]
+        takes = f"t takes {', '.join(known)}"
+        if not unknown:
+            return ArgumentError(f"{name}: {error}; i{takes}")
+        near = [x for x in [SYNONYMS.get(unknown[0])] if x in known] or get_close_matches(unknown[0], known, 1)
+        if unknown[0] in ("dt", "step") and near == ["method"]:
+            return ArgumentError(
+                f"{name}: no argument '{unknown[0]}', the step belongs to a method: method=RK4(dt=...)"
+            )
+        hint = f", did you mean '{near[0]}'? I" if near else "; i"
+        return ArgumentError(f"{name}: no argument '{unknown[0]}'{hint}{takes}")
+    return None
+
+
+class Explained(type):
+    """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        """That of ``__init__``: for help and completion."""
+        whole = inspect.signature(cls.__init__)
+        return whole.replace(parameters=[x for x in whole.parameters.values() if x.name != "self"])
+
+    if not TYPE_CHECKING:
+
+        def __call__(cls, *args, **given):
+            try:
+                return super().__call__(*args, **given)
+            except TypeError as error:
+                wrong = explained(cls.__name__, cls.__signature__, args, given)
+                raise wrong or error from None
+
+
+def explaining(function: Callable[..., T]) -> Callable[..., T]:
+    """The same for a function."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def call(*args: Any, **given: Any) -> T:
+        try:
+            signature.bind(*args, **given)
+        except TypeError:
+            raise explained(function.__name__, signature, args, given) from None
+        return function(*args, **given)
+
+    return call

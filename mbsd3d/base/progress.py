@@ -10,10 +10,10 @@ DELAY, LINES = 2.0, 5.0  # s before a bar appears, and between lines
 class Progress:
     """A bar from ``start`` to ``end`` that appears after two seconds on a terminal.
 
-    Asked for where there is none, e.g. with stderr in a file: a line every few seconds.
+    ``show`` = "lines" writes a line every few seconds instead, for logs and pipes.
     """
 
-    def __init__(self, title: str, start: float, end: float, show: bool | None = None) -> None:
+    def __init__(self, title: str, start: float, end: float, show: bool | str | None = None) -> None:
         self.title, self.start, self.end = title, start, end
         self.show = sys.stderr.isatty() if show is None else show
         self.said = 0.0
@@ -31,7 +31,7 @@ class Progress:
         """Move to ``value``."""
         if not self.show:
             return
-        if not sys.stderr.isatty():
+        if self.show == "lines":
             self.say(value)
             return
         if self.bar is None and time.perf_counter() - self.began > DELAY:

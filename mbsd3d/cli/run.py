@@ -1,5 +1,6 @@
 """``mbsd3d run``: a simulation with its files."""
 
+import sys
 from typing import Any
 
 import click
@@ -80,8 +81,9 @@ def run(
     from ..base.errors import IntegrationError
     from ..plotting.plots import save_figure
 
+    shown = None if sys.stderr.isatty() else "lines"
     try:
-        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output, progress=True)
+        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output, progress=shown)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..base.checks import number, shown, vector
+from ..base.errors import Explained
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -40,7 +41,7 @@ GROUND = Ground()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body:
+class Body(metaclass=Explained):
     """A rigid body at the reference pose.
 
     Parameters
@@ -139,7 +140,7 @@ def check_name(name: Any, what: str) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class Part(metaclass=Explained):
     """What joints and force elements share: a name, and fields that are checked and converted once."""
 
     name: str | None = field(default=None, kw_only=True)

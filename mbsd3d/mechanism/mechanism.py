@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import shown, vector
+from ..base.errors import Explained
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
@@ -41,7 +42,7 @@ def short(part: Any) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(metaclass=Explained):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
     ``title`` is the name of the whole. ``derived`` holds what layers above have computed once, such as its tables;

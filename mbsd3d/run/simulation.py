@@ -32,10 +32,10 @@ def run_to(
     output: int | Sequence[float] | None = None,
     stop_when: Condition | None = None,
     as_built: float | None = None,
-    progress: bool | None = None,
+    progress: bool | str | None = None,
 ) -> RunResult:
     """Integrate a mechanism from a state to ``t_end``; arguments and errors as `mbsd3d.simulate`."""
-    method = method or DOP853()
+    method = DOP853() if method is None else method
     check_kinds(method, rtol, stop_when)
     t_end = number(t_end, "simulate: t_end")
     if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:

@@ -87,7 +87,7 @@ def test_a_pipe_gets_lines(monkeypatch):
     said, clock = io.StringIO(), iter([0.0, 0.0, 1.0, 3.0, 4.0, 9.0])
     monkeypatch.setattr(progress.sys, "stderr", said)
     monkeypatch.setattr(progress.time, "perf_counter", lambda: next(clock))
-    with progress.Progress("simulate", 0.0, 10.0, True) as bar:
+    with progress.Progress("simulate", 0.0, 10.0, "lines") as bar:
         for value in (1.0, 3.0, 4.0, 9.0):
             bar.update(value)
     assert said.getvalue() == "mbsd3d: simulate: 30 % after 3 s\nmbsd3d: simulate: 90 % after 9 s\n"

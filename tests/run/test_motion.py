@@ -226,6 +226,7 @@ def test_the_curves_that_tell_most(solution, frames):
     assert labels == [
         ("angle of axle", "rad"),
         ("energy", "J"),
+        ("effort of motor", "N m"),
         ("|reaction force|", "N"),
         ("|reaction moment|", "N m"),
     ]

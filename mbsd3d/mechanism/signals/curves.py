@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ...base.checks import check_size
 from .signal import Signal, _row, _store_finite
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
@@ -122,7 +123,8 @@ class Table(Signal):
         times.flags.writeable = values.flags.writeable = False
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
-        if not np.abs(self._term.data).max() < STEEPEST:
+        check_size(times, "Table: times")
+        if np.abs(values).max() >= STEEPEST * min(np.diff(times).min(), 1.0) ** 3:
             raise ValueError(
                 f"Table: times as near as {np.diff(times).min():.3g} s with values up to {np.abs(values).max():.3g} "
                 "make a spline too steep to compute with; check the units, or leave points out"
