@@ -85,7 +85,7 @@ def closing(pool: Executor) -> Iterator[Executor]:
     try:
         yield pool
     except BaseException:
-        workers = list((getattr(pool, "_processes", None) or {}).values())  # public from Python 3.14 on, as kill_workers
+        workers = list((getattr(pool, "_processes", None) or {}).values())  # public from Python 3.14 on
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:
             worker.kill()
