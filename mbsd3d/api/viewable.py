@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..mechanism.bodies import Body
+    from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
     from ..view.page.html import View
     from ..view.page.live import LiveView
@@ -38,7 +38,7 @@ class Viewable:
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
-        follow: "Body | str | None" = None,
+        follow: "Body | Ground | str | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -62,9 +62,10 @@ class Viewable:
             None = what the reader's system prefers.
         live : bool
             Whether a server on this machine shows the motion instead (``path`` is not written then).
-        follow : Body or str, optional
-            Body that the camera of a page goes along with, seen from near; None = all of the motion is seen. The reader
-            may choose another one.
+        follow : Body, str or GROUND, optional
+            Body that the camera of a page goes along with, seen from near; None = all of the motion is seen, or the
+            heaviest body is followed where it travels 20 times the size of the mechanism; GROUND = the camera stands.
+            The reader may choose another one.
 
         Returns
         -------
