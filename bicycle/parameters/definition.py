@@ -7,7 +7,7 @@ They are read from parameter files of BicycleParameters, text (.txt) or YAML (.y
 
 import re
 from dataclasses import dataclass, field, fields
-from math import inf
+from math import hypot, inf
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,8 @@ from mbsd3d.extend import check_inertia, number
 
 Numbers = dict[str, float]
 FORMATS = (".txt", ".yml", ".yaml")
-LARGEST = 1_000_000  # bytes: a parameter file has some hundred
+LARGEST = {".txt": 1_000_000, ".yml": 50_000, ".yaml": 50_000}  # bytes: a parameter file has some hundred
+NESTED = re.compile(r"(?:[-?:!]\s+){8}|(?:[\[{][^\]}]*){8}|\d(?::\d+){3}")  # lists of lists, and numbers to base 60
 POWER_OF_TEN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"(?<![.\d])\d+,\d")  # would be read as two measurements
 UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
@@ -52,8 +53,9 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
     path = Path(path)
     if not is_file(path):
         raise ValueError(f"'{path}': parameter files end in .txt, .yml or .yaml")
-    if path.stat().st_size > LARGEST:
-        raise ValueError(f"'{path}': larger than {LARGEST} bytes; give a parameter file of BicycleParameters")
+    if path.stat().st_size > LARGEST[path.suffix.lower()]:
+        most = LARGEST[path.suffix.lower()]
+        raise ValueError(f"'{path}': larger than {most} bytes; give a parameter file of BicycleParameters")
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
     except UnicodeDecodeError:
@@ -83,7 +85,7 @@ def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
         pairs = [value_and_deviation(part.strip(), f"{where}: {key}") for part in right.split(",")]
         values[key] = sum(value for value, _ in pairs) / len(pairs)
         if any(spread is not None for _, spread in pairs):  # deviation of the mean of independent measurements
-            deviations[key] = sum((spread or 0.0) ** 2 for _, spread in pairs) ** 0.5 / len(pairs)
+            deviations[key] = hypot(*(spread or 0.0 for _, spread in pairs)) / len(pairs)
     return values, deviations
 
 
@@ -102,13 +104,19 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
 
 def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
     """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
+    if NESTED.search(text):
+        raise ValueError(
+            f"'{path}': lists in lists, or numbers to base 60; a parameter file has names and numbers only"
+        )
     try:
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
             raise ValueError(f"'{path}': references (*name) are not supported; write the numbers out")
         twice = repeated(yaml.compose(text))
         content: Any = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, RecursionError) as error:
         raise ValueError(f"'{path}': not valid YAML: {error}") from None
+    except (TypeError, OverflowError) as error:  # of keys that are lists, and numbers of many digits
+        raise ValueError(f"'{path}': {error}; give names and numbers") from None
     if twice:
         raise ValueError(f"'{path}': {', '.join(twice)} is given twice; give it once")
     kind = content.get("parameterization", "benchmark") if isinstance(content, dict) else None
@@ -130,8 +138,10 @@ def repeated(node: yaml.Node | None) -> list[str]:
 def plain_number(value: Any, what: str) -> float:
     """A number of a YAML file; YAML reads 7e-3, without a point, as a text."""
     if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
-        return float(value)
-    raise ValueError(f"{what} = {value!r} is not a number; write e.g. 0.35")
+        x = float(str(value))
+        if abs(x) < inf:
+            return x
+    raise ValueError(f"{what} = {str(value)[:80]!r} is not a number; write e.g. 0.35")
 
 
 def quantity(symbol: str, unit: str, meaning: str, **more: Any) -> Any:

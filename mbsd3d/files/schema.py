@@ -137,6 +137,7 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
     bodies: list[dict[str, Any]]
     joints: list[dict[str, Any]] = []
     forces: list[dict[str, Any]] = []
+    name: str | None = None
 
 
 def place_of(path: tuple) -> str:
