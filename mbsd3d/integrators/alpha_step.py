@@ -12,7 +12,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
 from .outputs import along_cubic, cubic, evaluate_start, full, outputs
-from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, update_scales
 
 ITERATIONS = 12  # of Newton's method in one attempt
 SLOW = 0.2  # contraction above which the matrix is made anew
@@ -235,6 +235,7 @@ def step(m, d, s, g, run):
     if solved != SOLVED:
         return NO_SOLUTION
     end_rates(m, run, g, h)
+    note_rows(s, run)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status

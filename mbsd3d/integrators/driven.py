@@ -14,7 +14,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method
 from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, watch_on, write
-from .step_control import rows_hold, update_scales
+from .step_control import note_rows, rows_hold, update_scales
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed
@@ -154,6 +154,7 @@ def step(m, d, s, run, t_output):
     """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
     status, t_new = next_pose(m, d, s, run, t_output)
     h = t_new - run.now.t
+    note_rows(s, run)
     if status == RUNNING and run.task.condition >= 0:
         status = watch(m, d, s, run, t_new, h)
     if status != RUNNING:

@@ -39,6 +39,7 @@ NOW = [
 ]
 ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
+    ("worn", int),  # 1: rows of a joint have become dependent there: another tree is due
     ("lowest", float),  # the least at the end of any step
     ("least_pivot", float),  # the least of all stages of the step at hand
     ("residual", float),  # largest scaled |c| of the rows left out

@@ -14,6 +14,7 @@ from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
+from .step_control import note_rows
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event
@@ -78,6 +79,7 @@ def evaluate_start(m, d, s, run):
         return NOT_CLOSING
     if result != SOLVED or not finite(run.dy):
         return NO_SOLUTION
+    note_rows(s, run)
     remember(m, d, now.t)
     now.fresh = 0
     if now.steps == 0 and now.written == 0 and now.next_output == 0 and output_until(run, now.t):

@@ -10,7 +10,7 @@ from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
 from .newton import lu_factor, lu_solve
 from .outputs import along_cubic, cubic, evaluate_start, full, outputs
-from .step_control import LOCAL, end_of_step, rows_hold, state_error, update_scales
+from .step_control import LOCAL, end_of_step, note_rows, rows_hold, state_error, update_scales
 
 ITERATIONS = 10  # of Newton's method in one attempt
 NEWTON = 0.1  # of LOCAL rtol is what Newton's method may leave
@@ -267,6 +267,7 @@ def step(m, d, s, g, run):
         return NOT_CLOSING
     if solved != SOLVED or not finite(run.trial_rate):
         return NO_SOLUTION
+    note_rows(s, run)
     status = outputs(m, d, s, g, run, t_new, h, cubic, along_cubic)
     if status != RUNNING:
         return status

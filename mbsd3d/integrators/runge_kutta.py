@@ -11,7 +11,7 @@ from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, hermite, outputs
-from .step_control import LOCAL, end_of_step, nearly_singular, rows_hold, state_error, update_scales
+from .step_control import LOCAL, end_of_step, nearly_singular, note_rows, rows_hold, state_error, update_scales
 
 # What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
 AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
@@ -240,6 +240,7 @@ def step(m, d, s, own, run):
     status, t_new, h, error = attempt(m, d, s, own, run)
     if status != RUNNING:
         return status
+    note_rows(s, run)
     status = outputs(m, d, s, own, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status

@@ -75,16 +75,24 @@ def nearly_singular(run):
 
 
 @inner_kernel
+def note_rows(s, run):
+    """What the factor at the end of an accepted step says of its rows; samples of the step have factors of their own."""
+    rows = run.rows
+    rows.pivot, rows.worn = s.state.pivot, s.state.worn
+    rows.lowest = min(rows.lowest, rows.pivot)
+    s.state.rank = max(s.state.rank, s.state.independent)
+    for i in range(s.loop.shape[0]):
+        s.loop[i].most = max(s.loop[i].most, s.loop[i].pivot)
+    if not nearly_singular(run):
+        rows.on_manifold = 0
+
+
+@inner_kernel
 def rows_hold(m, d, s, run):
     """True while the rows of the tree are well independent and those left out are satisfied."""
     rows, tolerance = run.rows, run.task.tolerance
     rows.residual = 0.0
-    rows.pivot = s.state.pivot
-    rows.lowest = min(rows.lowest, rows.pivot)
-    s.state.rank = max(s.state.rank, s.state.independent)
-    if not nearly_singular(run):
-        rows.on_manifold = 0
-    if s.state.worn == 1:
+    if rows.worn == 1:
         return False
     if s.skipped.shape[0] > 0 and m.stabilisation == PROJECTION:
         position, speed = skipped_residual(m, d, s)

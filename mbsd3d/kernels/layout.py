@@ -233,7 +233,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("mu", float),  # what is added to the diagonal
             ("off", int),  # 1: nothing in the tree yields to it
             ("pivot", float),  # of the factorisation at hand,
-            ("most", float),  # and the largest so far
+            ("most", float),  # and the largest at the end of any step
         ],
         "entry": [
             ("place", int),  # of its loop row

@@ -87,8 +87,8 @@ def bricard(
     """Bricard's orthogonal linkage of six equal links: the A04 of the IFToMM library is ``bricard(1.0, pi / 2)``.
 
     Twists are 90 and -90 degrees in turns, no offsets; angles are theta, phi in turns with
-    ``cos(theta) + cos(phi) + cos(theta) cos(phi) = 0``, so \\|theta\\| <= 120 degrees. At 90 degrees the links are edges
-    of a cube.
+    ``cos(theta) + cos(phi) + cos(theta) cos(phi) = 0``, so ``|theta| <= 120`` degrees. At 90 degrees the links are
+    edges of a cube.
 
     Parameters
     ----------
@@ -105,8 +105,8 @@ def bricard(
         If the loop has no pose with this angle, or the length is not positive.
     """
     if not length > 0.0 or not np.cos(angle) > -0.5:
-        raise ValueError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length and "
-                         "an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
+        raise ValueError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
+                         "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
     phi = float(np.arccos(-np.cos(angle) / (1.0 + np.cos(angle))))
     numbers = np.array([[length, RIGHT, 0.0], [length, -RIGHT, 0.0]] * 3)
     return built("bricard", numbers, np.array([angle, phi] * 3), links, position, orientation, gravity)

@@ -95,8 +95,8 @@ def _rocker_angle(arm: np.ndarray, rod: float, rocker: float, branch: int, angle
     need = float(arm @ arm) + rocker**2 - rod**2
     if not abs(need) <= reach:
         near, far = np.sqrt([max(arm @ arm + rocker**2 - reach, 0.0), arm @ arm + rocker**2 + reach])
-        raise ValueError(f"rssr: at angle {np.degrees(angle):.6g} degrees the pins can be {near:.9g} m to {far:.9g} m apart, "
-                         f"and the rod is {rod:.9g} m; choose a rod or an angle that closes")  # fmt: skip
+        raise ValueError(f"rssr: at angle {np.degrees(angle):.6g} degrees the pins can be {near:.9g} m to {far:.9g} m "
+                         f"apart, and the rod is {rod:.9g} m; choose a rod or an angle that closes")  # fmt: skip
     return float(np.arctan2(arm[1], arm[0]) + branch * np.arccos(need / reach))
 
 

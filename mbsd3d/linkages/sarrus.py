@@ -54,8 +54,8 @@ def sarrus(
         raise ValueError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
     rest = lower[1] ** 2 - (lower[0] * np.cos(number(angle, "sarrus: angle"))) ** 2
     if rest < 0.0:
-        raise ValueError(f"sarrus: at angle {angle:g} rad the first leg of {lower[0]:g} m and {lower[1]:g} m cannot end "
-                         "above its foot; choose a steeper angle or a longer upper link")  # fmt: skip
+        raise ValueError(f"sarrus: at angle {angle:g} rad the first leg of {lower[0]:g} m and {lower[1]:g} m cannot "
+                         "end above its foot; choose a steeper angle or a longer upper link")  # fmt: skip
     height = lower[0] * np.sin(angle) + np.sqrt(rest)
     knees = [_knee(leg, height, name) for leg, name in ((lower, "first"), (upper, "second"))]
     base, thick = base_frame(position, orientation, "sarrus"), 0.05 * max(*lower, *upper)
@@ -104,8 +104,8 @@ def _knee(leg: tuple[float, ...], height: float, name: str) -> tuple[float, floa
     """(outwards, up) of the hinge between the links of a leg whose upper end is above its foot."""
     up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height)
     if not abs(up) < leg[0] * np.cos(STRAIGHT):
-        raise ValueError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height {height:g} m "
-                         "or is straight there; choose another angle or other lengths")  # fmt: skip
+        raise ValueError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
+                         f"{height:g} m or is straight there; choose another angle or other lengths")  # fmt: skip
     return float(np.sqrt(leg[0] ** 2 - up**2)), float(up)
 
 

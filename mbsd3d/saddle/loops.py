@@ -47,8 +47,9 @@ def independence(s):
     clear(shares)
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
-        if row.off == 0 and row.most > FELT * row.mu:
-            fallen = -np.log2(row.pivot / row.most)
+        most = max(row.most, row.pivot)
+        if row.off == 0 and most > FELT * row.mu:
+            fallen = -np.log2(row.pivot / most)
             k = shares.shape[0] - 1
             shares[int(fallen) if 0.0 <= fallen < k else k] += 1
             now += row.pivot > FELT * row.mu
@@ -80,7 +81,7 @@ def factor_loops(s):
             pivot -= total * total
             L[line_i + j] = total
         if diagonal.real < UNFELT * mu:
-            loop[i].off = 1
+            loop[i].off, loop[i].pivot = 1, 0.0
             L[line_i + i] = 0.0 * pivot  # so its multiplier is zero, and it is not seen by the rows after it
             continue
         loop[i].off = 0
@@ -88,7 +89,7 @@ def factor_loops(s):
         if not pivot.real >= floor:  # rounding: the row repeats others
             pivot = pivot * 0.0 + floor
         most = max(loop[i].most, pivot.real)
-        loop[i].pivot, loop[i].most = pivot.real, most
+        loop[i].pivot = pivot.real
         if pivot.real < WEAK * most or most < FELT * mu:
             s.state.weak = 1
         L[line_i + i] = 1.0 / np.sqrt(pivot)

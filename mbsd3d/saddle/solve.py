@@ -85,7 +85,10 @@ def solve_dense(m, d, s):
     regular = K.copy()
     for i in range(c):
         regular[n + i, n + i] -= s.state.mu / m.row[s.used[i]].scale ** 2
-    inverse = np.linalg.inv(regular)
+    try:
+        inverse = np.linalg.inv(regular)
+    except Exception:  # singular: masses and rows that leave a motion undetermined
+        return NOT_FINITE
     x = inverse @ rhs
     for sweep in range(2 * DENSE_SWEEPS):
         if sweep == DENSE_SWEEPS:

@@ -20,8 +20,8 @@ def trials(quick: bool) -> list[Trial]:
     """One of each family, or three: parameters, masses, inertias and base pose are random, the first hinge turns."""
     judges = {FREEDOMS: freedoms, THEORY: partial(theory_of, turned)}
     return [
-        Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}", partial(let_go, name, seed),
-              judges, drawn=seed == 0)
+        Trial(f"loop_{name}_{seed}", "closed loops", f"{name.replace('_', ' ')}, seed {seed}",
+              partial(let_go, name, seed), judges, drawn=seed == 0)
         for name in FAMILIES for seed in range(1 if quick else SEEDS)
     ]  # fmt: skip
 
