@@ -10,7 +10,8 @@ import yaml
 Numbers = dict[str, float]
 FORMATS = (".txt", ".yml", ".yaml")
 LARGEST = {".txt": 1_000_000, ".yml": 50_000, ".yaml": 50_000}  # bytes: a parameter file has some hundred
-NESTED = re.compile(r"(?:[-?:!]\s+){8}|(?:[\[{][^\]}]*){8}|\d(?::\d+){3}")  # lists of lists, and numbers to base 60
+# Lists of lists, numbers to base 60, and those without end: what a parser takes minutes for.
+NESTED = re.compile(r"(?:[-?:!]\s+){8}|(?:[\[{][^\]}]*){8}|\d(?::\d+){3}|\d{1000}")
 POWER_OF_TEN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"(?<![.\d])\d+,\d")  # would be read as two measurements
 UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
@@ -97,7 +98,7 @@ def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
     """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
     if NESTED.search(text):
         raise ValueError(
-            f"'{path}': lists in lists, or numbers to base 60; a parameter file has names and numbers only"
+            f"'{path}': lists in lists, numbers to base 60 or without end; a parameter file has names and numbers only"
         )
     try:
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
@@ -126,10 +127,15 @@ def repeated(node: yaml.Node | None) -> list[str]:
     return here + [key for _, below in node.value for key in repeated(below)]
 
 
+def short(value: Any) -> str:
+    """A value as it prints, cut; a text of digits where Python prints no number of so many."""
+    return str(value)[:80] if isinstance(value, int) and abs(value) > 10**80 else repr(value)[:80]
+
+
 def plain_number(value: Any, what: str) -> float:
     """A number of a YAML file; YAML reads 7e-3, without a point, as a text."""
     if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
         number = float(str(value))
         if abs(number) < inf:
             return number
-    raise ValueError(f"{what} = {str(value)[:80]!r} is not a number; write e.g. 0.35")
+    raise ValueError(f"{what} = {short(value)} is not a number; write e.g. 0.35")
