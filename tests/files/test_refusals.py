@@ -18,7 +18,8 @@ from mbsd3d.sweeps.ledger import Ledger, LedgerError, identity
 STONE = System([Body("stone", 1.0, (0.1, 0.1, 0.1))])
 YAML = {
     "brackets": "[" * 20_000, "maps": "{a: " * 5000, "dashes": "- " * 9000,
-    "base 60": "values:\n  a: " + "1:" * 9000 + "1", "digits": "values:\n  a: " + "9" * 5000, "large": "a: 1\n" * 20_000, "keys": "? " * 9000,
+    "base 60": "values:\n  a: " + "1:" * 9000 + "1",
+    "digits": "values:\n  a: " + "9" * 5000, "large": "a: 1\n" * 20_000, "keys": "? " * 9000,
     "quotes": '"' * 40_000,
     "blocks": "|\n " * 9000, "indented": "".join(" " * k + "a:\n" for k in range(280)), "tags": "!!" * 9000,
 }  # fmt: skip
