@@ -16,7 +16,7 @@ from .support import (
     set_option,
 )  # fmt: skip
 
-METHODS = ("DOP853", "RK4", "GeneralizedAlpha", "Kinematic")
+METHODS = ("DOP853", "RK4", "GeneralizedAlpha", "RadauIIA", "Kinematic")
 
 
 def method_of(name: str | None, dt: float | None, stiff: str | None) -> Any:
@@ -25,7 +25,13 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> Any:
 
     given = {key: value for key, value in (("dt", dt), ("stiff", stiff)) if value is not None}
     name = name or "DOP853"
-    takes = {"DOP853": ("dt", "stiff"), "RK4": ("dt",), "GeneralizedAlpha": ("dt",), "Kinematic": ()}[name]
+    takes = {
+        "DOP853": ("dt", "stiff"),
+        "RK4": ("dt",),
+        "GeneralizedAlpha": ("dt",),
+        "RadauIIA": ("dt",),
+        "Kinematic": (),
+    }[name]
     wrong = [key for key in given if key not in takes]
     if wrong:
         raise ValueError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
