@@ -191,7 +191,7 @@ def ledger(rng, path):
     path.unlink(missing_ok=True)
     own = identity(experiment, cells, "")
     book = Ledger(path, own, 2)
-    book.put(0, Outcome({"value": 1.5, "row": [1.0, 2.0]}))
+    book.keep(0, Outcome({"value": 1.5, "row": [1.0, 2.0]}))
     book.close()
     odd = [
         None, "null", "[]", '{"values": null}', '{"values": {"value": null}}', '{"values": {"value": "x"}}', "[" * 5000,

@@ -25,13 +25,7 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> Any:
 
     given = {key: value for key, value in (("dt", dt), ("stiff", stiff)) if value is not None}
     name = name or "DOP853"
-    takes = {
-        "DOP853": ("dt", "stiff"),
-        "RK4": ("dt",),
-        "GeneralizedAlpha": ("dt",),
-        "RadauIIA": ("dt",),
-        "Kinematic": (),
-    }[name]
+    takes = {"DOP853": ("dt", "stiff"), "Kinematic": ()}.get(name, ("dt",))
     wrong = [key for key in given if key not in takes]
     if wrong:
         raise ValueError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")

@@ -168,7 +168,7 @@ def test_demo_view_says_its_address_and_ends_quietly_with_ctrl_c(folder):
         lines.append(line)
         if "http://" in line:
             break
-    assert re.fullmatch(r"http://127\.0\.0\.1:\d+  \(Ctrl-C ends it\)\n", lines[-1])
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/\?token=[\w-]+  \(Ctrl-C ends it\)\n", lines[-1])
     assert any("quantity" in line for line in lines)
     time.sleep(0.5)
     running.send_signal(signal.SIGINT)

@@ -75,7 +75,7 @@ def test_contents_of_a_ledger(tmp_path, content):
     """null is no NaN: it is refused, and so is what is no number."""
     own = identity(Experiment(lambda mass: STONE, lambda run: 1.0, {}), make_grid({"mass": [1.0, 2.0]}), "")
     book = Ledger(tmp_path / "sweep.db", own, 2)
-    book.put(0, Outcome({"value": float("nan")}))
+    book.keep(0, Outcome({"value": float("nan")}))
     assert np.isnan(book.finished()[0].values["value"])  # NaN that was measured comes back
     book.close()
     with sqlite3.connect(tmp_path / "sweep.db") as file:
