@@ -1,3 +1,4 @@
+from . import errors as errors
 from . import inertia as inertia
 from . import linkages as linkages
 from . import measures as measures
@@ -16,6 +17,7 @@ from .api.solution import Solution as Solution
 from .api.stepper import Stepper as Stepper
 from .api.system import System as System
 from .base.errors import AssemblyError as AssemblyError
+from .base.errors import EquilibriumError as EquilibriumError
 from .base.errors import IntegrationError as IntegrationError
 from .base.errors import SweepError as SweepError
 from .base.rotations import rotation as rotation

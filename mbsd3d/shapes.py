@@ -1,3 +1,20 @@
 """What bodies look like."""
 
-from .mechanism.shapes import *
+from .mechanism.shapes import (
+    Box,
+    Capsule,
+    Cylinder,
+    Disc,
+    Ellipsoid,
+    Lines,
+    Mesh,
+    MeshFile,
+    Shape,
+    Solid,
+    Sphere,
+    Torus,
+)  # fmt: skip
+
+__all__ = [
+    "Box", "Capsule", "Cylinder", "Disc", "Ellipsoid", "Lines", "Mesh", "MeshFile", "Shape", "Solid", "Sphere", "Torus",
+]  # fmt: skip

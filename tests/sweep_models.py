@@ -87,18 +87,26 @@ GRID = {"torque": [1.0, 2.0, 2.4, 3.1], "inertia": [0.2, 0.4, 0.7]}
 LONG = {"torque": np.linspace(1.0, 2.0, 40).tolist(), "inertia": np.linspace(0.2, 0.9, 4).tolist()}  # 160 cells
 
 
-def main(ledger, limit=None):
+def cluster():
+    """A cluster of two worker processes on this machine."""
+    from distributed import Client
+
+    return Client(n_workers=2, threads_per_worker=1, dashboard_address=None)
+
+
+def main(ledger, limit=None, executor=None):
     """A process of its own: sweeps LONG; prints what came out of Ctrl-C or of a full disk."""
     import resource
 
     from mbsd3d.base.errors import SweepError
     from mbsd3d.sweeps.sweep import sweep
 
-    if limit:
+    if limit and int(limit):
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
     print("ready", flush=True)
+    pool = cluster() if executor == "distributed" else executor
     try:
-        table = sweep(counted, LONG, speed, run=RUN, ledger=ledger)
+        table = sweep(counted, LONG, speed, run=RUN, ledger=ledger, executor=pool)
     except SweepError as error:
         print(error)
         table = error.dataset

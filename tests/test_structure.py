@@ -14,7 +14,7 @@ STACK = (
     "linear",
     "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
 )  # fmt: skip
-PUBLIC_MODULES = ("inertia", "linkages", "measures", "rotations", "shapes", "signals")
+PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")
 FACADES = ("validation", "validation.crosscheck.result")
 LINES, FILES = 300, 14

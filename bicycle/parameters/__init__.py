@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, is_file, read_values
+from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
+from .files import is_file, read_values
 
 __all__ = [
     "MEANING", "NOT_NEGATIVE", "POSITIVE", "SYMBOL", "SYMBOLS", "TYRES", "UNIT", "Meijaard2007", "Parameters",

@@ -1,137 +1,16 @@
-"""The parameters of a bicycle with ideal wheels, by the symbols of Meijaard, Papadopoulos, Ruina and Schwab (2007).
-
-They are read from parameter files of BicycleParameters, text (.txt) or YAML (.yml, .yaml).
-"""
+"""The parameters of a bicycle with ideal wheels, by the symbols of Meijaard, Papadopoulos, Ruina and Schwab (2007)."""
 
 # ruff: noqa: N815 -- the symbols are those of the paper
 
-import re
 from dataclasses import dataclass, field, fields
-from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from mbsd3d.extend import check_inertia, number
 
-Numbers = dict[str, float]
-FORMATS = (".txt", ".yml", ".yaml")
-LARGEST = 1_000_000  # bytes: a parameter file has some hundred
-POWER_OF_TEN = re.compile(r"[+-]?\d+e[+-]?\d+", re.IGNORECASE)
-DECIMAL_COMMA = re.compile(r"(?<![.\d])\d+,\d")  # would be read as two measurements
-UNCERTAIN = re.compile(r"^\(?([^()]+?)\s*\+/-\s*([^()]+?)\)?(e[+-]?\d+)?$", re.IGNORECASE)
-
-
-def is_file(path: str | Path) -> bool:
-    """Whether a name belongs to a parameter file, by its ending."""
-    return Path(path).suffix.lower() in FORMATS
-
-
-def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
-    """The numbers of a parameter file.
-
-    Parameters
-    ----------
-    path : str or Path
-        ``.txt``: lines ``symbol = value``, ``symbol = value +/- deviation`` or several of these separated by commas,
-        which are averaged; ``#`` starts a comment. ``.yml``, ``.yaml``: numbers below ``values:``, of the
-        parameterization ``benchmark``. An entry v, the speed of a study, is skipped.
-
-    Returns
-    -------
-    values, deviations : dict
-        By symbol; standard deviations only where the file gives them.
-
-    Raises
-    ------
-    ValueError
-        Naming the file and the line or entry: a symbol given twice, or not a number.
-    """
-    path = Path(path)
-    if not is_file(path):
-        raise ValueError(f"'{path}': parameter files end in .txt, .yml or .yaml")
-    if path.stat().st_size > LARGEST:
-        raise ValueError(f"'{path}': larger than {LARGEST} bytes; give a parameter file of BicycleParameters")
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
-    except UnicodeDecodeError:
-        raise ValueError(f"'{path}': not a text file; give a parameter file of BicycleParameters") from None
-    entries = text_entries if path.suffix.lower() == ".txt" else yaml_entries
-    values, deviations = entries(path, text)
-    values.pop("v", None)
-    deviations.pop("v", None)
-    return values, deviations
-
-
-def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """Lines ``symbol = value +/- deviation, ...``."""
-    values, deviations = {}, {}
-    for i, line in enumerate(text.splitlines(), 1):
-        content = line.split("#")[0].strip()
-        if not content:
-            continue
-        key, equals, right = (part.strip() for part in content.partition("="))
-        where = f"'{path}', line {i}"
-        if not equals or not key:
-            raise ValueError(f"{where}: '{content}' is not of the form 'symbol = value'")
-        if key in values:
-            raise ValueError(f"{where}: {key} is given twice; give it once")
-        if DECIMAL_COMMA.search(right):
-            raise ValueError(f"{where}: {key} = '{right}': write a decimal point, or a blank between two measurements")
-        pairs = [value_and_deviation(part.strip(), f"{where}: {key}") for part in right.split(",")]
-        values[key] = sum(value for value, _ in pairs) / len(pairs)
-        if any(spread is not None for _, spread in pairs):  # deviation of the mean of independent measurements
-            deviations[key] = sum((spread or 0.0) ** 2 for _, spread in pairs) ** 0.5 / len(pairs)
-    return values, deviations
-
-
-def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
-    """(value, deviation or None) of "0.1", "0.1 +/- 0.02" or "(1.2 +/- 0.3)e-05"."""
-    match = UNCERTAIN.match(text)
-    parts = [part + (match[3] or "") for part in match.groups()[:2]] if match else [text]
-    try:
-        value, *spread = map(float, parts)
-    except ValueError:
-        raise ValueError(f"{what} = '{text}' is not a number; write e.g. 0.35 or 0.35 +/- 0.01") from None
-    if spread and not 0.0 <= spread[0] < inf:
-        raise ValueError(f"{what} = '{text}': the deviation is not a finite number >= 0; give one, or none")
-    return value, spread[0] if spread else None
-
-
-def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
-    """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
-    try:
-        if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
-            raise ValueError(f"'{path}': references (*name) are not supported; write the numbers out")
-        twice = repeated(yaml.compose(text))
-        content: Any = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(f"'{path}': not valid YAML: {error}") from None
-    if twice:
-        raise ValueError(f"'{path}': {', '.join(twice)} is given twice; give it once")
-    kind = content.get("parameterization", "benchmark") if isinstance(content, dict) else None
-    values = content.get("values") if isinstance(content, dict) else None
-    if kind != "benchmark" or not isinstance(values, dict):
-        raise ValueError(f"'{path}': give 'parameterization: benchmark' and the numbers below 'values:'")
-    return {key: plain_number(value, f"'{path}': {key}") for key, value in values.items()}, {}
-
-
-def repeated(node: yaml.Node | None) -> list[str]:
-    """Keys given twice in a mapping of a YAML tree; the loader would keep the last."""
-    if not isinstance(node, yaml.MappingNode):
-        return []
-    keys = [key.value for key, _ in node.value]
-    here = sorted({key for key in keys if keys.count(key) > 1})
-    return here + [key for _, below in node.value for key in repeated(below)]
-
-
-def plain_number(value: Any, what: str) -> float:
-    """A number of a YAML file; YAML reads 7e-3, without a point, as a text."""
-    if isinstance(value, int | float) and not isinstance(value, bool) or POWER_OF_TEN.fullmatch(str(value)):
-        return float(value)
-    raise ValueError(f"{what} = {value!r} is not a number; write e.g. 0.35")
+from .files import read_values
 
 
 def quantity(symbol: str, unit: str, meaning: str, **more: Any) -> Any:

@@ -8,17 +8,21 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any
 
-from ..base.errors import Mbsd3dError
+from .model_parameters import given_parameters, parameter_lines
 from .reading import read_mjcf, read_urdf
 from .system import System
 
 
-def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]]:
+def load_model(
+    file: str, drop: tuple[str, ...] = (), settings: tuple[str, ...] = ()
+) -> tuple[System, list[str]]:  # fmt: skip
     """The System of a model file, of an imported model, or of ``build()`` of a Python file, and notes on an import.
 
-    ValueError naming the file and the place in it.
+    ``settings`` are texts NAME=VALUE, the parameters of ``build()``. ValueError naming the file and the place in it.
     """
     suffix = Path(file).suffix.lower()
+    if settings and suffix != ".py":
+        raise ValueError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
@@ -27,7 +31,7 @@ def load_model(file: str, drop: tuple[str, ...] = ()) -> tuple[System, list[str]
         return System.from_file(file), []
     if suffix != ".py":
         raise ValueError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
-    return built_by(file), []
+    return built_by(file, settings), []
 
 
 def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, list[str]]:
@@ -39,11 +43,30 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
     return found.system, lines
 
 
-def built_by(file: str) -> System:
-    """The System that ``build()`` of a Python file returns; modules beside the file can be imported.
+def parameters_of(file: str) -> list[str]:
+    """A line per parameter of ``build()`` of a Python file."""
+    if Path(file).suffix.lower() != ".py":
+        raise ValueError(f"'{file}' is no Python file, only build(...) of one has parameters")
+    with builder(file) as build:
+        return parameter_lines(build)
+
+
+def built_by(file: str, settings: tuple[str, ...] = ()) -> System:
+    """The System that ``build()`` of a Python file returns for parameters NAME=VALUE.
 
     ValueError naming file and line: a missing file, no Python, an error while it runs, no ``build()``, no System.
     """
+    with builder(file) as build:
+        given = given_parameters(build, settings, file)
+        system = guarded(file, lambda: build(**given))
+    if not isinstance(system, System):
+        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
+    return system
+
+
+@contextmanager
+def builder(file: str) -> Iterator[Callable[..., Any]]:
+    """``build`` of a Python file; modules beside the file can be imported inside."""
     path = Path(file)
     try:
         source = path.read_bytes()
@@ -56,10 +79,7 @@ def built_by(file: str) -> System:
         build = getattr(module, "build", None)
         if not callable(build):
             raise ValueError(f"'{file}' has no function build(); define build() and let it return a System")
-        system = guarded(file, build)
-    if not isinstance(system, System):
-        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
-    return system
+        yield build
 
 
 @contextmanager
@@ -84,5 +104,5 @@ def guarded(file: str, function: Callable[[], Any]) -> Any:
     except (Exception, SystemExit) as error:
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
         where = f", line {lines[-1]}" if lines else ""
-        kind = "" if isinstance(error, ValueError | Mbsd3dError) else f"{type(error).__name__}: "
+        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
         raise ValueError(f"'{file}'{where}: {kind}{error}") from error

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ..base.errors import IntegrationError
+from ..base.errors import IntegrationError, explaining
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..mechanism.measures import Condition
@@ -12,6 +12,7 @@ from .solution import Solution
 from .system import System
 
 
+@explaining
 def simulate(
     system: System,
     t_end: float,
@@ -27,7 +28,7 @@ def simulate(
     stabilisation: str = "projection",
     baumgarte: tuple[float, float] = (20.0, 100.0),
     as_built: float | None = None,
-    progress: bool | None = None,
+    progress: bool | str | None = None,
 ) -> Solution:
     """Integrate a mechanism from a state to ``t_end``.
 
@@ -54,8 +55,8 @@ def simulate(
         factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
     as_built : float or None
         Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
-    progress : bool or None
-        Show a progress bar; None = on a terminal, after two seconds.
+    progress : bool, "lines" or None
+        Show a progress bar; None = on a terminal, after two seconds; "lines" = a line every few seconds, for logs.
 
     Returns
     -------
@@ -77,7 +78,7 @@ def simulate(
     >>> round(float(flight.position(stone)[-1, 2]), 9)  # v^2 / (2 g)
     0.458715596
     """
-    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, tuple(baumgarte))
+    switches = Switches(gyroscopic, centripetal, gamma, stabilisation, baumgarte)
     start = start_of(system, state, "simulate", as_built)
     try:
         result = run_to(

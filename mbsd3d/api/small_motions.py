@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..base.errors import explaining
 from ..equations.compiled import Switches
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
@@ -101,6 +102,7 @@ class Linearization(linearization.Linearization):
         return plot_eigenvalues(self)
 
 
+@explaining
 def linearize(
     system: System,
     state: State | None = None,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.style import html_text
 from ..mechanism.state import State
 from ..results.certificate import Certificate
 from ..results.global_error import estimate
@@ -41,7 +42,11 @@ class Solution(RunResult, Viewable):
 
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} ... {self.t[-1]:g} s" if self.t.size else "nothing"
-        return f"<solution: {self.t.size} samples, {span}, by {self.record.method}; print(solution.certificate)>"
+        name = f" of {self.system.title!r}" if self.system.title else ""
+        return f"<solution{name}: {self.t.size} samples, {span}, by {self.record.method}; print(solution.certificate)>"
+
+    def _repr_html_(self) -> str:
+        return html_text(f"{repr(self).strip('<>').partition('; print')[0]}\n{self.certificate}")
 
     @classmethod
     def of(cls, result: RunResult, simulate: Callable[..., "Solution"]) -> "Solution":
@@ -169,6 +174,12 @@ class Solution(RunResult, Viewable):
         from ..files.tables import to_csv
 
         return to_csv(self, path)
+
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame, one row a sample, indexed by the time, with the columns of `to_csv`."""
+        from ..files.tables import to_dataframe
+
+        return to_dataframe(self)
 
     def estimate(self) -> Certificate:
         """The certificate with a global error estimate from two tighter runs; see `global_error.estimate`."""

@@ -5,7 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
+from ..base.checks import number
+from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
+from ..mechanism.drivers import Driver
+from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
 from ..mechanism.mechanism import Mechanism
@@ -15,9 +21,10 @@ from .drawable import Drawable
 if TYPE_CHECKING:
     from ..constraints.redundancy import Diagnosis
     from ..equations.compiled import Compiled
+    from ..linear.equilibrium import Equilibrium
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class System(Mechanism, Drawable):
     """A mechanism.
 
@@ -29,6 +36,8 @@ class System(Mechanism, Drawable):
     forces : sequence of ForceElement
     gravity : (3,) array_like
         [m/s^2], world.
+    name : str or None
+        Of the whole: the title of pages, reports and files; ``system.title`` reads it.
 
     Raises
     ------
@@ -43,10 +52,37 @@ class System(Mechanism, Drawable):
     1
     """
 
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        joints: Sequence[Joint] = (),
+        forces: Sequence[ForceElement] = (),
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        *,
+        name: str | None = None,
+        title: str | None = None,
+    ) -> None:
+        super().__init__(bodies, joints, forces, gravity, title=title if name is None else name)
+
+    def __repr__(self) -> str:
+        drivers = sum(isinstance(joint, Driver) for joint in self.joints)
+        counts = {"body": len(self.bodies), "joint": len(self.joints) - drivers, "driver": drivers}
+        counts["force"] = len(self.forces)
+        shown = ", ".join(counted(count, kind) for kind, count in counts.items() if count)
+        return f"<system {self.title!r}: {shown}>" if self.title else f"<system: {shown}>"
+
+    def _repr_html_(self) -> str:
+        rows = [(body.name, "Body", f"{body.mass:g} kg") for body in self.bodies]
+        for part in (*self.joints, *self.forces):
+            on = dict.fromkeys(body.name for body in part.bodies())
+            rows.append((self.name(part), type(part).__name__, ", ".join(on)))
+        return html_table(repr(self).strip("<>"), ("part", "type", "mass, or bodies"), rows)
+
     @classmethod
     def of(cls, mechanism: Mechanism) -> "System":
         """The system of a mechanism: the same parts."""
-        return cls(mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
+        given = (mechanism.bodies, mechanism.joints, mechanism.forces, mechanism.gravity)
+        return cls(*given, title=mechanism.title)
 
     @property
     def lowered(self) -> "Compiled":
@@ -63,7 +99,7 @@ class System(Mechanism, Drawable):
         """
         from ..constraints.redundancy import diagnose
 
-        return diagnose(self, as_built)
+        return diagnose(self, number(as_built, "check: as_built", minimum=0.0))
 
     def state(self, *, as_built: float | None = None) -> State:
         """The initial state at the reference pose; velocities that are None are solved from the constraints.
@@ -102,8 +138,51 @@ class System(Mechanism, Drawable):
             Naming the joint with the largest gap.
         """
         from ..constraints.assembly import assemble
+        from ..run.simulation import check_state
 
+        check_state(near, "assemble")
         return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
+
+    def equilibrium(self, state: State | None = None) -> "Equilibrium":
+        """The pose at rest that the mechanism comes to from a pose, as if it moved through honey: downhill.
+
+        Preloaded springs, gravity, own states of forces and nonholonomic rows are taken as they are. A start that is
+        an equilibrium is returned as it is, also an unstable one.
+
+        Parameters
+        ----------
+        state : State or None
+            Where to start looking, its velocities do not matter; None = ``system.state()``.
+
+        Returns
+        -------
+        Equilibrium
+            ``.state`` to start from, ``.stability`` ("stable", "stable, undamped", "neutral", "unstable", "held",
+            "unknown") with its ``.reason``, ``.moved`` by body, ``.residual``.
+
+        Raises
+        ------
+        ValueError
+            If a signal varies with time.
+        AssemblyError
+            If the start does not meet a joint, or a driver moves.
+        EquilibriumError
+            If it comes to no rest, with the body that still accelerates.
+
+        Examples
+        --------
+        >>> from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring
+        >>> arm = Body("arm", mass=2.0, inertia=(0.1, 0.5, 0.5), com=(0.5, 0, 0))
+        >>> hinge = Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+        >>> rest = System([arm], [hinge], [TorsionSpring(hinge, stiffness=40.0)]).equilibrium()
+        >>> rest.stability, round(float(rest.state.coordinates[0]), 6)  # 40 x = 2 * 9.81 * 0.5 cos x
+        ('stable, undamped', 0.238318)
+        """
+        from ..linear.equilibrium import find_equilibrium
+        from ..run.simulation import check_state
+
+        check_state(state, "equilibrium")
+        return find_equilibrium(self, state or self.state())
 
     def to_file(self, path: str | Path, *, replace: bool = False) -> Path:
         """Write the system to a model file that people can read and edit; every number comes back bit for bit.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..mechanism.bodies import Body
+    from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
     from ..view.page.html import View
     from ..view.page.live import LiveView
@@ -38,7 +38,7 @@ class Viewable:
         title: str | None = None,
         dark: bool | None = None,
         live: bool = False,
-        follow: "Body | str | None" = None,
+        follow: "Body | Ground | str | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -51,7 +51,7 @@ class Viewable:
             The page is also written there; ".html" is appended if missing.
         curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
             None = the most telling ones; () = none. A mode has none.
-        traces : list of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
             Points whose paths are drawn; None = centres of mass that move; () = none.
         shown, hidden : layer or list of layers, optional
             Added to and removed from the usual layers at the start, e.g. ["angular momentum"]; see
@@ -65,9 +65,10 @@ class Viewable:
             None = what the reader's system prefers.
         live : bool
             Show the motion by a server on this machine instead; ``path`` is not written then.
-        follow : Body or str, optional
-            Body that the camera of a page follows from near; None = the view holds the whole motion. The reader may
-            choose another body.
+        follow : Body, str or GROUND, optional
+            Body that the camera of a page follows from near; None = the view holds the whole motion, or follows the
+            heaviest body where it travels 20 times the size of the mechanism; GROUND = the camera stands. The reader
+            may choose another body.
         """
         from ..view.page.show import animate
 
@@ -96,7 +97,7 @@ class Viewable:
         ----------
         t : float, sequence of float, or None
             Time [s]; several = a multiple exposure; None = the last one.
-        traces : list of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
             Points whose paths until then (of several times: from the first to the last) are drawn; None = centres of
             mass that move; () = none.
         shown, hidden : layer or list of layers, optional

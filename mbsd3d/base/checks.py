@@ -5,6 +5,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
+
+
+def shown(value: Any) -> str:
+    """What was given, as it prints, cut where it is long."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python prints no whole number of more than 4300 digits
+        return f"a {type(value).__name__} of many digits"
+    return text if len(text) <= 80 else f"{text[:60]} ... ({len(text)} characters)"
+
+
+def floats(values: Any, what: str, remedy: str) -> np.ndarray:
+    """An own array of finite floats, or a ValueError that names ``what``; texts are no numbers."""
+    try:
+        raw = np.asarray(values)
+        array = np.array(values, dtype=float) if raw.dtype.kind in "fiuO" else None
+    except (TypeError, ValueError, OverflowError):
+        array = None
+    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes) for x in raw.flat)):
+        raise ValueError(f"{what}: {shown(values)} is not numeric; give {remedy}")
+    if not np.isfinite(array).all():
+        text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
+        place = f" in entry {np.flatnonzero(~np.isfinite(array))[0]}" if array.size > 4 else ""
+        raise ValueError(f"{what}: {text} is not finite{place}; give {remedy}")
+    return array
+
+
+def check_size(array: np.ndarray, what: str) -> None:
+    """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
+    if (np.abs(array) > LARGEST).any():
+        raise ValueError(
+            f"{what}: {np.abs(array).max():.3g} is beyond {LARGEST:.0e}, what can be computed with; check the units"
+        )
+
 
 class Frozen:
     """Base of frozen dataclasses that check and convert their fields when they are made."""
@@ -19,14 +54,10 @@ class Frozen:
 
 def vector(value: ArrayLike, what: str) -> np.ndarray:
     """A finite (3,) float array, or a ValueError that names ``what``."""
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: expected three numbers, got {value!r}") from None
+    array = floats(value, what, "three numbers")
     if array.shape != (3,):
-        raise ValueError(f"{what}: expected three numbers, got {value!r}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{what}: not finite: {array.tolist()}; give finite numbers")
+        raise ValueError(f"{what}: expected three numbers, got {shown(value)}")
+    check_size(array, what)
     array.setflags(write=False)
     return array
 
@@ -34,22 +65,30 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
 def number(value: float, what: str, *, minimum: float | None = None, positive: bool = False) -> float:
     """A finite float within its range, or a ValueError that names ``what``."""
     try:
-        x = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: expected a number, got {value!r}") from None
+        x = None if isinstance(value, str | bytes) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        x = None
+    if x is None:
+        raise ValueError(f"{what}: expected a number, got {shown(value)}")
     if not np.isfinite(x):
         raise ValueError(f"{what}: not finite ({x}); give a finite number")
     if positive and x <= 0.0:
         raise ValueError(f"{what}: {x} is not positive; give a number > 0")
     if minimum is not None and x < minimum:
         raise ValueError(f"{what}: {x} is below {minimum}; give a number >= {minimum}")
+    if abs(x) > LARGEST or (positive and x < SMALLEST):
+        raise ValueError(
+            f"{what}: {x} is outside {SMALLEST:.0e} ... {LARGEST:.0e}, what can be computed with; check the units"
+        )
     return x
 
 
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Finite numbers."""
+    if isinstance(values, str | bytes):
+        raise ValueError(f"{what}: {shown(values)} is no sequence of numbers; give a tuple")
     try:
         given = tuple(values)
     except TypeError:
-        raise ValueError(f"{what}: {values!r} is not a sequence of numbers; give a tuple") from None
+        raise ValueError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
     return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))

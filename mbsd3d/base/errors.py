@@ -1,10 +1,22 @@
-"""Run-time errors: when, at which part, by how much, and the remedy."""
+"""What is refused and what fails: one base class, and errors that say when, at which part, by how much, what to do."""
 
-from typing import Any
+import functools
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from difflib import get_close_matches
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
 
 
-class Mbsd3dError(RuntimeError):
-    """A run-time failure that says where it happened; base of those below, not raised itself.
+class MbsError(ValueError):
+    """Base of what this package raises of its own; a `ValueError`, as all that it refuses is.
+
+    ``except ValueError`` catches wrong input and failures of runs, ``except MbsError`` the latter.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
     ``time`` [s]; ``part``: the body, joint or force, e.g. "joint 'hinge' (Revolute)"; ``residual``: the largest one, in
@@ -30,7 +42,19 @@ class Mbsd3dError(RuntimeError):
         self.advice = advice
 
 
-class AssemblyError(Mbsd3dError):
+@contextmanager
+def solvable(what: str) -> Iterator[None]:
+    """Turn what the linear algebra inside cannot solve into an error of this package."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, OverflowError) as error:
+        raise MbsError(
+            f"{what}: {error}",
+            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
+        ) from error
+
+
+class AssemblyError(MbsError):
     """No configuration or velocity satisfies the joints.
 
     >>> print(AssemblyError("the loop cannot be closed", part="joint 'crank'", residual=2e-3, advice="shorten the rod"))
@@ -38,7 +62,7 @@ class AssemblyError(Mbsd3dError):
     """
 
 
-class IntegrationError(Mbsd3dError):
+class IntegrationError(MbsError):
     """The integrator could not go on; ``solution`` holds the samples up to ``time``.
 
     >>> print(IntegrationError("the model is stiff", time=0.25, part="force 'mount'", advice="use GeneralizedAlpha()"))
@@ -46,7 +70,15 @@ class IntegrationError(Mbsd3dError):
     """
 
 
-class SweepError(Mbsd3dError):
+class EquilibriumError(MbsError):
+    """A mechanism comes to no rest, or not near where it was looked for.
+
+    >>> print(EquilibriumError("no equilibrium: body 'stone' falls", advice="hold it"))
+    no equilibrium: body 'stone' falls; hold it
+    """
+
+
+class SweepError(MbsError):
     """A sweep had to stop; ``dataset`` holds the cells that had finished.
 
     >>> print(SweepError("the ledger cannot be written: disk is full", advice="make room and run the sweep again"))
@@ -64,3 +96,73 @@ def _sentence(what: str, time: float | None, part: str | None, residual: float |
     size = None if residual is None else f"residual {residual:.3g}"
     where = ", ".join(piece for piece in (part, size) if piece)
     return what + when + (f": {where}" if where else "") + (f"; {advice}" if advice else "")
+
+
+class ArgumentError(MbsError, TypeError):
+    """A call with an argument that there is not, or without one that there must be."""
+
+
+# What people write who come from other programs or other habits: name -> what it is called here.
+SYNONYMS = MappingProxyType({
+    "angular_velocity": "omega", "angular_rate": "omega", "w": "omega", "pos": "position", "vel": "velocity",
+    "quaternion": "orientation", "rotation": "orientation", "R": "orientation", "cog": "com", "center": "com",
+    "k": "stiffness", "c": "damping", "d": "damping", "l0": "length", "rest_length": "length", "free_length": "length",
+    "origin": "at", "point": "at", "location": "at", "direction": "axis", "torque": "speed", "omega": "speed",
+    "dt": "method", "step": "method", "integrator": "method", "solver": "method", "tol": "rtol", "tolerance": "rtol",
+    "tend": "t_end", "tf": "t_end", "duration": "t_end", "samples": "output", "initial": "state", "x0": "state",
+    "constraints": "joints", "links": "bodies", "loads": "forces", "g": "gravity", "title": "name",
+})  # fmt: skip
+
+
+def explained(name: str, signature: inspect.Signature, args: tuple, given: Mapping[str, Any]) -> ArgumentError | None:
+    """What is wrong with a call, by the public name of what was called; None if it fits."""
+    try:
+        signature.bind(*args, **given)
+    except TypeError as error:
+        known = [x for x in signature.parameters if x != "self"]
+        unknown = [x for x in given if x not in known]
+        takes = f"t takes {', '.join(known)}"
+        if not unknown:
+            return ArgumentError(f"{name}: {error}; i{takes}")
+        near = [x for x in [SYNONYMS.get(unknown[0])] if x in known] or get_close_matches(unknown[0], known, 1)
+        if unknown[0] in ("dt", "step") and near == ["method"]:
+            return ArgumentError(
+                f"{name}: no argument '{unknown[0]}', the step belongs to a method: method=RK4(dt=...)"
+            )
+        hint = f", did you mean '{near[0]}'? I" if near else "; i"
+        return ArgumentError(f"{name}: no argument '{unknown[0]}'{hint}{takes}")
+    return None
+
+
+class Explained(type):
+    """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        """That of ``__init__``: for help and completion."""
+        whole = inspect.signature(cls.__init__)
+        return whole.replace(parameters=[x for x in whole.parameters.values() if x.name != "self"])
+
+    if not TYPE_CHECKING:
+
+        def __call__(cls, *args, **given):
+            try:
+                return super().__call__(*args, **given)
+            except TypeError as error:
+                wrong = explained(cls.__name__, cls.__signature__, args, given)
+                raise wrong or error from None
+
+
+def explaining(function: Callable[..., T]) -> Callable[..., T]:
+    """The same for a function."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def call(*args: Any, **given: Any) -> T:
+        try:
+            signature.bind(*args, **given)
+        except TypeError:
+            raise explained(function.__name__, signature, args, given) from None
+        return function(*args, **given)
+
+    return call

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import number, vector
-from .rotations import _numbers, _text, as_quaternion, matrix
+from .checks import SMALLEST, check_size, floats, number, vector
+from .rotations import _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
 
@@ -94,9 +94,12 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
 def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
     """(3, 3) finite floats from three moments or a matrix."""
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
-    I = _numbers(inertia, f"{what}: inertia", remedy)
+    I = floats(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
         raise ValueError(f"{what}: inertia has shape {I.shape}; give {remedy}")
+    check_size(I, f"{what}: inertia")
+    if I.any() and np.abs(I).max() < SMALLEST:
+        raise ValueError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
     return np.diag(I) if I.ndim == 1 else I
 
 
@@ -117,4 +120,7 @@ def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray,
 
 def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
-    return number(value, f"{what}: {name}", minimum=0.0)
+    x = number(value, f"{what}: {name}", minimum=0.0)
+    if 0.0 < x < SMALLEST:
+        raise ValueError(f"{what}: {name} {x} is below {SMALLEST:.0e}; check the units, or give 0")
+    return x

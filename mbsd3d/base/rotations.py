@@ -7,6 +7,7 @@ All functions but `as_quaternion` work on stacks: any number of leading dimensio
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import floats
 from .quaternions import _check_nonzero, _stack
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -107,13 +108,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
 
 def _numbers(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
     """Float array, or an error that names the quantity."""
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what}: {values!r} is not numeric; give {remedy}") from None
-    if not np.all(np.isfinite(array)):
-        raise ValueError(f"{what}: {_text(array)} is not finite; give {remedy}")
-    return array
+    return floats(values, what, remedy)
 
 
 def _check_rotation(R: np.ndarray, what: str) -> None:

@@ -4,9 +4,10 @@ A figure gets its colours explicitly (`dress`), and what matplotlib looks up by 
 settings of the user or the machine do not change a figure, nor does a figure change them.
 """
 
-from collections.abc import Iterator
+import html
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -129,3 +130,38 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
     axes.set_axisbelow(True)
     axes.spines[:].set_color(look.ink)
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def counted(number: int, word: str) -> str:
+    """``1 body``, ``2 bodies``."""
+    if number != 1:
+        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
+    return f"{number} {word}"
+
+
+class Sampled:
+    """Dataclasses of arrays over the samples: they print by shapes and largest values."""
+
+    def __repr__(self) -> str:
+        shown = []
+        for x in fields(self):
+            value = getattr(self, x.name)
+            if isinstance(value, np.ndarray):
+                value = f"{value.shape} up to {np.abs(value).max(initial=0.0):.4g}"
+            elif isinstance(value, dict):
+                value = ", ".join(value)
+            if value not in (None, ""):
+                shown.append(f"{x.name} {value}")
+        return f"<{type(self).__name__}: {'; '.join(shown)}>"
+
+
+def html_text(text: str) -> str:
+    """A text for a notebook, line by line as it prints."""
+    return f"<pre>{html.escape(text)}</pre>"
+
+
+def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table for a notebook; every text is escaped."""
+    lines = [f"<tr>{''.join(f'<th>{html.escape(x)}</th>' for x in head)}</tr>"]
+    lines += [f"<tr>{''.join(f'<td>{html.escape(x)}</td>' for x in row)}</tr>" for row in rows]
+    return f"<table><caption>{html.escape(caption)}</caption>{''.join(lines)}</table>"

@@ -13,6 +13,7 @@ from .warmup import warmup
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, "--version", prog_name="mbsd3d", message="%(prog)s %(version)s")
 def main() -> None:
     """Spatial multibody dynamics: demos, checks and runs of mechanisms."""
 

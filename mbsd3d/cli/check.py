@@ -2,19 +2,21 @@
 
 import click
 
-from .support import drop_option, load_system
+from .support import drop_option, load_system, parameters_option, set_option
 
 
 @click.command()
 @click.argument("file")
 @drop_option
-def check(file: str, drop: tuple[str, ...]) -> None:
+@set_option
+@parameters_option
+def check(file: str, drop: tuple[str, ...], settings: tuple[str, ...], help_parameters: bool) -> None:
     """Find the freedoms and redundant joints of a mechanism.
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. The exit code is 1 if it is locked or cannot close.
     """
-    diagnosis = load_system(file, drop).check()
+    diagnosis = load_system(file, drop, settings, help_parameters).check()
     click.echo(str(diagnosis))
     if diagnosis.verdict.startswith(("locked", "cannot close")):
         raise click.exceptions.Exit(1)

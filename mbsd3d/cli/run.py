@@ -1,13 +1,45 @@
 """``mbsd3d run``: a simulation with its files."""
 
+import sys
+from typing import Any
+
 import click
 
-from .support import INTERRUPTED, can_view, drop_option, keep, load_system, ready_target
+from .support import (
+    INTERRUPTED,
+    can_view,
+    drop_option,
+    keep,
+    load_system,
+    parameters_option,
+    ready_target,
+    set_option,
+)  # fmt: skip
+
+METHODS = ("DOP853", "RK4", "GeneralizedAlpha", "RadauIIA", "Kinematic")
+
+
+def method_of(name: str | None, dt: float | None, stiff: str | None) -> Any:
+    """The method of the options; what it does not take is refused."""
+    import mbsd3d
+
+    given = {key: value for key, value in (("dt", dt), ("stiff", stiff)) if value is not None}
+    name = name or "DOP853"
+    takes = {"DOP853": ("dt", "stiff"), "Kinematic": ()}.get(name, ("dt",))
+    wrong = [key for key in given if key not in takes]
+    if wrong:
+        raise ValueError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
+    if name == "RK4" and dt is None:
+        raise ValueError("--method RK4 needs --dt, its step [s]")
+    return getattr(mbsd3d, name)(**given)
 
 
 @click.command()
 @click.argument("file")
-@click.option("--t-end", type=float, required=True, help="End of the run [s].")
+@click.option("--t-end", type=float, help="End of the run [s]; required.")
+@click.option("--method", type=click.Choice(METHODS), help="Of integration; without it DOP853.")
+@click.option("--dt", type=float, help="Fixed step [s] of the method.")
+@click.option("--stiff", type=click.Choice(["stop", "run"]), help="What DOP853 does with a stiff model: stop.")
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
 @click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
 @click.option("--view", "viewed", is_flag=True, help="Also write a page (.html) that shows the motion.")
@@ -15,15 +47,22 @@ from .support import INTERRUPTED, can_view, drop_option, keep, load_system, read
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."
 )
 @drop_option
+@set_option
+@parameters_option
 @click.option("--out", default="out", show_default=True, help="Folder for the results, or the name of the .npz file.")
 def run(
     file: str,
-    t_end: float,
+    t_end: float | None,
+    method: str | None,
+    dt: float | None,
+    stiff: str | None,
     rtol: float,
     output: int | None,
     viewed: bool,
     reported: bool,
     drop: tuple[str, ...],
+    settings: tuple[str, ...],
+    help_parameters: bool,
     out: str,
 ) -> None:
     """Simulate a mechanism.
@@ -33,14 +72,18 @@ def run(
     keeps the samples so far. The exit code is 1 if the certificate fails.
     """
     can_view(needed=viewed)
-    system = load_system(file, drop)
+    if t_end is None and not help_parameters:
+        raise click.UsageError("Missing option '--t-end', the end of the run [s].")
+    chosen = None if help_parameters else method_of(method, dt, stiff)
+    system = load_system(file, drop, settings, help_parameters)
     target = ready_target(file, out, ".npz")
     from ..api.simulation import simulate
     from ..base.errors import IntegrationError
     from ..plotting.plots import save_figure
 
+    shown = None if sys.stderr.isatty() else "lines"
     try:
-        solution = simulate(system, t_end, rtol=rtol, output=output)
+        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output, progress=shown)
     except IntegrationError as error:
         keep(error.solution, target)
         raise

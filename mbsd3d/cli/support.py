@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base.errors import Mbsd3dError
 from ..base.version import load_entry
 
 if TYPE_CHECKING:
@@ -68,7 +67,7 @@ class Commands(click.Group):
         except OSError as error:
             where = f"'{error.filename}': " if error.filename else ""
             raise Failure(f"{where}{error.strerror or error}") from error
-        except (ValueError, Mbsd3dError) as error:
+        except ValueError as error:
             raise Failure(str(error)) from error
 
 
@@ -87,11 +86,22 @@ def command_of(entry: metadata.EntryPoint) -> click.Command:
     return click.Command(entry.name, settings, fail, [rest], short_help=reason, add_help_option=False)
 
 
-def load_system(file: str, drop: tuple[str, ...]) -> "System":
-    """The System of a file of any kind; notes on an import go to stderr."""
-    from ..api.model_input import load_model
+set_option = click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A parameter of build(...) of a Python file."
+)
+parameters_option = click.option(
+    "--help-parameters", is_flag=True, help="List the parameters of build(...) of a Python file and end."
+)
 
-    system, notes = load_model(file, drop)
+
+def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = (), show: bool = False) -> "System":
+    """The System of a file of any kind; what an import did goes to stderr. ``show``: list parameters and end."""
+    from ..api.model_input import load_model, parameters_of
+
+    if show:
+        click.echo("\n".join(parameters_of(file)) or "no parameters")
+        raise click.exceptions.Exit(0)
+    system, notes = load_model(file, drop, settings)
     for note in notes:
         click.echo(f"mbsd3d: {note}", err=True)
     return system

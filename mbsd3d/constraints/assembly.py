@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from ..base.checks import number
+from ..base.checks import number, shown
 from ..base.errors import AssemblyError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
@@ -36,7 +36,8 @@ def reference_pose(system: Mechanism, t: float = 0.0) -> State:
 def reference_state(system: Mechanism, as_built: float | None = None) -> State:
     """The reference pose, if all joints close there (to the tolerance of the parts), with consistent velocities."""
     compiled = compile_system(system)
-    tolerance = 1e-9 if as_built is None else max(1e-9, as_built / compiled.model.length)
+    play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)
+    tolerance = max(1e-9, play / compiled.model.length)
     pose = closed_or_error(compiled, reference_pose(system), tolerance)
     return with_velocities(compiled, pose, {}, tolerance=10.0 * tolerance)
 
@@ -172,6 +173,9 @@ def assemble(
     t: float,
 ) -> State:
     """See `System.assemble`."""
+    for what, given in (("angles", angles), ("slides", slides), ("rates", rates), ("measures", measures)):
+        if not isinstance(given, Mapping):
+            raise ValueError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
     probes = tuple(measures)
     for probe in probes:
         if not isinstance(probe, Measure):

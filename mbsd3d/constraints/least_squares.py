@@ -12,13 +12,15 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
+from ..base.errors import AssemblyError
+
 DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
 
 
 def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None, passes: int = 1) -> np.ndarray:
     """x (n,) of the problem above; D (n, n) and A (m, n) with entries of order one.
 
-    D is positive definite where A leaves x free. ``passes``: repeats that take the damping away. RuntimeError if the
+    D is positive definite where A leaves x free. ``passes``: repeats that take the damping away. AssemblyError if the
     matrix is exactly singular.
 
     >>> from scipy.sparse import eye_array
@@ -32,7 +34,13 @@ def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None
     data = np.concatenate([D.data, A.data, A.data, np.full(m, -DAMPING)])
     i = np.concatenate([D.row, A.row + n, A.col, own])
     j = np.concatenate([D.col, A.col, A.row + n, own])
-    factor = splu(csc_array((data, (i, j)), shape=(n + m, n + m)))
+    try:
+        factor = splu(csc_array((data, (i, j)), shape=(n + m, n + m)))
+    except RuntimeError as error:  # of SuperLU: exactly singular
+        raise AssemblyError(
+            "the joints cannot be met: their equations are singular to the last digit",
+            advice="masses, inertias or lengths differ by too many orders of magnitude; check the units",
+        ) from error
     p = np.zeros(m)
     for _ in range(passes):
         x, p = np.split(factor.solve(np.concatenate([f, b - DAMPING * p])), [n])

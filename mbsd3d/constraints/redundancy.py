@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.linalg
 
+from ..base.style import html_text
 from ..equations.at_state import driven_coordinates, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows, displacement_units, scaled_rows
@@ -79,6 +80,9 @@ class Diagnosis:
         lines += [f"  cure: {cure.text}" for cure in self.cures]
         lines += [f"  {text}" for text in self.notes]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
 
 def diagnose(system: Mechanism, as_built: float) -> Diagnosis:

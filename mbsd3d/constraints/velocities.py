@@ -8,7 +8,7 @@ from scipy.sparse import csr_array, vstack
 
 from ..base.checks import number
 from ..base.concurrency import one_thread
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, solvable
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
@@ -49,7 +49,7 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
     J = vstack(J, format="csr") if len(J) > 1 else J[0]
-    with one_thread():
+    with one_thread(), solvable("velocities at the start"):
         try:
             v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
         except AssemblyError as error:
@@ -86,11 +86,14 @@ def least_energy(
     speed = max(1.0, float(np.abs(v / scale).max()), float(np.abs(b * unit_rows).max(initial=0.0)))
     if size.size and size.max() > tolerance * speed:
         k = int(np.argmax(size))
+        what = "the given velocities contradict a joint"
+        advice = "correct velocity or omega of its bodies, or leave one of them None to have it solved"
+        if not known.any():
+            what = "no velocities meet all joints and drivers"
+            advice = "two of them ask for different motions: take one out, or give drivers the same speed at the start"
         raise AssemblyError(
-            "the given velocities contradict a joint (J v - b in m/s or rad/s)",
-            part=names[k], residual=float(residual[k]), time=pose.t,
-            advice="correct velocity or omega of its bodies, or leave one of them None to have it solved",
-        )  # fmt: skip
+            f"{what} (J v - b in m/s or rad/s)", part=names[k], residual=float(residual[k]), time=pose.t, advice=advice
+        )
     return v
 
 

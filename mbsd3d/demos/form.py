@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from ..api.solution import Solution
 from ..api.system import System
-from ..base.errors import Mbsd3dError
 from .base import Outcome, Row, Show
 from .figure import Panel, figure_of
 from .parameters import checked, listed
@@ -190,7 +189,7 @@ class Demo:
         """Curves with theory and ablation, and the first quantity over a parameter."""
         try:
             other = self.computed(*self.without(None if without else self.ablation.term, values)).curves
-        except (ValueError, Mbsd3dError):
+        except ValueError:
             other = ()  # some mechanisms do not run without what they need
         label = "all terms" if without else f"without {self.ablation.term}"
         panels = [
@@ -249,7 +248,7 @@ def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: s
     """A quantity, or no number where it does not exist."""
     try:
         return float(function(values)[key])
-    except (ValueError, Mbsd3dError):
+    except ValueError:
         return np.nan
 
 

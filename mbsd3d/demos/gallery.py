@@ -11,7 +11,6 @@ from pathlib import Path
 
 from PIL import Image
 
-from ..base.errors import Mbsd3dError
 from ..base.paths import write_atomically
 from ..base.style import DARK, LIGHT, house
 from ..base.templates import FOLDER, page_template
@@ -74,7 +73,7 @@ def without(demo: Known) -> tuple[str, Outcome] | None:
     term = getattr(demo.ablation, "term", None) or next(iter(demo.ablation), None)
     try:
         return term, demo.run(term)
-    except (ValueError, Mbsd3dError):
+    except ValueError:
         return None
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import floats, shown
 from ..kernels import kinds
 from ..kernels.jit import announce_compilation
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
@@ -40,12 +41,17 @@ class Switches:
     baumgarte: tuple[float, float] = (20.0, 100.0)
 
     def __post_init__(self) -> None:
-        if self.stabilisation not in STABILISATIONS:
+        if not isinstance(self.stabilisation, str) or self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
-            raise ValueError(f"stabilisation {self.stabilisation!r} is unknown; give one of {names}")
-        factors = np.array(self.baumgarte, dtype=float)
-        if factors.shape != (2,) or not np.isfinite(factors).all() or (factors < 0.0).any():
-            raise ValueError(f"baumgarte {self.baumgarte!r}: give two finite factors a [1/s] >= 0 and b [1/s^2] >= 0")
+            raise ValueError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
+        remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
+        factors = floats(self.baumgarte, "baumgarte", remedy)
+        if factors.shape != (2,) or (factors < 0.0).any():
+            raise ValueError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
+        object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
+        for name in ("gyroscopic", "centripetal", "gamma"):
+            if not isinstance(getattr(self, name), bool | np.bool_):
+                raise ValueError(f"{name} = {shown(getattr(self, name))}; give True or False")
 
 
 STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.directions import matched_perpendiculars, perpendiculars
+from ..base.directions import cross, matched_perpendiculars, perpendiculars
 from ..dynamics.loads import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
@@ -17,7 +17,8 @@ from ..mechanism.signals import Signal
 
 def key_of(x: Coordinate) -> tuple:
     """Two coordinates are the same when kind, bodies and geometry are."""
-    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b])
+    zeros = () if x.zero_a is None else (x.zero_a, x.zero_b)
+    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b, *zeros])
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
@@ -91,6 +92,13 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
     return out, singular
 
 
+def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:
+    """Directions in a and b whose angle about the axis the coordinate is."""
+    if x.zero_a is not None:
+        return x.zero_a, x.zero_b
+    return perpendiculars(x.axis)[0], matched_perpendiculars(x.axis, x.axis_b)[0]
+
+
 def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np.ndarray:
     """The table of hinge coordinates."""
     out = table(COORDINATE, len(coordinates))
@@ -100,8 +108,8 @@ def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np
         if x.kind == "slide":
             out["axis"][i, 0] = x.a.local_axis(x.axis)
         else:
-            x_a, y_a = perpendiculars(x.axis)
-            x_b, _ = matched_perpendiculars(x.axis, x.axis_b)
+            x_a, x_b = zero_directions(x)
+            y_a = cross(x.axis, x_a)
             out["axis"][i] = x.a.local_axis(x_a), x.a.local_axis(y_a), x.b.local_axis(x_b)
     return out
 

@@ -22,6 +22,7 @@ from .schema import Document, check, place_of, roles, struct, types
 
 FORMAT = 2  # rises when a description or a file of the old form cannot be read any more
 SYSTEM = "mbsd3d system"
+MOST_PARTS = 20_000  # of a file: some seconds
 REFERENCES = MappingProxyType({"body": Body, "joint": Joint, "force": ForceElement})
 CLASSES = MappingProxyType({"signal": Signal, "shape": Shape})
 UNREADABLE = (TypeError, AttributeError, OverflowError, IndexError, KeyError)  # a value no constructor was made for
@@ -166,6 +167,8 @@ class Reader:
 
     def part(self, data: dict, path: tuple, base: type = object) -> Any:
         """A part from its type and fields, checked against the schema and by its own constructor."""
+        if not isinstance(data, dict):
+            raise ValueError(f"{str(data)[:80]} is no part - at `{place_of(path)}`; give an object with its type")
         kind = types().get(data.get("type")) if isinstance(data.get("type"), str) else None
         if kind is None or not issubclass(kind, base):
             have = ", ".join(sorted(name for name, known in types().items() if issubclass(known, base)))
@@ -214,7 +217,8 @@ def describe(system: Mechanism, *, without_functions: bool = False) -> dict[str,
                 entries[-1]["name"] = system.name(part)
     for body in lists["bodies"]:
         del body["type"]
-    return {"format": SYSTEM, "version": FORMAT, "gravity": system.gravity.tolist(), **lists}
+    head = {"format": SYSTEM, "version": FORMAT} | ({"name": system.title} if system.title else {})
+    return {**head, "gravity": system.gravity.tolist(), **lists}
 
 
 def rebuild(data: Mapping[str, Any]) -> Mechanism:
@@ -230,10 +234,18 @@ def read_system(data: Any) -> tuple[Mechanism, Reader]:
     """The system and what resolves references to its parts."""
     check_format(data, SYSTEM, "system description")
     check(data, Document, (), "system description")
+    check_count(data)
     reader = Reader(data)
     gravity = reader.value(data["gravity"], ("gravity",))
     bodies = list(reader.bodies.values())[1:]
-    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity), reader
+    return Mechanism(bodies, reader.joints, reader.forces, gravity=gravity, title=data.get("name")), reader
+
+
+def check_count(data: Mapping[str, Any]) -> None:
+    """Refuse a description that would take minutes to build."""
+    count = sum(len(data.get(kind, ())) for kind in ("bodies", "joints", "forces"))
+    if count > MOST_PARTS:
+        raise ValueError(f"system description: {count} parts, a file may have {MOST_PARTS}; build it in Python")
 
 
 def check_format(data: Any, expected: str, what: str) -> None:

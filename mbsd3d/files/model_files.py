@@ -16,7 +16,7 @@ import tomlkit
 
 from ..base.paths import read_text, write_atomically
 from ..mechanism.mechanism import Mechanism
-from .description import describe, read_system
+from .description import check_count, describe, read_system
 
 NONE = {"type": "None"}  # TOML has no null
 DEPTH = 32  # levels of a dotted key in TOML; the parser's time grows with the square of it
@@ -98,6 +98,7 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -
     path = Path(path)
     form = form_of(path)
     data = describe(system)
+    check_count(data)
     text = form.write(data)
     try:
         content = text.encode()

@@ -38,6 +38,7 @@ VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]
 ROWS = Annotated[list[float | VECTOR], msgspec.Meta(min_length=3, max_length=4)]  # (3,), (4,) or (3, 3)
 WORDS = MappingProxyType(
     dict.fromkeys(("at", "at_a", "at_b", "axis", "axis_a", "axis_b", "normal", "lateral", "centre"), VECTOR)
+    | dict.fromkeys(("direction", "heading"), VECTOR)
     | dict.fromkeys(("com", "position", "velocity", "omega"), VECTOR)
     | dict.fromkeys(("inertia", "orientation", "axes"), ROWS)
     | dict.fromkeys(("lengths", "radii"), VECTOR)
@@ -67,6 +68,8 @@ def below(base: type) -> set[type]:
 
 def meaning(field: Field) -> Any:
     """The annotation of a field, or what its name means where the annotation leaves it open."""
+    if field.name in ("a", "b") and Body in members(field.type):
+        return Body | Ground  # a SpeedDriver is also made from a joint and a speed; a file has the bodies
     return WORDS.get(field.name, Any) if field.type in (Any, ArrayLike, ArrayLike | None) else field.type
 
 
@@ -137,6 +140,7 @@ class Document(msgspec.Struct, forbid_unknown_fields=True):
     bodies: list[dict[str, Any]]
     joints: list[dict[str, Any]] = []
     forces: list[dict[str, Any]] = []
+    name: str | None = None
 
 
 def place_of(path: tuple) -> str:

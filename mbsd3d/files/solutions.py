@@ -20,6 +20,7 @@ from .description import FORMAT, Writer, check_format, describe, read_system
 
 SOLUTION = "mbsd3d solution"
 DERIVED = ("q", "z")  # slices of the array "state"
+ARRAYS = ("t", "state", "v", "acceleration", "lam", "coordinate", "potential", "power", "residual")
 BROKEN = (
     OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, NotImplementedError, RecursionError,
     zipfile.BadZipFile, zlib.error,
@@ -71,6 +72,7 @@ def read_solution(handle: Any) -> RunResult:
     """Arrays and text of an open file, checked against each other: kernels do not check bounds."""
     if not zipfile.is_zipfile(handle):
         raise ValueError("no complete .npz file")
+    check_entries(handle)
     handle.seek(0)
     with np.load(handle, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
@@ -87,6 +89,20 @@ def read_solution(handle: Any) -> RunResult:
     arrays["z"] = arrays["state"][:, 13 * n :]
     estimate = document["estimate"]
     return RunResult(compiled, arrays, record, final, (estimate["error"], estimate["order"], estimate.get("doubling")))
+
+
+def check_entries(handle: Any) -> None:
+    """Names and sizes before anything is unpacked: `save` compresses nothing, a file is as large as what it holds."""
+    handle.seek(0)
+    with zipfile.ZipFile(handle) as archive:
+        entries = archive.infolist()
+    names = {entry.filename for entry in entries}
+    if len(names) < len(entries) or not names <= {f"{name}.npy" for name in (*ARRAYS, "json")}:
+        odd = sorted(names - {f"{name}.npy" for name in (*ARRAYS, "json")})[:1] or ["one twice"]
+        raise ValueError(f"it holds '{odd[0]}', which no solution has")
+    for entry in entries:
+        if entry.compress_type != zipfile.ZIP_STORED:
+            raise ValueError(f"'{entry.filename}' is compressed, which solution.save never does")
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:

@@ -12,11 +12,33 @@ from ..results.columns import QUANTITIES, Column, columns, components
 from ..results.run_result import RunResult
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
     from xarray import Dataset
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters by which a spreadsheet knows one
 
 
 def to_csv(solution: RunResult, path: str | Path) -> Path:
     """See `Solution.to_csv`."""
+    header, values = wide(solution)
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow([harmless(name) for name in header])
+    rows.writerows(zip(*(column.tolist() for column in values), strict=True))
+    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+
+
+def to_dataframe(solution: RunResult) -> "DataFrame":
+    """See `Solution.to_dataframe`."""
+    import pandas
+
+    header, values = wide(solution)
+    index = pandas.Index(values[0], name=header[0])
+    return pandas.DataFrame(np.column_stack(values[1:]), index, header[1:])
+
+
+def wide(solution: RunResult) -> tuple[list[str], list[np.ndarray]]:
+    """(names, (samples,) values) of one column per component of every quantity, the time first."""
     header, table = ["time [s]"], [solution.t]
     for column in columns(solution):
         labels = [f".{label}" for label in components(column.values)[1]] or [""]
@@ -24,11 +46,12 @@ def to_csv(solution: RunResult, path: str | Path) -> Path:
         header += [f"{name}{label} [{column.unit}]" for label in labels]
         values = np.broadcast_to(column.values, solution.t.shape) if column.values.ndim == 0 else column.values
         table += list(values.reshape(solution.t.size, len(labels)).T)
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(header)
-    rows.writerows(zip(*(values.astype(float).tolist() for values in table), strict=True))
-    return write_atomically(with_suffix(path, ".csv"), text.getvalue().encode())
+    return header, [values.astype(float) for values in table]
+
+
+def harmless(name: str) -> str:
+    """A text that no spreadsheet takes for a formula: names may come from files of other people."""
+    return f"'{name}" if name[:1] in FORMULA else name
 
 
 def to_xarray(solution: RunResult) -> "Dataset":
@@ -36,11 +59,12 @@ def to_xarray(solution: RunResult) -> "Dataset":
     import xarray
 
     found, system = columns(solution), solution.system
-    efforts, states = ([column for column in found if column.kind == kind] for kind in ("driver", "own_state"))
+    efforts, loads, states = ([x for x in found if x.kind == kind] for kind in ("driver", "force_element", "own_state"))
     names = {
         "body": [body.name for body in system.bodies],
         "joint": [system.name(joint) for joint in system.joints],
         "driver": [column.part for column in efforts],
+        "force_element": list(dict.fromkeys(column.part for column in loads)),
         "own_state": [column.part for column in states],
     }
     grouped: dict[tuple[str, str], list[Column]] = {}
@@ -82,6 +106,7 @@ def attributes(solution: RunResult) -> dict[str, Any]:
         "stopped_by": solution.record.stopped_by or "end of the run",
         "certificate_passed": int(certificate.passed),
         "certificate": str(certificate),
+        "title": solution.system.title or "",
         "gravity": solution.system.gravity.tolist(),
         "mbsd3d_version": package_version(),
     }

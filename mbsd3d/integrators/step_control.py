@@ -76,7 +76,7 @@ def nearly_singular(run):
 
 @inner_kernel
 def note_rows(s, run):
-    """What the factor at the end of an accepted step says of its rows; samples of the step have factors of their own."""
+    """What the factor at the end of an accepted step says of its rows; samples of it have factors of their own."""
     rows = run.rows
     rows.pivot, rows.worn = s.state.pivot, s.state.worn
     rows.lowest = min(rows.lowest, rows.pivot)

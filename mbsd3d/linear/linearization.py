@@ -9,6 +9,7 @@ import scipy.linalg
 
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
+from ..base.errors import solvable
 from ..constraints.nearby_poses import closed
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.elimination import eliminate
@@ -104,6 +105,7 @@ class Linearization:
         return table(self)
 
 
+@solvable("linearize")
 @on_one_thread  # small dense algebra: more threads only wait for each other
 def linearize_at(
     system: Mechanism,

@@ -54,7 +54,7 @@ def check_signals(system: Mechanism) -> None:
     """Motions may be uniform (a ramp), speeds and loads constant; anything else has no fixed linear equations."""
     for joint in system.joints:
         for row in joint.rows():
-            degree = 0 if row.kind == kinds.TURN_RATE else 1
+            degree = 0 if row.kind in (kinds.TURN_RATE, kinds.NO_SIDESLIP) else 1
             if row.signal is not None and varies(row.signal, degree):
                 what = "a constant speed" if isinstance(joint, Driver) and degree == 0 else "a constant or a ramp"
                 raise ValueError(f"linearize: the signal of '{system.name(joint)}' varies with time; give {what}")

@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, number, vector
+from ..base.checks import Frozen, number, shown, vector
+from ..base.errors import Explained
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -41,7 +42,7 @@ GROUND = Ground()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body(Frozen):
+class Body(Frozen, metaclass=Explained):
     """A rigid body at the reference pose.
 
     Parameters
@@ -88,8 +89,7 @@ class Body(Frozen):
     shape: Any = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name:
-            raise ValueError(f"body name {self.name!r}: give a non-empty text")
+        check_name(self.name, "body")
         what = f"body '{self.name}'"
         self._store(mass=number(self.mass, f"{what}: mass", minimum=0.0))
         self._store(inertia=check_inertia(self.inertia, self.mass, what))
@@ -125,8 +125,14 @@ class Body(Frozen):
         return self.axes.T @ np.asarray(axis, float)
 
 
+def check_name(name: Any, what: str) -> None:
+    """A text that is not empty, or a ValueError."""
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"{what} name {shown(name)}: give a non-empty text")
+
+
 @dataclass(frozen=True, eq=False)
-class Part(Frozen):
+class Part(Frozen, metaclass=Explained):
     """Base class of joints and force elements: a name, and fields that are checked and converted once."""
 
     name: str | None = field(default=None, kw_only=True)
@@ -135,6 +141,8 @@ class Part(Frozen):
 
     def __post_init__(self) -> None:
         kind = type(self).__name__
+        if self.name is not None:
+            check_name(self.name, kind)
         self.check(f"{self.role} '{self.name}' ({kind})" if self.name else f"{kind} without a name")
 
     set = Frozen._store

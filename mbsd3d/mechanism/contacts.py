@@ -19,6 +19,8 @@ from .primitives import ZERO, Primitive
 class KnifeEdge(PointJoint):
     """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row).
 
+    Or ``heading``, the way a horizontal blade points: ``lateral`` is level then and across it (z up).
+
     Examples
     --------
     >>> from mbsd3d import GROUND, Body, KnifeEdge
@@ -27,10 +29,17 @@ class KnifeEdge(PointJoint):
     1
     """
 
-    lateral: ArrayLike = field(kw_only=True)
+    lateral: ArrayLike | None = field(default=None, kw_only=True)
+    heading: ArrayLike | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         super().check(what)
+        if (self.lateral is None) == (self.heading is None):
+            given = "neither lateral nor heading" if self.lateral is None else "both lateral and heading"
+            raise ValueError(f"{what}: {given}; give the direction it cannot move along, or the one it points")
+        if self.lateral is None:
+            ahead = unit(self.heading, f"{what}: heading")
+            self.set(heading=None, lateral=unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above"))
         self.set(lateral=unit(self.lateral, f"{what}: lateral"))
 
     def rows(self) -> list[Primitive]:

@@ -136,28 +136,88 @@ class PositionDriver(Driver):
 
 @dataclass(frozen=True, eq=False)
 class SpeedDriver(Driver):
-    """b turns relative to a about an axis fixed in a at a prescribed speed [rad/s] (1 row without residual).
+    """A joint, or b relative to a, turns [rad/s] or moves [m/s] at a prescribed speed (1 row without residual).
+
+    ``SpeedDriver(hinge, 3.0)`` turns a hinge, ``SpeedDriver(slider, 0.2)`` moves a slider, and without a joint
+    ``SpeedDriver(a, b, axis=..., speed=...)`` turns b about an axis fixed in a, ``SpeedDriver(a, b, at=...,
+    direction=..., speed=...)`` moves the point of b along a direction fixed in b. What has an angle and a slide is
+    driven in the second way only, so that rad/s and m/s cannot be mixed up.
+
+    Parameters
+    ----------
+    a, b : Body or GROUND; or a joint and its speed
+    axis : (3,) array_like
+        About which b turns, world at the reference pose.
+    direction, at : (3,) array_like
+        Along which a point of b moves, and that point, world at the reference pose [m]; ``at`` None = centre of mass.
+    speed : Signal or float
+        [rad/s], with ``direction`` or a slider [m/s].
 
     Examples
     --------
-    >>> from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System
+    >>> from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System
     >>> rotor = Body("rotor", mass=1.0, inertia=(0.1, 0.1, 0.2))
     >>> hinge = Revolute(GROUND, rotor, at=(0, 0, 0), axis=(0, 0, 1))
-    >>> system = System([rotor], [hinge, SpeedDriver(GROUND, rotor, axis=(0, 0, 1), speed=3.0)])
-    >>> system.state().v[3:].round(12).tolist()
+    >>> System([rotor], [hinge, SpeedDriver(hinge, 3.0)]).state().v[3:].round(12).tolist()
     [0.0, 0.0, 3.0]
+    >>> rail = Prismatic(GROUND, rotor, at=(0, 0, 0), axis=(1, 0, 0))
+    >>> System([rotor], [rail, SpeedDriver(rail, 0.2)]).state().v[:3].round(12).tolist()
+    [0.2, 0.0, 0.0]
     """
 
-    a: Body | Ground
-    b: Body | Ground
-    axis: ArrayLike = field(kw_only=True)
-    speed: Signal | float = field(kw_only=True)
+    a: Body | Ground | Joint | None = None
+    b: Body | Ground | Signal | float | None = None
+    axis: ArrayLike | None = field(default=None, kw_only=True)
+    speed: Signal | float | None = field(default=None, kw_only=True)
+    direction: ArrayLike | None = field(default=None, kw_only=True)
+    at: ArrayLike | None = field(default=None, kw_only=True)
+    joint: Joint | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
+        if isinstance(self.a, Joint):
+            self.set(joint=self.a, speed=self.b if self.speed is None else self.speed)
+        if self.joint is not None:
+            self.follow_joint(what)
         super().check(what)
-        self.set(axis=unit(self.axis, f"{what}: axis"), speed=as_signal(self.speed, f"{what}: speed"))
+        if self.speed is None:
+            raise ValueError(f"{what}: no speed; give speed= in rad/s about axis=, or in m/s along direction=")
+        if (self.axis is None) == (self.direction is None):
+            given = "neither axis nor direction" if self.axis is None else "both axis and direction"
+            raise ValueError(f"{what}: {given}; give axis= for a speed in rad/s, or direction= for one in m/s")
+        if self.direction is not None:
+            at = self.b.centre if self.at is None else vector(self.at, f"{what}: at")
+            self.set(direction=unit(self.direction, f"{what}: direction"), at=at)
+        else:
+            if self.at is not None:
+                raise ValueError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
+            self.set(axis=unit(self.axis, f"{what}: axis"))
+        self.set(speed=as_signal(self.speed, f"{what}: speed"))
+
+    def follow_joint(self, what: str) -> None:
+        """Bodies and axis of the joint that is driven."""
+        joint = self.joint
+        turn, slide = (joint.angle(), joint.slide()) if isinstance(joint, Joint) else (None, None)
+        if (turn is None) == (slide is None):
+            name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
+            has = "neither angle nor slide" if turn is None else "an angle and a slide"
+            raise ValueError(
+                f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "
+                "SpeedDriver(a, b, at=..., direction=..., speed=) in m/s"
+            )
+        x = turn or slide
+        self.set(a=x.a, b=x.b, axis=x.axis if turn else None)
+        if slide:
+            self.set(direction=x.axis_b, at=x.point_b)
+
+    def point(self) -> np.ndarray:
+        return self.b.position if self.at is None else self.at
+
+    def partners(self) -> list[Joint]:
+        return [] if self.joint is None else [self.joint]
 
     def rows(self) -> list[Primitive]:
-        return [
-            Primitive(kinds.TURN_RATE, (self.a, self.b), axes=(self.axis, ZERO), signal=self.speed, in_metres=False)
-        ]
+        on = (self.a, self.b)
+        if self.direction is None:
+            return [Primitive(kinds.TURN_RATE, on, axes=(self.axis, ZERO), signal=self.speed, in_metres=False)]
+        slip = kinds.NO_SIDESLIP  # n . (v_b - v_a) at the point of b, here not zero but the speed
+        return [Primitive(slip, on, points=(self.at, self.at), axes=(ZERO, self.direction), signal=self.speed)]

@@ -50,6 +50,19 @@ class ForceElement(Part):
         """Joints and forces it refers to."""
         return ()
 
+    def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
+        """(body that carries it, world point at the reference pose) of the point at which its load on a body is given.
+
+        A torque acts at no point: its is given at the centre of mass.
+        """
+        record = self.record()
+        where = [other is body for other in record.bodies].index(True)
+        return body, record.points[where] if record.points else body.centre
+
+    def state_names(self) -> tuple[str, ...]:
+        """Of its own states, in their order."""
+        return tuple(str(k) for k in range(len(self.record().states)))
+
 
 def check_body(body: Any, what: str) -> None:
     """A Body, or a ValueError."""

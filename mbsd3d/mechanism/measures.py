@@ -137,12 +137,13 @@ def slide_rate(slider: Joint) -> Measure:
     return Measure("coordinate rate", f"slide rate of {label(slider)}", "m/s", x.a, x.b, coordinate=x)
 
 
-def _body(body: Any, what: str) -> None:
+def body_or_error(body: Any, what: str) -> None:
+    """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
         raise ValueError(f"{what}: {body!r} is not a body; give a Body")
 
 
-def _point(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
+def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
     """World point at the reference pose; None = centre of mass."""
     if at is not None:
         return vector(at, f"{what}: at")
@@ -151,21 +152,21 @@ def _point(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
 
 def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
-    _body(body, "measures.position")
-    point, axis = _point(body, at, "measures.position"), unit(axis, "measures.position: axis")
+    body_or_error(body, "measures.position")
+    point, axis = point_of(body, at, "measures.position"), unit(axis, "measures.position: axis")
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
 def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
-    _body(body, "measures.velocity")
-    point, axis = _point(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
+    body_or_error(body, "measures.velocity")
+    point, axis = point_of(body, at, "measures.velocity"), unit(axis, "measures.velocity: axis")
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
 def omega(body: Body, *, axis: ArrayLike) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
-    _body(body, "measures.omega")
+    body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
@@ -174,14 +175,14 @@ def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
 
     ``lateral`` is given in world axes at the reference pose.
     """
-    _body(body, "measures.lean")
+    body_or_error(body, "measures.lean")
     axis = body.local_axis(unit(lateral, "measures.lean: lateral"))
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
 def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
-    _body(body, "measures.lean_rate")
+    body_or_error(body, "measures.lean_rate")
     axis = body.local_axis(unit(lateral, "measures.lean_rate: lateral"))
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
@@ -191,18 +192,23 @@ def distance(
 ) -> Measure:
     """Distance between a point of a and a point of b [m]; None = centre of mass."""
     for body in (a, b):
-        _body(body, "measures.distance")
-    point_a, point_b = _point(a, at_a, "measures.distance"), _point(b, at_b, "measures.distance")
+        body_or_error(body, "measures.distance")
+    point_a, point_b = point_of(a, at_a, "measures.distance"), point_of(b, at_b, "measures.distance")
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
-def state(force: ForceElement, index: int = 0) -> Measure:
-    """Own state no. ``index``, from 0, of a force element, e.g. of a filter or of a `CustomForce`; ValueError if it has
-    none.
+def state(force: ForceElement, index: int | str = 0) -> Measure:
+    """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
+
+    ValueError if it has none such.
     """
     record = force.record() if isinstance(force, ForceElement) else None
     states = record.states if record else ()
+    names = force.state_names() if states else ()
+    if index in names:
+        index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
-        raise ValueError(f"measures.state: {label(force)} has {len(states)} own states, none no. {index!r}")
+        have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
+        raise ValueError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
-    return Measure("state", f"state {index} of {label(force)}", what, part=force, index=index)
+    return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)

@@ -2,38 +2,70 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, vector
+from ..base.checks import Frozen, shown, vector
+from ..base.errors import Explained
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
 
+KINDS = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
+
+
+def parts_of(given: Any, key: str) -> tuple:
+    """A sequence of parts as a tuple."""
+    try:
+        return tuple(given)
+    except TypeError:
+        raise ValueError(f"System: {key} = {short(given)} is no sequence; give a list, {key}=[...]") from None
+
+
+def misplaced(part: Any, key: str) -> str:
+    """What to say of something that stands among parts of another kind."""
+    for other, kind in KINDS.items():
+        if isinstance(part, kind):
+            return f"System: {short(part)} is in {key}; it belongs in {other}=[...]"
+    if isinstance(part, type) and issubclass(part, tuple(KINDS.values())):
+        return f"System: {part.__name__} in {key} is a class; make a part of it, {part.__name__}(...)"
+    return f"System: {short(part)} in {key} is not a {KINDS[key].__name__}"
+
+
+def short(part: Any) -> str:
+    """A part by its type and name, anything else by what it prints, cut."""
+    if isinstance(part, tuple(KINDS.values())):
+        return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
+    return shown(part)
+
 
 @dataclass(frozen=True, eq=False)
-class Mechanism(Frozen):
+class Mechanism(Frozen, metaclass=Explained):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
-    ``derived`` holds what layers above have computed of it once, such as its tables; nothing in it is part of the
-    description.
+    ``title`` is the name of the whole. ``derived`` holds what layers above have computed once, such as its tables;
+    nothing in it is part of the description.
     """
 
     bodies: Sequence[Body]
     joints: Sequence[Joint] = ()
     forces: Sequence[ForceElement] = ()
     gravity: ArrayLike = (0.0, 0.0, -9.81)
+    title: str | None = field(default=None, kw_only=True)  # of pages, files and tables
     names: Mapping[int, str] = field(init=False, repr=False)
     derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for key, kind in (("bodies", Body), ("joints", Joint), ("forces", ForceElement)):
-            parts = tuple(getattr(self, key))
+        if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
+            raise ValueError(f"System: name {self.title!r} is no name; give a text, or None")
+        for key, kind in KINDS.items():
+            parts = parts_of(getattr(self, key), key)
             for part in parts:
                 if not isinstance(part, kind):
-                    raise ValueError(f"System: {part!r} in {key} is not a {kind.__name__}")
+                    raise ValueError(misplaced(part, key))
             if len({id(part) for part in parts}) < len(parts):
                 raise ValueError(f"System: a part appears twice in {key}; list every part once")
             self._store(**{key: parts})

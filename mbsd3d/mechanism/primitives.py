@@ -23,8 +23,9 @@ def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
 class Coordinate:
     """A hinge coordinate between bodies a and b: an angle about ``axis`` (zero at the reference pose) or a slide.
 
-    Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis. Slide:
-    ``axis . (point_b - point_a)``. World coordinates at the reference pose.
+    Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis, or along
+    ``zero_a`` (across the axis) and ``zero_b``. Slide: ``axis . (point_b - point_a)``. World coordinates at the
+    reference pose.
     """
 
     kind: str  # a key of COORDINATES
@@ -34,6 +35,8 @@ class Coordinate:
     axis_b: np.ndarray
     point_a: np.ndarray = field(default_factory=lambda: ZERO)
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
+    zero_a: np.ndarray | None = None
+    zero_b: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         check_kind(self.kind, COORDINATES, "Coordinate")

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.style import html_table
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -59,3 +61,12 @@ class State:
             object.__setattr__(self, name, array)
         if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:
             raise ValueError(f"State: {self.q.size} coordinates and {self.v.size} velocities; give 7 and 6 per body")
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for i, (q, v) in enumerate(zip(self.q.reshape(-1, 7), self.v.reshape(-1, 6), strict=True)):
+            cells = (" ".join(f"{x:.4g}" for x in part) for part in (q[:3], q[3:], v[:3], v[3:]))
+            rows.append((str(i + 1), *cells))
+        head = ("body no.", "position [m]", "quaternion", "velocity [m/s]", "angular velocity [rad/s]")
+        own = f", own states {' '.join(f'{x:.4g}' for x in self.z)}" if self.z.size else ""
+        return html_table(f"state at t = {self.t:g} s{own}", head, rows)

@@ -8,12 +8,15 @@ import numpy as np
 
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
-from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states
+from ..mechanism.measures import Measure
+from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
+from ..results.loads import Load
 from ..results.run_result import RunResult
 
 Part = Body | Joint | ForceElement | str
-Wanted = Iterable[str | tuple[str | Part, ...]]  # quantities, each with or without parts
+Wanted = Iterable[str | Measure | tuple[str | Measure | Part, ...]]  # quantities with or without parts, and measures
 WORDS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
@@ -132,6 +135,52 @@ def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
     return panels
 
 
+def force_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Force and moment of force elements: components of one, magnitudes of several; none given = all."""
+    found = {name: load for force in forces_of(solution, parts) for name, load in loads_of(solution, force).items()}
+    panels = []
+    for kind in ("force", "moment"):
+        values, unit = {name: getattr(x, kind) for name, x in found.items()}, "[N]" if kind == "force" else "[N m]"
+        values = {name: x for name, x in values.items() if acts(found[name], kind)}
+        if len(found) == 1:
+            panels += vector_panels(kind, unit, AXIS_NAMES, values) if values else []
+        elif values:
+            panels.append(Panel(f"|{kind}|", unit, [(name, np.linalg.norm(x, axis=1)) for name, x in values.items()]))
+    return panels or [Panel("force", "[N]", [(name, np.linalg.norm(x.force, axis=1)) for name, x in found.items()])]
+
+
+def acts(load: Load, kind: str) -> bool:
+    """Whether an element has a force, or a moment, besides the rounding of moving the other to its point."""
+    if kind == "force":
+        return bool(load.force.any())
+    reach = np.abs(load.point).max(initial=0.0) + 1.0
+    return np.abs(load.moment).max(initial=0.0) > 1e-12 * reach * np.abs(load.force).max(initial=0.0)
+
+
+def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceElement]:
+    """The forces meant; none given = all whose load is known."""
+    forces = [solution.system.part(part, "forces") for part in parts]
+    forces = forces or [force for force in solution.system.forces if not isinstance(force, SavedForce)]
+    if not forces:
+        raise ValueError("this system has no force whose load is known; give another quantity")
+    return forces
+
+
+def power_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Power of force elements, given to all their bodies; none given = all."""
+    lines = [(solution.system.name(x), solution.force(x).power) for x in forces_of(solution, parts)]
+    return [scalar_panel("power", "[W]", lines)]
+
+
+def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Lengths of springs, and slides that forces act along; none given = all that have one."""
+    loads = [(solution.system.name(x), solution.force(x).length) for x in forces_of(solution, parts)]
+    lines = [(name, length) for name, length in loads if length is not None]
+    if not lines:
+        raise ValueError("these forces have no length; give another quantity")
+    return [scalar_panel("length", "[m]", lines)]
+
+
 def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
     """Kinetic, potential and total energy, and work."""
     return [Panel("energy", "[J]", list(vars(solution.energy()).items()))]
@@ -159,6 +208,9 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
     **dict.fromkeys(("angle", "slide", "rate"), joint_panels),
     "reaction": reaction_panels,
     "effort": effort_panels,
+    "force": force_panels,
+    "power": power_panels,
+    "length": length_panels,
     "state": state_panels,
     "momentum": momentum_panels,
     "drift": drift_panels,
@@ -166,8 +218,18 @@ PANELS: dict[str, Callable[[RunResult, str, tuple], list[Panel]]] = {
 OF_THE_SYSTEM = ("energy", "momentum", "drift")
 
 
-def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
+def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Panel]:
+    """Measures over time: those of one unit share a panel."""
+    groups: dict[str, list] = {}
+    for measure, values in zip(measures, solution.measure(measures).T, strict=True):
+        groups.setdefault(measure.unit.replace("^2", "²"), []).append((measure.label, values))
+    return [Panel(lines[0][0] if len(lines) == 1 else "measures", f"[{unit}]", lines) for unit, lines in groups.items()]
+
+
+def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tuple[Part, ...] = ()) -> list[Panel]:
     """Panels of a quantity of some parts (none = all that have it), or of several quantities; see `plot_quantity`."""
+    if isinstance(quantity, Measure):
+        return measure_panels(solution, measures_only((quantity, *parts)))
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
@@ -177,15 +239,23 @@ def panels_of(solution: RunResult, quantity: str | Wanted, parts: tuple[Part, ..
     return PANELS[quantity](solution, quantity, parts)
 
 
+def measures_only(entries: tuple) -> tuple[Measure, ...]:
+    """Measures that share axes; anything else among them is an error."""
+    for entry in entries:
+        if not isinstance(entry, Measure):
+            raise ValueError(f"{entry!r} stands beside a measure and is none; give measures, or a list of quantities")
+    return entries
+
+
 def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ...]) -> list[Panel]:
     """Panels of a list of quantities, each with or without parts."""
-    example = "e.g. ['energy', ('angle', 'hinge')]"
+    example = "e.g. ['energy', ('angle', 'hinge'), measures.distance(a, b)]"
     if parts:
         raise ValueError(f"curves: with several quantities each has its own parts; give {example}")
     try:
-        entries = [(entry,) if isinstance(entry, str) else tuple(entry) for entry in wanted]
+        entries = [(entry,) if isinstance(entry, str | Measure) else tuple(entry) for entry in wanted]
     except TypeError:
         entries = []
-    if not entries or not all(entry and isinstance(entry[0], str) for entry in entries):
+    if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):
         raise ValueError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

@@ -9,12 +9,13 @@ from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
 from ..results.certificate import scales_of
-from ..results.columns import columns_of_effort
+from ..results.columns import columns_of_effort, loads_of
 from ..results.run_result import RunResult
 from .wording import counted, digits, triple
 
 MOST = 40  # rows of a table
 OPEN = 1e7  # bodies cubed times samples whose rows are decomposed where they repeat others: some seconds
+LOADS = 3e5  # samples times forces whose loads are computed: some seconds
 BUDGET = 1e7  # bodies times samples times joints whose reactions are computed: some seconds
 
 
@@ -121,12 +122,13 @@ def loaded_joints(solution: RunResult) -> tuple[list[Joint], str]:
 
 
 def thinned(solution: RunResult) -> tuple[RunResult, str]:
-    """The solution with so few samples that its reactions take seconds, and a sentence that says so.
+    """The solution with so few samples that its reactions and loads take seconds, and a sentence that says so.
 
     Where constraints leave shares open, the rows are decomposed at every sample.
     """
     samples, bodies = solution.t.size, len(solution.system.bodies)
     steps = samples * bodies * min(len(solution.system.joints), MOST) / BUDGET
+    steps = max(steps, samples * min(len(solution.system.forces), MOST) / LOADS)
     if solution.record.rows_left_out != 0 and len(solution.system.joints):
         steps = max(steps, samples * bodies**3 / OPEN)
     step = min(int(np.ceil(steps)), samples)
@@ -181,23 +183,29 @@ def driver_table(solution: RunResult, few: RunResult) -> Table:
     return Table("Drivers", head, rows, words=2, note=note)
 
 
-def force_table(solution: RunResult) -> Table:
-    """Force elements: the energy they stored and the work they did."""
+def force_table(solution: RunResult, few: RunResult) -> Table:
+    """Force elements: the energy they stored, the work they did, and their largest loads."""
     forces, note = shortened(solution.system.forces, "forces")
-    size, rows = scales_of(solution).energy, []
+    scale, rows = scales_of(solution), []
     for force in forces:
         stored = solution.arrays["potential"][:, solution.system.forces.index(force)]
         work = float(solution.work(force)[-1])
         on = " – ".join(body.name for body in force.bodies())
-        low, high = digits(float(stored.min()), size), digits(float(stored.max()), size)
-        rows.append((solution.system.name(force), type(force).__name__, on, low, high, digits(work, size)))
-    head = ("force", "type", "on", "least energy [J]", "greatest [J]", "work [J]")
-    return Table("Forces", head, rows, words=3, note=note)
+        joules = [digits(x, scale.energy) for x in (float(stored.min()), float(stored.max()), work)]
+        load = next(iter(loads_of(few, force).values()), None)
+        largest = ("–",) * 4
+        if load is not None:
+            largest = (*largest_load(load.force, few.t, scale.force), *largest_load(load.moment, few.t, scale.moment))
+        rows.append((solution.system.name(force), type(force).__name__, on, *joules, *largest))
+    loads = ("force [N]", "at [s]", "moment [N\u00a0m]", "at [s]")
+    head = ("force", "type", "on", "least energy [J]", "greatest [J]", "work [J]", *loads)
+    text = "Largest loads on the second body, at the point of the element there."
+    return Table("Forces", head, rows, words=3, note=" ".join(filter(None, [text, note])))
 
 
 def tables(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> list[Table]:
     """Of all parts; ``few`` has the samples with reactions."""
-    parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution)]
+    parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution, few)]
     return [table for table in (body_table(solution), *parts) if table.rows]
 
 

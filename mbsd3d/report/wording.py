@@ -4,6 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..base.style import counted as counted
+
 ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -24,10 +26,3 @@ def triple(values: Iterable[float], size: float = 0.0) -> str:
     """Components of a vector; those that are rounding beside its largest are 0."""
     size = max(size, float(np.abs(values).max()))
     return "(" + ", ".join(digits(float(value), size) for value in values) + ")"
-
-
-def counted(number: int, word: str) -> str:
-    """``1 body``, ``2 bodies``."""
-    if number != 1:
-        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
-    return f"{number} {word}"

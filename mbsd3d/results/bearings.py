@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.directions import perpendiculars, unit
+from ..base.style import Sampled
 from ..mechanism.joints import Fixed, Joint, PointJoint, Prismatic
 from .run_result import RunResult
 
 
-@dataclass(frozen=True, eq=False)
-class BearingLoad:
+@dataclass(frozen=True, eq=False, repr=False)
+class BearingLoad(Sampled):
     """The load of a bearing at the samples; force and moment in the joint's frame: two axes across, then the axis."""
 
     t: np.ndarray  # (samples,) [s]

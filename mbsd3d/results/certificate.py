@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.style import html_text
 from ..dynamics.batch import newton_euler, row_defects
 from ..equations.compiled import Switches
 from ..integrators.method import Method
@@ -118,6 +119,9 @@ class Certificate:
         verdict = "ok" if self.error <= USEFUL else f"FAILED, limit {USEFUL:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
         return f"{verdict}, {self.error:.2e} (model lengths, radians){order}{growth}"
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
 
 def certify(solution: RunSamples) -> Certificate:

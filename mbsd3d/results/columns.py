@@ -4,9 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..mechanism.bodies import GROUND
 from ..mechanism.drivers import Driver, PositionDriver
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.custom import FunctionForce, SavedForce
 from ..mechanism.measures import state
+from .loads import Load
 from .run_result import RunResult
 
 
@@ -36,6 +39,15 @@ QUANTITIES = {
     "reaction_point": Quantity("m", "world", "point at which the reaction is given"),
     "reaction_unique": Quantity("1", "none", "1: determined by the constraints, 0: a least-norm share"),
     "effort": Quantity("N m or N", "joint", "torque or force of the driver on b along its motion, see driver_unit"),
+    "force": Quantity("N", "world", "force of the element on its body b; on each body of a custom force"),
+    "force_moment": Quantity("N m", "world", "moment of the element on that body about force_point"),
+    "force_point": Quantity("m", "world", "point at which the load of the element is given"),
+    "force_power": Quantity("W", "none", "power of the element, given to all its bodies"),
+    "force_stored": Quantity("J", "none", "energy stored in the element"),
+    "force_length": Quantity("m", "none", "length of a spring, or the slide the element acts along; NaN: has none"),
+    "force_angle": Quantity("rad", "none", "angle of the hinge the element acts about, unwrapped; NaN: has none"),
+    "force_length_rate": Quantity("m/s", "none", "rate of force_length; NaN: has none"),
+    "force_angle_rate": Quantity("rad/s", "none", "rate of force_angle; NaN: has none"),
     "state": Quantity("see state_unit", "none", "own state of a force, e.g. of a filter; -: as the user defined it"),
     "kinetic": Quantity("J", "world", "kinetic energy"),
     "potential": Quantity("J", "world", "potential energy of gravity and springs"),
@@ -62,7 +74,8 @@ class Column(NamedTuple):
 
 
 def columns(solution: RunResult) -> list[Column]:
-    """All quantities of all parts; kind is "body", "joint", "driver", "own_state" or "" for the whole system."""
+    """All quantities of all parts; kind is "body", "joint", "driver", "force_element", "own_state"
+    or "" for the whole system."""
     system, found = solution.system, []
 
     def add(kind: str, part: str, quantity: str, values: np.ndarray) -> None:
@@ -83,6 +96,7 @@ def columns(solution: RunResult) -> list[Column]:
     for driver in dict.fromkeys(driver for driver, _ in solution.compiled.drives):
         found += columns_of_effort(solution, driver)
     for force in system.forces:
+        found += columns_of_force(solution, force)
         found += columns_of_states(solution, force)
     for quantity, values in vars(solution.energy()).items():
         add("", "energy", quantity, values)
@@ -104,10 +118,34 @@ def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
     return [Column("driver", name, "effort", *rest) for name, *rest in zip(names, units, effort.T, strict=True)]
 
 
+def loads_of(solution: RunResult, force: ForceElement) -> dict[str, Load]:
+    """Loads of a force by name: on body b, or on every body of a custom force; none where its function is lost."""
+    if isinstance(force, SavedForce):
+        return {}
+    name = solution.system.name(force)
+    bodies = list({id(body): body for body in force.record().bodies if body is not GROUND}.values())
+    if not isinstance(force, FunctionForce) or len(bodies) == 1:
+        return {name: solution.force(force)}
+    return {f"{name} on {body.name}": solution.force(force, on=body) for body in bodies}
+
+
+def columns_of_force(solution: RunResult, force: ForceElement) -> list[Column]:
+    """Wrench, power, energy and stretch of a force."""
+    found = []
+    for k, (name, load) in enumerate(loads_of(solution, force).items()):
+        shown = {"force": load.force, "force_moment": load.moment, "force_point": load.point}
+        if k == 0:  # of the whole element
+            kind = "angle" if load.angle is not None else "length"
+            shown |= {"force_power": load.power, "force_stored": load.stored}
+            shown |= {f"force_{kind}": getattr(load, kind), f"force_{kind}_rate": load.rate}
+        found += [Column("force_element", name, x, QUANTITIES[x].unit, y) for x, y in shown.items() if y is not None]
+    return found
+
+
 def columns_of_states(solution: RunResult, force: ForceElement) -> list[Column]:
-    """One column per own state of a force, named by its number."""
-    name, values = solution.system.name(force), solution.state_of(force).T
-    return [Column("own_state", f"{name}.{k}", "state", state(force, k).unit, z) for k, z in enumerate(values)]
+    """One column per own state of a force, by its name or number."""
+    name, values = solution.system.name(force), zip(force.state_names(), solution.state_of(force).T, strict=True)
+    return [Column("own_state", f"{name}.{own}", "state", state(force, k).unit, z) for k, (own, z) in enumerate(values)]
 
 
 def components(values: np.ndarray) -> tuple[str, tuple[str, ...]]:

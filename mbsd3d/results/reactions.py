@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.style import Sampled
 from ..constraints.rank import redundant_combinations
 from ..equations.at_state import rows_at
 from ..equations.compiled import Compiled
 from ..equations.jacobian import BlockRows, displacement_units, islands
 
 
-@dataclass(frozen=True)
-class Reaction:
+@dataclass(frozen=True, repr=False)
+class Reaction(Sampled):
     """Wrench on body b at the joint's point, world axes; all (samples, 3) in N, N m, m."""
 
     force: np.ndarray

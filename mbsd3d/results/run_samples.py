@@ -1,11 +1,13 @@
 """The samples of a run: every quantity by part, in world axes and SI units."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..base.rotations import matrix
+from ..base.style import Sampled
 from ..dynamics.batch import wrenches
 from ..equations.compiled import Compiled
 from ..kernels.layout import Data
@@ -13,14 +15,18 @@ from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
+from ..mechanism.measures import Measure
+from ..mechanism.primitives import Coordinate
 from ..mechanism.state import State
 from .body_motion import Poses
+from .loads import Load, load_of
+from .measured import measured
 from .reactions import MiddleRows, Reaction, middle_rows, minimum_norm, unique_wrench
 from .record import Record
 
 
-@dataclass(frozen=True)
-class Energy:
+@dataclass(frozen=True, repr=False)
+class Energy(Sampled):
     """Energies [J] at the samples; ``work`` was done by drivers and by forces that store none."""
 
     kinetic: np.ndarray
@@ -29,16 +35,16 @@ class Energy:
     work: np.ndarray
 
 
-@dataclass(frozen=True)
-class Momentum:
+@dataclass(frozen=True, repr=False)
+class Momentum(Sampled):
     """Linear momentum [kg m/s] and angular momentum about the world origin [kg m^2/s], (samples, 3)."""
 
     linear: np.ndarray
     angular: np.ndarray
 
 
-@dataclass(frozen=True)
-class Drift:
+@dataclass(frozen=True, repr=False)
+class Drift(Sampled):
     """Largest |c| [m or rad] and |J v - b| [m/s or rad/s] over all rows at each sample."""
 
     position: np.ndarray
@@ -110,17 +116,19 @@ class RunSamples(Poses):
     def rate(self, joint: Joint | str) -> np.ndarray:
         """(samples,) rate of a hinge's angle [rad/s], or of a slide [m/s] where there is no angle."""
         part = self.system.part(joint, "joints")
-        a, b = (None if body is GROUND else body for body in (part.a, part.b))
-        w_a = self.omega(a) if a else np.zeros((self.t.size, 3))
-        if part.angle() is not None:
-            axis = self.body_axis(part.a, part.angle().axis)
-            return np.einsum("ti,ti->t", axis, (self.omega(b) if b else 0.0) - w_a)
-        x = part.slide()
+        x = part.angle() or part.slide()
         if x is None:
             raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
-        axis = self.body_axis(part.a, x.axis)
-        p_b, v_b = self._point_motion(part.b, x.point_b)
-        v_a_there = (self.velocity(a) + np.cross(w_a, p_b - self.position(a))) if a else 0.0
+        return self._coordinate_rate(x)
+
+    def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
+        """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
+        axis = self.body_axis(x.a, x.axis)
+        w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
+        if x.kind == "angle":
+            return np.einsum("ti,ti->t", axis, w_b - w_a)
+        p_b, v_b = self._point_motion(x.b, x.point_b)
+        v_a_there = 0.0 if x.a is GROUND else self.velocity(x.a) + np.cross(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
 
     def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -173,6 +181,22 @@ class RunSamples(Poses):
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)
         force = total[:, :3]
         return Reaction(force, total[:, 3:] - np.cross(point - origin, force), point, unique)
+
+    def force(self, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+        """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and own states.
+
+        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
+        where the function of a `CustomForce` was not saved.
+        """
+        return load_of(self, force, on)
+
+    def measure(self, measures: Measure | Sequence[Measure]) -> np.ndarray:
+        """(samples,) values of one of `mbsd3d.measures`, (samples, k) of k of them.
+
+        Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
+        two of them the rate at the first must tell the turn to within half a turn.
+        """
+        return measured(self, measures)
 
     def effort(self, driver: Driver | str) -> np.ndarray:
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""

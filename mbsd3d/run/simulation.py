@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import number
+from ..base.checks import floats, number, shown
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..integrators.dop853 import DOP853
@@ -16,6 +16,9 @@ from ..mechanism.signals import check_interval
 from ..mechanism.state import State
 from ..results.run_result import RunResult
 from .job import Job
+
+MOST_STEPS = 1e9  # of a run with fixed steps: days
+MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB
 
 
 def run_to(
@@ -29,12 +32,14 @@ def run_to(
     output: int | Sequence[float] | None = None,
     stop_when: Condition | None = None,
     as_built: float | None = None,
-    progress: bool | None = None,
+    progress: bool | str | None = None,
 ) -> RunResult:
     """Integrate a mechanism from a state to ``t_end``; arguments and errors as `mbsd3d.simulate`."""
-    method = method or DOP853()
+    method = DOP853() if method is None else method
     check_kinds(method, rtol, stop_when)
     t_end = number(t_end, "simulate: t_end")
+    if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
+        raise ValueError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
     if not t_end > start.t:
         raise ValueError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
@@ -43,7 +48,8 @@ def run_to(
         check_members(system, stop_when.measure, "simulate: stop_when")
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), switches)
     check_signals(compiled, start.t, t_end)
-    times = output_times(output, start.t, t_end, method)
+    width = 19 * len(system.bodies) + compiled.model.state.size + 2 * compiled.model.row.size
+    times = output_times(output, start.t, t_end, method, width)
     job = Job(compiled, start, t_end, times, method, rtol, stop_when, as_built)
     return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, progress))
 
@@ -52,25 +58,27 @@ def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
     if isinstance(method, type) or not isinstance(method, Method):
         names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
-        raise ValueError(f"simulate: method {method!r} is unknown; give one of {names}, e.g. DOP853()")
+        raise ValueError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
     if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
         raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
     if stop_when is not None and not isinstance(stop_when, Condition):
         raise ValueError(
-            f"simulate: stop_when {stop_when!r} is not a condition; write e.g. measures.angle(hinge) > 1.2"
+            f"simulate: stop_when {shown(stop_when)} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
 
 
 def check_system(system: Any, what: str) -> None:
     """ValueError for anything but a System."""
     if not isinstance(system, Mechanism):
-        raise ValueError(f"{what}: {system!r} is not a System; give System(bodies=[...], joints=[...])")
+        raise ValueError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
 
 
 def check_state(state: Any, what: str) -> None:
     """ValueError for a start that is not a State."""
     if state is not None and not isinstance(state, State):
-        raise ValueError(f"{what}: state {state!r} is not a State; give one of system.assemble() or solution.final")
+        raise ValueError(
+            f"{what}: state {shown(state)} is not a State; give one of system.assemble() or solution.final"
+        )
 
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
@@ -82,19 +90,31 @@ def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
             check_interval(signal, t_start, t_end, f"'{compiled.system.name(part)}'")
 
 
-def output_times(output: Any, t_start: float, t_end: float, method: Method) -> np.ndarray | None:
-    """Sample times, or None for every accepted step."""
+def check_room(samples: int, width: int) -> None:
+    """ValueError for more samples than memory has room for."""
+    if samples * width > MOST_NUMBERS:
+        raise ValueError(
+            f"simulate: output: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
+            f"{MOST_NUMBERS // width}"
+        )
+
+
+def output_times(output: Any, t_start: float, t_end: float, method: Method, width: int = 1) -> np.ndarray | None:
+    """Sample times, or None for every accepted step; a sample has ``width`` numbers."""
     if output is None:
         return None if method.order else np.linspace(t_start, t_end, 201)  # no steps of its own
     if isinstance(output, int | np.integer) and not isinstance(output, bool):
         if output < 2:
-            raise ValueError(f"simulate: output = {output} samples; give at least 2, or an array of times")
+            raise ValueError(f"simulate: output = {shown(output)} samples; give at least 2, or an array of times")
+        check_room(int(output), width)
         return np.linspace(t_start, t_end, int(output))
-    try:
-        times = np.array(output, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"simulate: output {output!r}: give a count or an array of times") from None
-    if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+    if isinstance(output, float):
+        raise ValueError(
+            f"simulate: output = {output}: give a count, or an array of times, e.g. numpy.arange(0, t_end, {output})"
+        )
+    times = floats(output, "simulate: output", "a count or an array of times")
+    check_room(times.size, width)
+    if times.ndim != 1 or not times.size or (np.diff(times) <= 0).any():
         raise ValueError("simulate: output: give a count, or finite times in strictly increasing order")
     if times[0] < t_start or times[-1] > t_end:
         raise ValueError(

@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import partial
-from threading import Lock
+from multiprocessing.connection import wait as wait_for_end
+from threading import Lock, Thread
 from typing import Any
 
 from ..base.concurrency import taking_turns
@@ -84,7 +85,10 @@ def closing(pool: Executor) -> Iterator[Executor]:
     try:
         yield pool
     except BaseException:
+        workers = list((getattr(pool, "_processes", None) or {}).values())  # public from Python 3.14 on
         pool.shutdown(wait=False, cancel_futures=True)
+        for worker in workers:
+            worker.kill()
         raise
     pool.shutdown()
 
@@ -133,14 +137,23 @@ def stream(
             future.cancel()
 
 
-def ignore_interrupts() -> None:
-    """Leave Ctrl-C to the parent."""
+def begin_worker() -> None:
+    """Leave Ctrl-C to the parent, and end with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=end_with_parent, daemon=True).start()
+
+
+def end_with_parent() -> None:
+    """Wait for the end of the parent, also by ``kill -9``; kernels hold no lock that would keep this thread waiting."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait_for_end([parent.sentinel])
+        os._exit(1)
 
 
 def process_pool(workers: int) -> ProcessPoolExecutor:
     """A pool of spawned processes: threads and libraries start clean."""
-    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
+    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin_worker)
 
 
 def on_processes(call: Callable, cells: list[dict], queue: deque) -> Iterator[tuple[int, Outcome]]:

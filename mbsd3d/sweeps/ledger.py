@@ -8,8 +8,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
+from ..base.checks import shown
 from ..base.paths import package_version
 from .experiment import Experiment, Outcome
 from .grids import Grid
@@ -19,6 +21,22 @@ TABLES = (
     "CREATE TABLE IF NOT EXISTS sweep (digest TEXT NOT NULL, identity TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS cells (cell PRIMARY KEY, outcome TEXT NOT NULL)",
 )
+
+
+UNREADABLE = (ValueError, TypeError, RecursionError, OverflowError)  # of contents that nobody of us has written
+
+
+class Stored(msgspec.Struct, forbid_unknown_fields=True):
+    """What a cell holds: numbers alone, as `Outcome` has them."""
+
+    values: dict[str, float | list[float]]
+    settings: str = ""
+    error: str = ""
+
+
+def reason(error: Exception) -> str:
+    """What is wrong with the contents, in a few words."""
+    return "nested too deep" if isinstance(error, RecursionError) else shown(str(error)).strip("'\"")
 
 
 class LedgerError(ValueError):
@@ -84,8 +102,12 @@ class Store:
         if found == (text,):
             return
         if found is not None and not replace:
-            other = json.loads(found[0])
+            try:
+                other = msgspec.convert(json.loads(found[0]), dict[str, Any])
+            except UNREADABLE as error:
+                raise self.unreadable(error) from error
             names = sorted(name for name in own.keys() | other.keys() if own.get(name) != other.get(name))
+            names = names or ["its digest"]
             raise LedgerError(
                 f"{self.what}: ledger '{self.path}' belongs to another {self.what}, it differs in {', '.join(names)}; "
                 "give another file, or delete this one"
@@ -104,8 +126,12 @@ class Store:
         try:
             rows = self.file.execute("SELECT cell, outcome FROM cells").fetchall()
             return {key: json.loads(text) for key, text in rows}
-        except (sqlite3.Error, ValueError) as error:
-            raise LedgerError(f"{self.what}: ledger '{self.path}' cannot be read: {error}; delete it") from error
+        except (sqlite3.Error, *UNREADABLE) as error:
+            raise self.unreadable(error) from error
+
+    def unreadable(self, error: Exception) -> LedgerError:
+        """What to say of contents that cannot be understood."""
+        return LedgerError(f"{self.what}: ledger '{self.path}' cannot be read: {reason(error)}; delete it")
 
     def put(self, key: int | str, value: Any) -> None:
         """Store a finished piece; it is in the file when this returns."""
@@ -129,13 +155,18 @@ class Ledger(Store):
 
     def finished(self) -> dict[int, Outcome]:
         """The cells that need not run again."""
+        found = self.all()
         try:
-            found = {cell: Outcome(**stored) for cell, stored in self.all().items()}
-        except TypeError as error:
-            raise LedgerError(f"sweep: ledger '{self.path}' cannot be read: {error}; delete it") from error
-        if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in found):
+            stored = {cell: msgspec.convert(kept, Stored) for cell, kept in found.items()}
+        except UNREADABLE as error:
+            raise self.unreadable(error) from error
+        if any(not isinstance(cell, int) or not 0 <= cell < self.cells for cell in stored):
             raise LedgerError(f"sweep: ledger '{self.path}' holds cells that the grid does not have; delete it")
-        return found
+        kept = {cell: Outcome(x.values, "", x.settings) for cell, x in stored.items() if not x.error}
+        shapes = {tuple((name, np.shape(value)) for name, value in sorted(x.values.items())) for x in kept.values()}
+        if len(shapes) > 1:
+            raise LedgerError(f"sweep: ledger '{self.path}' holds cells with different values; delete it")
+        return kept
 
     def keep(self, cell: int, outcome: Outcome) -> None:
         """Store a finished cell."""

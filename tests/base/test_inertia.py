@@ -182,7 +182,10 @@ def test_check_inertia_refuses(inertia, mass, message):
         (lambda: combine([]), "combine: the mass of 0 parts is 0"),
         (lambda: combine([(1.0, (0, 0, 0))]), r"combine: part 0 has 2 entries; give \(mass, com, inertia\)"),
         (lambda: combine([(1.0, (0, 0), (1, 1, 1))]), r"combine: part 0: com: expected three numbers, got \(0, 0\)"),
-        (lambda: combine([(1.0, "left", (1, 1, 1))]), "combine: part 0: com: expected three numbers, got 'left'"),
+        (
+            lambda: combine([(1.0, "left", (1, 1, 1))]),
+            "part 0: com: 'left' is not numeric; give three numbers",
+        ),
         (lambda: combine([(1.0, (0, 0, 0), (1, 1, 3))]), "combine: part 0: inertia has the principal moments"),
         (lambda: combine([(1.0, (0, 0, 0), (1, 1, 1), (1, 1, 0, 0))]), "combine: part 0: orientation: the quaternion"),
     ],

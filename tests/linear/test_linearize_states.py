@@ -68,7 +68,7 @@ def test_outputs_are_measures_of_parts_of_the_system():
         for name in ("servo", "other")
     )
     system = System([body], [hinge], [servo])
-    with pytest.raises(ValueError, match="outputs: state 0 of other: force 'other' is not in the system"):
+    with pytest.raises(ValueError, match="outputs: state rate of hinge of other: force 'other' is not in the system"):
         linearize(system, outputs=[measures.rate(hinge), measures.state(other)])
     with pytest.raises(ValueError, match="the rate of 'angle of hinge' depends on more"):
         linearize(system, outputs=measures.angle(hinge))  # a single one is a list of one

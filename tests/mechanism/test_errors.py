@@ -50,6 +50,7 @@ from mbsd3d import (
     simulate,
 )
 from mbsd3d.base.inertia import box
+from mbsd3d.errors import MbsError
 from mbsd3d.mechanism import measures
 
 NAN, INF = float("nan"), float("inf")
@@ -334,7 +335,15 @@ SYSTEMS = {
     ),
     "body twice": (lambda: System(bodies=[ROD, ROD]), ["twice", "bodies", "once"]),
     "gravity NaN": (lambda: System(bodies=[ROD], gravity=(0, 0, NAN)), ["gravity", "nan", "finite"]),
-    "joint among the bodies": (lambda: System(bodies=[ROD, BALL]), ["ball", "bodies", "Body"]),
+    "joint among the bodies": (
+        lambda: System(bodies=[ROD, BALL]),
+        ["Spherical 'ball' is in bodies", "belongs in joints="],
+    ),
+    "one body without a list": (lambda: System(ROD), ["Body 'rod' is no sequence", r"bodies=\[...\]"]),
+    "one joint without a list": (lambda: System([ROD], BALL), ["Spherical 'ball'", r"joints=\[...\]"]),
+    "joint among the forces": (lambda: System([ROD], [], [BALL]), ["Spherical 'ball' is in forces", "joints="]),
+    "class among the joints": (lambda: System([ROD], [Spherical]), ["is a class", r"Spherical\(...\)"]),
+    "name that is none": (lambda: System([ROD], name=3), ["name 3", "text"]),
 }
 
 
@@ -653,7 +662,7 @@ def test_a_massless_body_whose_acceleration_is_not_determined():
 
 
 def test_errors_can_be_caught_together_and_keep_their_parts():
-    error = says(tied(2.0).assemble, "gap", kind=RuntimeError)
+    error = says(tied(2.0).assemble, "gap", kind=MbsError)
     assert isinstance(error, AssemblyError) and error.part and error.advice
 
 

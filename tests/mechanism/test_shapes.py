@@ -145,7 +145,7 @@ def test_normals_leave_rims_sharp_and_sides_round():
     [
         (lambda: Box((1, 2)), r"Box: lengths: expected three numbers, got \(1, 2\)"),
         (lambda: Box((1, 0, 2)), r"Box: lengths: \[1.0, 0.0, 2.0\] are not all positive; give three numbers > 0"),
-        (lambda: Box((1, 1, np.nan)), "Box: lengths: not finite"),
+        (lambda: Box((1, 1, np.nan)), r"Box: lengths: \[ 1., *1., nan\] is not finite"),
         (lambda: Ellipsoid(0.3), "Ellipsoid: radii: expected three numbers"),
         (lambda: Sphere(-1), "Sphere: radius: -1.0 is not positive; give a number > 0"),
         (lambda: Cylinder(1, 0), "Cylinder: length: 0.0 is not positive"),

@@ -187,6 +187,8 @@ def test_traces_follow_the_centres_that_move(solution, frames):
     expected = solution.point(WHEEL, body.local_point(np.array([-0.4, 0.5, 0.3])))
     assert np.allclose(rim.points[::5], expected, rtol=0, atol=ROUNDING) and rim.name == WHEEL
     assert traces_of(solution, frames, []) == []
+    (middle,) = traces_of(solution, frames, [WHEEL])
+    assert np.allclose(middle.points[::5], solution.com(WHEEL), rtol=0, atol=ROUNDING)
     many = [Body(f"stone {i}", 1.0, (1, 1, 1), position=(i, 0, 0), velocity=(0, 0, i)) for i in range(1, 20)]
     run = simulate(System(many, gravity=(0, 0, 0)), 3.0, output=5)
     assert [trace.name for trace in traces_of(run, frames_of(run))] == [f"stone {i}" for i in range(8, 20)]
@@ -196,8 +198,8 @@ def test_traces_follow_the_centres_that_move(solution, frames):
     ("points", "message"),
     [
         ([("foot", (0, 0, 0))], "'foot' is not one of the bodies of this system"),
-        ([WHEEL], "trace 'wheel' is not a pair; give "),
-        ([3], "trace 3 is not a pair"),
+        (["nix"], "'nix' is not one of the bodies of this system"),
+        ([3], "trace 3 is no body and no pair; give a body, or"),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
         (7, "traces = 7; give a list"),
@@ -224,6 +226,7 @@ def test_the_curves_that_tell_most(solution, frames):
     assert labels == [
         ("angle of axle", "rad"),
         ("energy", "J"),
+        ("effort of motor", "N m"),
         ("|reaction force|", "N"),
         ("|reaction moment|", "N m"),
     ]

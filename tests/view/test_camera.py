@@ -5,6 +5,7 @@ import pytest
 
 from mbsd3d import GROUND, Body, Revolute, System, simulate
 from mbsd3d.mechanism.shapes import Lines
+from mbsd3d.view.page.show import followed_body
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import frame_camera
 from mbsd3d.view.scene.drawing import bounds
@@ -45,3 +46,16 @@ def test_the_camera_sees_every_corner(extent, fov):
     assert seen[:, 2].max() < 0.0 and np.abs(spots).max() < 0.95
     if np.any(extent):
         assert np.abs(spots).max() > 0.85  # and it fills the picture
+
+
+def test_the_camera_goes_along_with_what_travels():
+    """By itself where the way is long beside the machine; the ground as what to follow keeps it where it is."""
+    stone = Body("stone", 2.0, (0.1, 0.1, 0.1), velocity=(40.0, 0, 0), omega=(0, 0, 0))
+    dust = Body("dust", 0.1, (0.01, 0.01, 0.01), position=(0.5, 0, 0), velocity=(40.0, 0, 0), omega=(0, 0, 0))
+    system = System([dust, stone], gravity=(0, 0, 0))
+    far, near = (simulate(system, t_end, output=11) for t_end in (2.0, 0.1))
+    assert followed_body(far, None, False) == 1 and followed_body(near, None, False) == -1
+    assert (
+        followed_body(far, GROUND, False) == followed_body(far, "ground", True) == followed_body(far, None, True) == -1
+    )
+    assert followed_body(near, "dust", False) == 0

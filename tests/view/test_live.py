@@ -32,7 +32,7 @@ def view(solution):
 
 def listens(url: str) -> bool:
     """Whether something answers there."""
-    host, port = re.fullmatch(r"http://(.+):(\d+)", url).groups()
+    host, port = re.match(r"http://(.+):(\d+)", url).groups()
     with socket.socket() as probe:
         return probe.connect_ex((host, int(port))) == 0
 
@@ -100,7 +100,7 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
     monkeypatch.setattr(html.sys, "platform", "linux")
     monkeypatch.setattr(live.webbrowser, "get", lambda: None)
     monkeypatch.setattr(live.webbrowser, "open", lambda url: False)
-    with pytest.raises(ValueError, match=f"no browser was found on this machine; open {view.url} in one"):
+    with pytest.raises(ValueError, match=re.escape(f"no browser was found on this machine; open {view.url} in one")):
         view.open()
 
 
@@ -153,3 +153,62 @@ def test_a_browser_sees_it_move_and_pauses_it(chromium, view, solution):
         seen.page.get_by_role("button", name="Play").click()
         assert until(lambda: view.playing)
         assert seen.complaints == []
+
+
+def knock(url, **headers):
+    """(status, headers) of a request over a plain socket: a browser would not send such a one."""
+    host, port, path = re.fullmatch(r"http://(.+):(\d+)(/.*)", url).groups()
+    lines = {"Host": f"{host}:{port}", "Connection": "close"} | {k.replace("_", "-"): v for k, v in headers.items()}
+    text = f"GET {path} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in lines.items()) + "\r\n"
+    with socket.create_connection((host, int(port)), timeout=10) as line:
+        line.sendall(text.encode())
+        head = b""
+        while b"\r\n\r\n" not in head and (piece := line.recv(4096)):
+            head += piece
+    first, *rest = head.split(b"\r\n\r\n")[0].decode().split("\r\n")
+    return int(first.split()[1]), dict(line.split(": ", 1) for line in rest)
+
+
+def test_only_the_whole_address_opens_it(view):
+    bare = view.url.partition("?")[0]
+    port = view.url.partition("/?")[0].rpartition(":")[2]
+    status, head = knock(view.url)
+    assert status == 200 and "HttpOnly; SameSite=Strict" in head["Set-Cookie"]
+    cookie = head["Set-Cookie"].partition(";")[0]
+    assert knock(bare)[0] == 403 and knock(bare + "?token=x")[0] == 403
+    assert knock(bare, Cookie=cookie)[0] == 200 and knock(bare, Cookie=cookie + "x")[0] == 403
+    assert knock(view.url, Host="evil.example")[0] == 403 and knock(view.url, Host=f"evil.example:{port}")[0] == 403
+    assert knock(view.url, Origin="http://evil.example")[0] == 403 and knock(view.url, Origin="null")[0] == 403
+    assert knock(view.url, Origin=f"http://127.0.0.1:{port}")[0] == 200
+
+
+def test_another_page_gets_no_scene(view):
+    socket_headers = {
+        "Upgrade": "websocket",
+        "Sec_WebSocket_Version": "13",
+        "Sec_WebSocket_Key": "eHh4eHh4eHh4eHh4eHh4eA==",
+    }
+    socket_headers |= {"Connection": "Upgrade", "Sec_WebSocket_Protocol": "viser-v1.1.1"}
+    cookie = knock(view.url)[1]["Set-Cookie"].partition(";")[0]
+    bare = view.url.partition("?")[0]
+    assert knock(bare, **socket_headers)[0] == 403
+    assert knock(bare, Origin="http://evil.example", Cookie=cookie, **socket_headers)[0] == 403
+    assert knock(bare, Cookie=cookie, **socket_headers)[0] == 101
+
+
+def test_it_stops_at_once_with_open_connections(solution, capfd):
+    from websockets.sync.client import connect
+
+    view = solution.animate(live=True)
+    cookie = knock(view.url)[1]["Set-Cookie"].partition(";")[0]
+    address = view.url.partition("?")[0].replace("http", "ws")
+    protocol = [f"viser-v{__import__('viser').__version__}"]
+    open_ones = [connect(address, additional_headers={"Cookie": cookie}, subprotocols=protocol) for _ in range(3)]
+    url, began = view.url, time.perf_counter()
+    view.stop()
+    assert time.perf_counter() - began < 2.0  # 0.3 s on an idle machine
+    assert not listens(url)
+    for one in open_ones:
+        one.close_socket()
+    said = capfd.readouterr()
+    assert "Traceback" not in said.err and said.out == ""

@@ -140,9 +140,14 @@ class CrossCheck:
         )
 
     @property
+    def defined(self) -> bool:
+        """The definitions of the joints were compared, and no engine had its part in it."""
+        return self.compared == ("definitions",)
+
+    @property
     def passed(self) -> bool:
-        """The motion was compared with another engine, and nothing differs without a proven cause."""
-        return not self.failures and not self.interrupted and bool(self.followed)
+        """The motion was compared with another engine, or the definitions alone where none can; and nothing differs."""
+        return not self.failures and not self.interrupted and (bool(self.followed) or self.defined)
 
     def of(self, engine: str) -> Compared:
         """What was found with an engine; ValueError for one that was not asked for."""
@@ -215,10 +220,20 @@ def summary(check: CrossCheck) -> str:
         return f"{len(check.failures)} of {len(check.findings)} comparisons differ without a proven cause"
     partly = [name for name in check.compared if name not in (*check.followed, "definitions")]
     rest = f"; of {', '.join(partly)} only the start was compared" if partly else ""
+    if check.defined:
+        what = ", ".join(x.quantity for x in check.of("definitions").findings if x.status != SKIPPED)
+        return f"agrees with the definitions of the joints ({what}); compared with no other engine: {missing(check)}"
     agreeing = [name for name in check.compared if name not in partly]
     if not check.passed:
         return f"no motion was compared{rest}" if partly else "nothing was compared with another engine"
     return f"agrees with {', '.join(how_far(check, x) for x in check.engines if x.engine in agreeing)}{rest}"
+
+
+def missing(check: CrossCheck) -> str:
+    """The engines that were not compared, each with its first reason."""
+    others = [engine for engine in check.engines if engine.engine != "definitions"]
+    reasons = [f"{x.engine} ({next((f.reason for f in x.findings if f.reason), 'no reason given')})" for x in others]
+    return ", ".join(reasons) or "none was asked for"
 
 
 def how_far(check: CrossCheck, engine: Compared) -> str:

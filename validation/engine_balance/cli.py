@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from mbsd3d.extend import Failure, Mbsd3dError
+from mbsd3d.extend import Failure
 
 MASSES = {
     "crank": "crank_mass",
@@ -76,7 +76,7 @@ def main(
         else:
             alone("--pages", {"rpm", "radius", "rod_length", "spacing", "masses", "gravity", "driver", "gas"})
             comparisons = written(pages, engines, gravity, driver, gas)
-    except (ValueError, Mbsd3dError) as error:
+    except ValueError as error:
         raise Failure(" ".join(str(error).split())) from error
     if not all(comparison.agrees for comparison in comparisons):
         wrong = ", ".join(c.engine.layout.name for c in comparisons if not c.agrees)

@@ -127,3 +127,6 @@ class Bushing(ForceElement):
     def record(self) -> ForceRecord:
         values = (*self.stiffness, *self.turning_stiffness, *self.damping, *self.turning_damping)
         return ForceRecord((self.a, self.b), (self.at, self.at), frame=matrix(self.axes), values=values)
+
+    def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
+        return self.b, self.at  # also on a: the force acts where the point of b is

@@ -3,7 +3,7 @@
 import functools
 import inspect
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -127,8 +127,9 @@ class FunctionForce(ForceElement):
     on: Any = field(kw_only=True)
     points: Sequence[ArrayLike] | None = field(default=None, kw_only=True)
     parameters: Sequence[float] = field(default=(), kw_only=True)
-    states: Sequence[float] = field(default=(), kw_only=True)
+    states: Sequence[float] | Mapping[str, float] = field(default=(), kw_only=True)
     scales: Sequence[float] | None = field(default=None, kw_only=True)
+    labels: Sequence[str] | None = field(default=None, kw_only=True)
 
     def check(self, what: str) -> None:
         if not isinstance(self.on, Body | Ground | list | tuple):
@@ -142,13 +143,18 @@ class FunctionForce(ForceElement):
         points = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else list(self.points)
         if len(points) != len(on):
             raise ValueError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
-        states = sequence(self.states, f"{what}: states")
+        named = isinstance(self.states, Mapping)
+        states = sequence(self.states.values() if named else self.states, f"{what}: states")
+        labels = tuple(self.states) if named else self.labels
+        labels = tuple(str(k) for k in range(len(states))) if labels is None else tuple(labels)
+        if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
+            raise ValueError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
         scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
         if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
             raise ValueError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
         points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(points))
         parameters = sequence(self.parameters, f"{what}: parameters")
-        self.set(on=on, points=points, parameters=parameters, states=states, scales=scales)
+        self.set(on=on, points=points, parameters=parameters, states=states, scales=scales, labels=labels)
 
     def record(self) -> ForceRecord:
         return ForceRecord(
@@ -158,6 +164,9 @@ class FunctionForce(ForceElement):
             states=self.states,
             scales=tuple((scale, 0.0, 0.0) for scale in self.scales),
         )
+
+    def state_names(self) -> tuple[str, ...]:
+        return self.labels
 
     def address(self, dtype: type) -> int | Callable:
         """Address of the function for real or complex numbers; 0 = none."""
@@ -205,10 +214,12 @@ class CustomForce(FunctionForce):
     points : sequence of (3,) array_like or None
         A point of each body, world at the reference pose [m]; None = their reference points.
     parameters : sequence of float
-    states : sequence of float
+    states : sequence of float, or mapping of a name to a float
         Initial values of the own states.
     scales : sequence of float or None
         Sizes against which errors of the own states are measured while they are smaller; None = 1 for each.
+    labels : sequence of str or None
+        Names of the own states, where ``states`` does not give them; None = "0", "1", ...
 
     Raises
     ------
@@ -268,7 +279,7 @@ class CustomForce(FunctionForce):
         """What of it a file can hold: all but the function."""
         return SavedForce(
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
-            name=self.name,
+            labels=self.labels, name=self.name,
         )  # fmt: skip
 
 

@@ -114,3 +114,9 @@ class StateFeedback(ForceElement):
 
     def partners(self) -> tuple:
         return (self.on, *(x.part for x in self.measures if x.part is not None))
+
+    def state_names(self) -> tuple[str, ...]:
+        if self.time_constant is None:
+            return ()
+        labels = tuple(measure.label for measure in self.measures)
+        return labels if len(set(labels)) == len(labels) else tuple(f"{x} ({k})" for k, x in enumerate(labels))

@@ -3,6 +3,7 @@
 Vertices are shared across smooth edges only, so that `normals` shade a round side round and leave a rim sharp.
 """
 
+import logging
 import stat
 from functools import cache
 from io import BytesIO
@@ -138,6 +139,7 @@ def read_mesh(path: str, what: str) -> Mesh:
     if not content:
         raise ValueError(f"{what}: is not a file, is empty or has more than {BYTES} bytes; give a mesh")
     options = {"skip_materials": True} if kind in ("obj", "glb") else {}
+    logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
         found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
     except Exception as error:  # parsers of foreign data fail in their own ways
@@ -156,7 +158,10 @@ def checked(found: Any, what: str) -> Mesh:
         raise ValueError(f"{what}: has no triangles; give a mesh of a surface")
     if count > TRIANGLES:
         raise ValueError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
-    if not np.isfinite(found.vertices).all() or found.faces.min() < 0 or found.faces.max() >= len(found.vertices):
+    corners, faces = np.asarray(found.vertices), np.asarray(found.faces)
+    if corners.ndim != 2 or corners.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
+        raise ValueError(f"{what}: has corners of {corners.shape[1:]} numbers; give triangles in space")
+    if not np.isfinite(corners).all() or faces.min() < 0 or faces.max() >= len(corners):
         raise ValueError(f"{what}: has corners that are not finite or not there; repair it")
     found.merge_vertices(merge_tex=True, merge_norm=True)
     smooth = trimesh.graph.smooth_shade(found, angle=SHARP)

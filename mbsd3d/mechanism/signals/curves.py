@@ -6,8 +6,11 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ...base.checks import check_size
 from .signal import Signal, _row, _store_finite
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
+
+STEEPEST = 1e90  # coefficients of splines, whose squares can be computed with
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,12 @@ class Table(Signal):
                 f"sort the points and keep one per time"
             )
         self._store(times=times, values=values)
+        check_size(times, "Table: times")
+        if np.abs(values).max() >= STEEPEST * min(np.diff(times).min(), 1.0) ** 3:
+            raise ValueError(
+                f"Table: times as near as {np.diff(times).min():.3g} s with values up to {np.abs(values).max():.3g} "
+                "make a spline too steep to compute with; check the units, or leave points out"
+            )
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -145,6 +154,8 @@ class Pulse(Signal):
         _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
         if not self.edge > 0.0:
             raise ValueError(f"Pulse: edge is {self.edge:g} s; give a positive time")
+        if abs(self.height) >= STEEPEST * min(self.edge, 1.0) ** 3:
+            raise ValueError(f"Pulse: an edge of {self.edge:g} s is too steep to compute with; give a longer one")
         if self.duration is not None and not self.duration >= 2.0 * self.edge:
             raise ValueError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
 

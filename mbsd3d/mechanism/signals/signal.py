@@ -12,7 +12,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import Frozen
+from ...base.checks import Frozen, floats, number, shown
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
 EVERYWHERE = (-np.inf, np.inf)
@@ -167,10 +167,10 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):
-        raise ValueError(f"{what} is {value!r}; {remedy}; any other function can be sampled into a Table")
-    if not np.isfinite(value):
+        raise ValueError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
+    if value != value or abs(value) == np.inf:
         raise ValueError(f"{what} is {value}; {remedy}")
-    return Constant(value)
+    return Constant(number(value, what))
 
 
 def three_signals(value: "Sequence[Signal | float | None]", what: str, free: bool = False) -> tuple[Signal | None, ...]:
@@ -202,19 +202,14 @@ def _store_finite(signal: Signal, *names: str) -> None:
     """Store the named fields as floats, or say which one is not a finite number."""
     for name in names:
         value = getattr(signal, name)
-        if not isinstance(value, Real) or not np.isfinite(value):
-            raise ValueError(f"{type(signal).__name__}: {name} is {value!r}; give a finite number")
-        signal._store(**{name: float(value)})
+        if not isinstance(value, Real) or value != value or abs(value) == np.inf:
+            raise ValueError(f"{type(signal).__name__}: {name} is {shown(value)}; give a finite number")
+        signal._store(**{name: number(value, f"{type(signal).__name__}: {name}")})
 
 
 def _row(values: ArrayLike, what: str) -> np.ndarray:
     """Own copy of a row of finite floats."""
-    try:
-        row = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} {values!r} is not numeric; give a row of finite numbers") from None
+    row = floats(values, what, "a row of finite numbers")
     if row.ndim != 1:
         raise ValueError(f"{what} has shape {row.shape}; give a row of finite numbers")
-    if not np.all(np.isfinite(row)):
-        raise ValueError(f"{what}[{np.flatnonzero(~np.isfinite(row))[0]}] is not finite; give a row of finite numbers")
     return row

@@ -3,6 +3,7 @@
 `LiveView` holds the server and the thread that moves the scene; `mbsd3d.view.page.panel` makes its panel.
 """
 
+import logging
 import threading
 import time
 import webbrowser
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .content import Content
+from .guard import guarded_serving, new_token
 from .html import has_browser
 from .panel import Panel
 from .recorder import import_viser, printable
@@ -38,7 +40,8 @@ class LiveView:
         self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
         self._shown: float | None = None  # time of the picture; None = make it anew
         self._ended = threading.Event()
-        self._server = quiet_server()
+        self._token = new_token()
+        self._server = quiet_server(self._token)
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
             self._stage = Stage(scene, camera, *content[:4], content.shown)
@@ -63,8 +66,8 @@ class LiveView:
 
     @property
     def url(self) -> str:
-        """Where a browser finds it."""
-        return f"http://{HOST}:{self._server.get_port()}"
+        """Where a browser finds it, with the token that lets it in."""
+        return f"http://{HOST}:{self._server.get_port()}/?token={self._token}"
 
     def can_open(self) -> bool:
         """True if this machine can open a browser window."""
@@ -139,13 +142,15 @@ def mixed(values: np.ndarray, k: int, share: float) -> np.ndarray:
     return (1.0 - share) * values[k] + share * values[k + 1] if share else values[k]
 
 
-def quiet_server() -> "ViserServer":
-    """A server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
+def quiet_server(token: str) -> "ViserServer":
+    """A guarded server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
     viser = import_viser("a live view")
     import rich  # which viser brings
 
     console = rich.get_console()
-    with console.capture():
+    logging.getLogger("websockets").addHandler(logging.NullHandler())  # tracebacks of those who hang up
+    logging.getLogger("websockets").propagate = False
+    with console.capture(), guarded_serving(token):
         server = viser.ViserServer(host=HOST, port=0, verbose=False)
     server.get_event_loop().call_soon_threadsafe(console.begin_capture)  # what its own thread says at the end
     return server

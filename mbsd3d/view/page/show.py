@@ -7,7 +7,7 @@ import numpy as np
 from ...base.checks import number
 from ...base.paths import ready_path
 from ...base.progress import Progress
-from ...mechanism.bodies import Body
+from ...mechanism.bodies import GROUND, Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
@@ -21,6 +21,7 @@ from .html import View, make_page
 from .live import LiveView
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
+TRAVELS = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
 FEW = 12  # bodies whose names do not hide the scene
 
 
@@ -58,11 +59,11 @@ def animate(
     title: str | None,
     dark: bool | None,
     live: bool,
-    follow: Body | str | None,
+    follow: Body | Ground | str | None,
 ) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
-    followed = followed_body(motion.system, follow, live)
+    followed = followed_body(motion, follow, live)
     layers = page_layers(motion.system, shown, hidden)
     speed = None if speed is None else number(speed, "speed", positive=True)
     with Progress("page", 0.0, 6.0) as progress:
@@ -84,10 +85,17 @@ def animate(
         return deliver(content, path, dark, live, "solution.animate")
 
 
-def followed_body(system: Mechanism, follow: Body | str | None, live: bool) -> int:
-    """Number of the body that the camera goes along with, or -1."""
-    if follow is None:
+def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:
+    """Number of the body that the camera goes along with, or -1; None = the heaviest of those that travel."""
+    system = motion.system
+    if follow is GROUND or follow == GROUND.name or (follow is None and live):
         return -1
+    if follow is None:
+        heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
+        start = np.array([body.centre for body in system.bodies])
+        size = max(motion.compiled.model.length, float(np.ptp(start, axis=0).max()))
+        way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
+        return heaviest if way > TRAVELS * size else -1
     if live:
         raise ValueError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
     body = system.part(follow)

@@ -75,7 +75,9 @@ class Drawing(NamedTuple):
 
 
 def title_of(system: Mechanism) -> str:
-    """The names of the bodies, the first ones of many."""
+    """The name of the system, else those of its bodies, the first ones of many."""
+    if system.title:
+        return system.title
     names = [body.name for body in system.bodies]
     if len(names) == 1:
         return names[0]

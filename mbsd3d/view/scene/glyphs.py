@@ -78,12 +78,17 @@ def guides(joint: Joint, size: float) -> list[Glyph]:
     return found
 
 
+def unless_none(first: np.ndarray | None, second: np.ndarray) -> np.ndarray:
+    """The first one that there is."""
+    return second if first is None else first
+
+
 def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> list[Glyph]:
     """What shows the point of a joint without an angle; a ball at the other end of a rod too."""
     if joint.angle() is not None:
         return []
     if hasattr(joint, "speed"):
-        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, joint.axis)]
+        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, unless_none(joint.axis, joint.direction))]
     if sum(row.n_rows for row in joint.primitives) >= LOCKED:
         along = joint.axis if hasattr(joint, "axis") else np.array([0.0, 0.0, 1.0])
         return [placed(scaled(block(), 0.7 * size, 0.7 * size, 0.9 * size), body, point, along)]
@@ -121,7 +126,7 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
     found = []
     for name, axis in axes.items():
         body = own[name]
-        point = joint.at if body is joint.a and hasattr(joint, "at") else at
+        point = joint.at if body is joint.a and getattr(joint, "at", None) is not None else at
         middle, half = body.local_point(point), 0.5 * length * body.local_axis(axis)
         found.append((body, np.array([middle - half, middle + half])))
     return found

@@ -9,6 +9,7 @@ from ...base.checks import vector
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
 from ...mechanism.bodies import GROUND, Body
+from ...mechanism.drivers import Driver
 from ...mechanism.mechanism import Mechanism
 from ...plotting.panels import Panel, Wanted, panels_of
 from ...results.body_motion import Poses
@@ -21,7 +22,7 @@ from .frames import Between, Frames, between
 TRACES, LINES = 12, 6  # traces, and lines of one curve, at most, unless asked for
 NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
 STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
-Points = Iterable[tuple[Body | str, Iterable[float]]]
+Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
 
 
 class Arrows(NamedTuple):
@@ -133,8 +134,9 @@ def carried(
 def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> list[Trace]:
     """Paths of points of bodies, in the colours of the bodies.
 
-    ``points``: pairs of a body or its name, and a world point at the reference pose [m], carried by the body; None =
-    the centres of mass that move by more than 1 % of the mechanism's size, at most 12, those that move most.
+    ``points``: bodies or names, whose centres of mass are meant, and pairs of one and a world point at the reference
+    pose [m], carried by the body; None = the centres of mass that move by more than 1 % of the mechanism's size, at
+    most 12, those that move most.
     """
     system = motion.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
@@ -151,9 +153,12 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
 
 
 def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) -> tuple[Body, np.ndarray]:
-    """Body and point in its axes, of an entry (body or name, world point at the reference pose)."""
+    """Body and point in its axes, of an entry (body or name, world point at the reference pose), or of a body alone."""
+    if isinstance(entry, Body | str):
+        body = system.part(entry)
+        return body, body.com
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise ValueError(f"trace {entry!r} is not a pair; give (body, (x, y, z))")
+        raise ValueError(f"trace {entry!r} is no body and no pair; give a body, or (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
@@ -164,7 +169,7 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
 
     Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
     what tells most: angles or slides of at most 6 joints that move (else the angular velocity of the first body), the
-    energies, and the reactions of at most 6 joints.
+    energies, the efforts of drivers, and the reactions of at most 6 joints.
     """
     if not isinstance(motion, RunResult):
         return []
@@ -199,4 +204,6 @@ def telling(run: RunResult) -> list:
         joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
         if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
             first = (kind, *moving[:LINES])
-    return [first, "energy", *([("reaction", *system.joints[:LINES])] if system.joints else [])]
+    held = [joint for joint in system.joints if not isinstance(joint, Driver)]
+    efforts = ["effort"] if run.compiled.drives else []
+    return [first, "energy", *efforts, *([("reaction", *held[:LINES])] if held else [])]

@@ -268,6 +268,8 @@ VELOCITY: dict[type, Callable] = {
     mbsd3d.KnifeEdge: lambda k, j: [dot(k.axis(j.b, j.lateral), k.slip(j.a, j.b, k.point(j.b, j.at_b)))],
     mbsd3d.SpeedDriver: lambda k, j: [
         dot(k.axis(j.a, j.axis), k.rates(j.b)[1] - k.rates(j.a)[1]) - k.signal(j.speed)
+        if j.direction is None
+        else dot(k.axis(j.b, j.direction), k.slip(j.a, j.b, k.point(j.b, j.at))) - k.signal(j.speed)
     ],
 }  # fmt: skip
 """Joint class -> s(q, v, t), linear in v."""

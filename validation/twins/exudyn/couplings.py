@@ -68,6 +68,8 @@ def add_position_driver(model: Assembly, joint: Joint, what: str) -> None:
 
 def add_speed_driver(model: Assembly, joint: Joint, what: str) -> None:
     """x_a . (w_b - w_a) = f(t), a condition on velocities."""
+    if joint.axis is None:
+        raise NotExpressible(f"{what}: moves a point at a given speed; Exudyn has a row for speeds of turning only")
     x, speed = Coordinate("angle", joint.a, joint.b, joint.axis, joint.axis), follow(joint.speed)
     moving = {}
     if not isinstance(joint.speed, Constant):

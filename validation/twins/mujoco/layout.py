@@ -212,7 +212,7 @@ def lay_out(system: System, rods: bool) -> Layout:
 
 def turns_it(joint: Joint, driver: Joint) -> bool:
     """Whether a speed driver turns a hinge, which it does not name."""
-    own = joint.angle() if isinstance(driver, mbsd3d.SpeedDriver) else None
+    own = joint.angle() if isinstance(driver, mbsd3d.SpeedDriver) and driver.axis is not None else None
     return own is not None and {own.a, own.b} == {driver.a, driver.b} and abs(abs(own.axis @ driver.axis) - 1.0) < ALONG
 
 

@@ -1,0 +1,118 @@
+"""What a force element does to one body: wrench, power, stored energy and stretch at every sample.
+
+The kernel of all loads is called with a table that holds this element alone, without gravity: what it leaves in Q of a
+body is the wrench of the element about O. No law is written a second time.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.style import Sampled
+from ..dynamics.loads import loads
+from ..equations.compiled import new_data
+from ..kernels.kinematics import kinematics
+from ..mechanism.bodies import GROUND, Body, Ground
+from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.custom import SavedForce
+from ..mechanism.forces.springs import SpringDamper
+
+if TYPE_CHECKING:
+    from .run_samples import RunSamples
+
+
+@dataclass(frozen=True, repr=False)
+class Load(Sampled):
+    """Wrench of a force element on a body at its point there, world axes; all (samples, 3) in N, N m, m.
+
+    ``power`` [W] is what the element gives to all its bodies, ``stored`` [J] the energy in it. ``length`` [m] or
+    ``angle`` [rad] is the distance or the hinge coordinate along which it acts and ``rate`` how fast that changes;
+    None where there is none. ``states``: own states by name, (samples,) each.
+    """
+
+    force: np.ndarray
+    moment: np.ndarray
+    point: np.ndarray
+    power: np.ndarray
+    stored: np.ndarray
+    length: np.ndarray | None = None
+    angle: np.ndarray | None = None
+    rate: np.ndarray | None = None
+    states: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
+    """See `Solution.force`."""
+    system = solution.system
+    part = system.part(force, "forces")
+    if isinstance(part, SavedForce):
+        raise ValueError(
+            f"solution.force: the function of '{system.name(part)}' was not saved with the solution, so its force is "
+            "not known; read it before saving, or run the model again"
+        )
+    body = acted_body(solution, part, on)
+    wrench, power = wrenches_about_O(solution, part, body)
+    point = acting_points(solution, part, body)
+    origin = 0.0 if body is GROUND else solution.position(body)
+    push = wrench[:, :3]
+    stored = solution.arrays["potential"][:, system.forces.index(part)]
+    own = dict(zip(part.state_names(), solution.state_of(part).T, strict=True))
+    turn = wrench[:, 3:] - np.cross(point - origin, push)
+    return Load(push, turn, point, power, stored, **stretch(solution, part), states=own)
+
+
+def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
+    """The body meant: None = body b of two, the last one of a `CustomForce`."""
+    bodies = list({id(body): body for body in part.record().bodies}.values())
+    if on is None:
+        return bodies[-1]
+    for body in bodies:
+        if on is body or on == body.name:
+            return body
+    names = ", ".join(f"'{body.name}'" for body in bodies)
+    shown = getattr(on, "name", on)
+    raise ValueError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
+
+
+def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Ground) -> np.ndarray:
+    """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
+    if part.record().coordinate is not None:
+        return part.partners()[0].reaction_points(solution)
+    return solution.body_point(*part.acts_at(body))
+
+
+def wrenches_about_O(
+    solution: "RunSamples", part: ForceElement, body: Body | Ground
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """((samples, 6) force and moment about O on the body, (samples,) power given to all bodies)."""
+    compiled, arrays, samples = solution.compiled, solution.arrays, solution.t.size
+    compiled.data()  # a custom function is compiled and its address in the table
+    k = solution.system.forces.index(part)
+    alone = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
+    data, index = new_data(alone), compiled.body_index[id(body)]
+    wrench, power = np.empty((samples, 6)), np.empty(samples)
+    data.coordinate["rate"] = 0.0
+    for i in range(samples):
+        data.coordinate["value"] = arrays["coordinate"][i]  # angles count their turns
+        data.unwrap_time[0] = solution.t[i]
+        kinematics(alone, data, arrays["state"][i])
+        loads(alone, data, solution.t[i])
+        wrench[i] = data.body["Q"][index]
+        power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
+    return wrench, power
+
+
+def stretch(solution: "RunSamples", part: ForceElement) -> dict[str, np.ndarray]:
+    """Length or angle along which an element acts, and its rate."""
+    x = part.record().coordinate
+    if x is not None:
+        values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
+        return {"length" if x.kind == "slide" else "angle": values, "rate": solution._coordinate_rate(x)}
+    if isinstance(part, SpringDamper):
+        (p_a, v_a), (p_b, v_b) = (
+            solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))
+        )
+        length = np.linalg.norm(p_b - p_a, axis=1)
+        return {"length": length, "rate": np.einsum("ti,ti->t", p_b - p_a, v_b - v_a) / length}
+    return {}

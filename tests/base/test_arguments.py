@@ -1,0 +1,101 @@
+"""Calls with wrong arguments are answered by public names, with the argument that was meant."""
+
+import inspect
+import pickle
+
+import pytest
+
+from mbsd3d import (
+    GROUND,
+    RK4,
+    Body,
+    Force,
+    Pulse,
+    Revolute,
+    SpringDamper,
+    State,
+    System,
+    Table,
+    linearize,
+    simulate,
+)
+from mbsd3d.errors import ArgumentError, MbsError
+
+BOB = Body("bob", 1.0, (0.1, 0.1, 0.1), position=(0, 0, -1))
+HINGE = Revolute(GROUND, BOB, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+SWING = System([BOB], [HINGE])
+ENDS = {"at_a": (0, 0, 0), "at_b": (0, 0, -1)}
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: simulate(SWING, 1.0, dt=0.1), r"simulate: no argument 'dt', the step belongs to a method: method=RK4"),
+        (lambda: simulate(SWING), "simulate: missing a required argument: 't_end'; it takes system, t_end"),
+        (lambda: linearize(SWING, output=[]), "linearize: no argument 'output', did you mean 'outputs'"),
+        (
+            lambda: Body("b", 1.0, (1, 1, 1), angular_velocity=(0, 0, 1)),
+            "Body: no argument 'angular_velocity', .*'omega'",
+        ),
+        (lambda: SpringDamper(GROUND, BOB, **ENDS, k=3), "SpringDamper: no argument 'k', did you mean 'stiffness'. It"),
+        (lambda: SpringDamper(GROUND, BOB, **ENDS, stiffness=1, c=3), "no argument 'c', did you mean 'damping'"),
+        (lambda: Revolute(GROUND, BOB, at=(0, 0, 0)), "^Revolute: missing a required argument: 'axis'; it takes a, b"),
+        (
+            lambda: Revolute(GROUND, BOB, at=(0, 0, 0), axes=(1, 0, 0)),
+            "Revolute: no argument 'axes', did you mean 'axis'",
+        ),
+        (lambda: System([BOB], joint=[HINGE]), "System: no argument 'joint', did you mean 'joints'"),
+        (lambda: Force(BOB, (1, 0, 0), colour=3), "Force: no argument 'colour'; it takes body, force"),
+    ],
+)
+def test_wrong_calls(call, message):
+    with pytest.raises(ArgumentError, match=message) as caught:
+        call()
+    assert isinstance(caught.value, TypeError) and isinstance(caught.value, MbsError)
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: simulate(SWING, 1.0, output=0.01),
+            r"output = 0.01: give a count, or .* numpy.arange\(0, t_end, 0.01\)",
+        ),
+        (lambda: simulate(SWING, 1.0, output=10**18), "more than memory holds; give at most"),
+        (lambda: simulate(SWING, 1.0, baumgarte=3), "baumgarte 3: give two factors"),
+        (lambda: simulate(SWING, 1.0, gyroscopic="x"), "gyroscopic = 'x'; give True or False"),
+        (lambda: simulate(SWING, 1.0, as_built="1mm"), "as_built: expected a number, got '1mm'"),
+        (lambda: simulate(SWING, 1.0, method=RK4(1e-30)), "dt = 1e-30 s needs 1e.30 steps; give a longer one"),
+        (lambda: SWING.check(as_built="1mm"), "as_built: expected a number, got '1mm'"),
+        (lambda: SWING.assemble(angles=[1]), r"angles = \[1\] is no mapping; give e.g. {hinge: 0.3}"),
+        (lambda: Body("b", 1e300, (1, 1, 1)), "mass: 1e.300 is outside 1e-60 ... 1e.60, .*check the units"),
+        (lambda: Body("b", 1e-300, (1, 1, 1)), "mass 1e-300 is below 1e-60; check the units, or give 0"),
+        (lambda: Body("b", 10**400, (1, 1, 1)), "mass: expected a number, got 1000.*401 characters"),
+        (lambda: Body("b", "2", (1, 1, 1)), "mass: expected a number, got '2'"),
+        (lambda: Body(3, 1.0, (1, 1, 1)), "body name 3: give a non-empty text"),
+        (lambda: Revolute(GROUND, BOB, at=(0, 0, 0), axis=(0, 1, 0), name=3), "Revolute name 3: give a non-empty text"),
+        (lambda: Pulse(1.0, 0.0, 1e-110), "an edge of 1e-110 s is too steep to compute with"),
+        (lambda: Table([0, 1, 2, 3], [0, 1e308, 0, -1e308]), "make a spline too steep to compute with"),
+        (lambda: Table([0, 1e-300, 2e-300, 1], [0, 1, 2, 3]), "make a spline too steep to compute with"),
+    ],
+)
+def test_wrong_values(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_help_and_copies_see_the_real_signatures():
+    assert list(inspect.signature(Revolute).parameters)[:2] == ["a", "b"]
+    assert list(inspect.signature(simulate).parameters)[:2] == ["system", "t_end"]
+    assert list(inspect.signature(System).parameters)[:4] == ["bodies", "joints", "forces", "gravity"]
+    assert isinstance(State(0.0, [0, 0, 0, 1, 0, 0, 0], [0] * 6), State)
+
+
+def test_a_mistake_inside_a_part_is_not_explained_away():
+    class Odd(Force):
+        def check(self, what):
+            raise TypeError("from inside")
+
+    with pytest.raises(TypeError, match="^from inside$"):
+        Odd(BOB, (1, 0, 0))

@@ -1,0 +1,279 @@
+"""Loads of force elements against their textbook formulas, written with scipy's rotations on the motion of a run."""
+
+import numpy as np
+import pytest
+from models import concrete_subclasses, direction, middle, random_body, random_orientation
+from scipy.spatial.transform import Rotation
+
+from mbsd3d import (
+    GROUND,
+    AeroDrag,
+    Bushing,
+    Constant,
+    CustomForce,
+    Cylindrical,
+    Force,
+    JointFriction,
+    Prismatic,
+    Revolute,
+    Sine,
+    SpringDamper,
+    StateFeedback,
+    System,
+    Torque,
+    TorsionSpring,
+    load,
+    measures,
+    simulate,
+)
+from mbsd3d.mechanism.force_element import ForceElement
+from mbsd3d.mechanism.forces.custom import SavedForce
+
+ROUNDING = 1e-10  # sums of some ten products of numbers up to 1e2, with the slack of hinges that are closed to 1e-15
+
+
+def band(t, bodies, z, parameters, loads, z_dot):
+    """A pull along the line between two points, with a slow state, and a moment on the first body."""
+    gap = bodies[1].r - bodies[0].r
+    loads[0, :3] = (parameters[0] + z[0]) * gap
+    loads[1, :3] = -loads[0, :3]
+    loads[0, 3:] = parameters[1] * bodies[0].w
+    z_dot[0] = 0.3 - z[0]
+
+
+def machine():
+    """Two free bodies and two on hinge and slider, under one element of every class."""
+    rng = np.random.default_rng(5)
+    a, b, c, d = (random_body(rng, name) for name in "abcd")
+    hinge = Revolute(a, c, at=middle(rng, a, c), axis=direction(rng), name="hinge")
+    slider = Prismatic(GROUND, d, at=d.position + 0.2 * direction(rng), axis=direction(rng), name="slider")
+    ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
+    turned = random_orientation(rng)
+    at = middle(rng, a, b)
+    forces = [
+        SpringDamper(a, b, **ends, stiffness=7.0, damping=0.9, length=0.8, name="spring"),
+        TorsionSpring(hinge, stiffness=3.0, damping=0.7, angle=0.4, name="torsion"),
+        TorsionSpring(slider, stiffness=5.0, damping=0.2, angle=-0.1, name="buffer"),
+        JointFriction(slider, coulomb=0.8, viscous=0.3, transition=0.5, name="friction"),
+        Bushing(a, b, at=at, axes=turned, stiffness=(5, 7, 3), turning_stiffness=(2, 1.3, 4), damping=(0.4, 0.7, 0.2),
+                turning_damping=(0.3, 0.6, 0.5), name="bushing"),
+        Force(b, (1.0, Sine(2.0, 3.0), -0.5), at=b.position + direction(rng), frame="body", name="thrust"),
+        Torque(b, (0.4, Constant(0.2), Sine(0.3, 2.0)), frame="body", name="torque"),
+        AeroDrag(b, drag_area=0.5, density=1.2, at=b.position + 0.4 * direction(rng), wind=(1, -2, 0.5), name="drag"),
+        StateFeedback(measures=[measures.angle(hinge), measures.rate(hinge)], gains=(2.0, 0.7), on=hinge,
+                      reference=(0.4, -0.3), time_constant=0.2, name="servo"),
+        CustomForce(band, on=(a, b), points=(ends["at_a"], at), parameters=(0.6, -0.2), states={"slow": 1.5},
+                    name="band"),
+    ]  # fmt: skip
+    return System([a, b, c, d], [hinge, slider], forces, gravity=(0.3, -0.7, -9.6))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(machine(), 0.5, output=7)
+
+
+class Seen:
+    """A body of a run by scipy's rotations: what the formulas need."""
+
+    def __init__(self, run, name):
+        self.body = run.system.part(name)
+        self.r, self.v, self.w = run.position(name), run.velocity(name), run.omega(name)
+        turn = Rotation.from_quat(run.orientation(name), scalar_first=True)
+        self.R = turn.as_matrix() @ Rotation.from_quat(self.body.orientation, scalar_first=True).as_matrix().T
+
+    def point(self, at):
+        """(position, velocity) of a point given at the reference pose."""
+        arm = self.R @ (np.asarray(at) - self.body.position)
+        return self.r + arm, self.v + np.cross(self.w, arm)
+
+    def axes(self, columns):
+        return self.R @ columns
+
+
+def along_hinge(run, name):
+    """(axis, angle from the rotation vector, rate) of the hinge between a and c."""
+    part, a, c = run.system.part(name, "joints"), Seen(run, "a"), Seen(run, "c")
+    axis = a.axes(part.axis)
+    relative = Rotation.from_matrix(np.swapaxes(a.R, 1, 2) @ c.R).as_rotvec()
+    return axis, relative @ part.axis, np.einsum("ti,ti->t", axis, c.w - a.w)
+
+
+def along_slider(run):
+    part, d = run.system.part("slider", "joints"), Seen(run, "d")
+    p, v = d.point(part.at)
+    return part.axis, (p - part.at) @ part.axis, v @ part.axis, p
+
+
+def close(found, expected):
+    np.testing.assert_allclose(found, np.broadcast_to(expected, np.shape(found)), rtol=0, atol=ROUNDING)
+
+
+def test_the_machine_has_every_class_of_forces():
+    known = {cls for cls in concrete_subclasses(ForceElement) if cls.__module__.startswith("mbsd3d.")}
+    assert {type(force) for force in machine().forces} == known - {SavedForce}
+
+
+def test_spring(run):
+    part, a, b = run.system.part("spring", "forces"), Seen(run, "a"), Seen(run, "b")
+    (p, u), (q, v) = a.point(part.at_a), b.point(part.at_b)
+    length = np.linalg.norm(q - p, axis=1)
+    n = (q - p) / length[:, None]
+    rate = np.sum(n * (v - u), axis=1)
+    pull = 7.0 * (length - 0.8) + 0.9 * rate
+    found = run.force("spring")
+    close(found.force, -pull[:, None] * n)
+    close(found.moment, 0.0)
+    close(found.point, q)
+    close(found.length, length)
+    close(found.rate, rate)
+    close(found.power, -pull * rate)
+    close(found.stored, 3.5 * (length - 0.8) ** 2)
+    other = run.force(part, on="a")
+    close(other.force, pull[:, None] * n)
+    close(other.point, p)
+    assert found.angle is None and found.states == {}
+
+
+def test_torsion_spring_and_servo(run):
+    axis, angle, rate = along_hinge(run, "hinge")
+    found = run.force("torsion")
+    load_size = -3.0 * (angle - 0.4) - 0.7 * rate
+    close(found.force, 0.0)
+    close(found.moment, load_size[:, None] * axis)
+    close(found.angle, angle)
+    close(found.rate, rate)
+    close(found.power, load_size * rate)
+    assert found.length is None
+    servo = run.force("servo")
+    seen = servo.states
+    assert list(seen) == ["angle of hinge", "rate of hinge"]
+    size = -2.0 * (seen["angle of hinge"] - 0.4) - 0.7 * (seen["rate of hinge"] + 0.3)
+    close(servo.moment, size[:, None] * axis)
+    close(run.force("servo", on="a").moment, -size[:, None] * axis)
+
+
+def test_buffer_and_friction_of_a_slider(run):
+    axis, slide, speed, point = along_slider(run)
+    for name, size in (
+        ("buffer", -5.0 * (slide + 0.1) - 0.2 * speed),
+        ("friction", -0.8 * np.tanh(speed / 0.5) - 0.3 * speed),
+    ):
+        found = run.force(name)
+        close(found.force, size[:, None] * axis)
+        close(found.moment, 0.0)
+        close(found.point, point)
+        close(found.length, slide)
+        close(found.rate, speed)
+        close(run.force(name, on=GROUND).force, -size[:, None] * axis)
+
+
+def test_bushing(run):
+    part, a, b = run.system.part("bushing", "forces"), Seen(run, "a"), Seen(run, "b")
+    F = a.axes(Rotation.from_quat(part.axes, scalar_first=True).as_matrix())
+    G = b.axes(Rotation.from_quat(part.axes, scalar_first=True).as_matrix())
+    into = np.swapaxes(F, 1, 2)
+    (p, _), (q, v) = a.point(part.at), b.point(part.at)
+    u = a.v + np.cross(a.w, q - a.r)  # of the point of a where that of b is
+    d, d_dot = (np.einsum("tij,tj->ti", into, x) for x in (q - p, v - u))
+    w = np.einsum("tij,tj->ti", into, b.w - a.w)
+    e = Rotation.from_matrix(into @ G).as_quat(canonical=True)
+    K, C, K_r, C_r = part.stiffness, part.damping, part.turning_stiffness, part.turning_damping
+    force = -(K * d + C * d_dot)
+    moment = -2 * (e[:, 3:] * K_r * e[:, :3] + np.cross(e[:, :3], K_r * e[:, :3])) - C_r * w
+    found = run.force("bushing")
+    close(found.force, np.einsum("tij,tj->ti", F, force))
+    close(found.moment, np.einsum("tij,tj->ti", F, moment))
+    close(found.point, q)
+    close(found.power, np.sum(force * d_dot + moment * w, axis=1))
+    close(run.force("bushing", on="a").moment, -found.moment)
+    close(run.force("bushing", on="a").point, q)
+
+
+def test_loads_on_one_body(run):
+    b, t = Seen(run, "b"), run.t
+    R_b = b.R @ Rotation.from_quat(b.body.orientation, scalar_first=True).as_matrix()
+    part = run.system.part("thrust", "forces")
+    one = np.ones(t.size)
+    expected = np.einsum("tij,tj->ti", R_b, np.column_stack([one, 2.0 * np.sin(6.0 * np.pi * t), -0.5 * one]))
+    p, v = b.point(part.at)
+    found = run.force("thrust")
+    close(found.force, expected)
+    close(found.moment, 0.0)
+    close(found.point, p)
+    close(found.power, np.sum(expected * v, axis=1))
+    expected = np.einsum("tij,tj->ti", R_b, np.column_stack([0.4 * one, 0.2 * one, 0.3 * np.sin(4.0 * np.pi * t)]))
+    found = run.force("torque")
+    close(found.moment, expected)
+    close(found.power, np.sum(expected * b.w, axis=1))
+    part = run.system.part("drag", "forces")
+    p, v = b.point(part.at)
+    u = v - (1, -2, 0.5)
+    found = run.force("drag")
+    close(found.force, -0.3 * np.linalg.norm(u, axis=1)[:, None] * u)
+    close(found.point, p)
+
+
+def test_custom_force_on_each_body(run):
+    part, a, b = run.system.part("band", "forces"), Seen(run, "a"), Seen(run, "b")
+    p, q = a.point(part.points[0])[0], b.point(part.points[1])[0]
+    slow = 0.3 + 1.2 * np.exp(-run.t)
+    first, second = run.force("band", on="a"), run.force("band")
+    np.testing.assert_allclose(first.states["slow"], slow, rtol=0, atol=1e-7)  # integrated, rtol 1e-8
+    size = (0.6 + first.states["slow"])[:, None]
+    close(first.force, size * (q - p))
+    close(first.moment, -0.2 * a.w)
+    close(first.point, p)
+    close(second.force, -size * (q - p))
+    close(second.moment, 0.0)
+    close(second.point, q)
+
+
+def test_all_loads_add_up_to_the_motion(run):
+    """Newton for body b: the elements on it and gravity; no joint holds it."""
+    body = run.system.part("b")
+    total = np.array([[0.3, -0.7, -9.6]]) * body.mass
+    for force in run.system.forces:
+        if body in force.bodies():
+            total = total + run.force(force, on=body).force
+    arm, w, alpha = run.com("b") - run.position("b"), run.omega("b"), run.alpha("b")
+    a_G = run.acceleration("b") + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+    close(body.mass * a_G, total)
+
+
+def test_slips_are_named(run):
+    with pytest.raises(ValueError, match="'nix' is not one of the forces of this system; there are 'spring'"):
+        run.force("nix")
+    with pytest.raises(ValueError, match="'spring' does not act on 'c'; it acts on 'a', 'b'"):
+        run.force("spring", on="c")
+    with pytest.raises(ValueError, match="give every state a name of its own"):
+        CustomForce(band, on=(run.system.bodies[0], GROUND), states=(1.0, 2.0), labels=("x", "x"))
+
+
+def test_tables_figures_and_files_hold_the_loads(run, tmp_path):
+    table = run.to_xarray()
+    spring = table["force"].sel(force_element="spring")
+    np.testing.assert_array_equal(spring, run.force("spring").force)
+    assert "band on a" in table["force_element"].values and "band.slow" in table["own_state"].values
+    np.testing.assert_array_equal(table["force_angle"].sel(force_element="torsion"), run.force("torsion").angle)
+    head = run.to_csv(tmp_path / "run").read_text().splitlines()[0]
+    assert "spring.force.x [N]" in head and "torsion.force_angle_rate [rad/s]" in head and "band.slow" in head
+    figure = run.plot("force", "spring")
+    assert [axes.get_ylabel() for axes in figure.axes] == ["force of spring [N]"]
+    assert len(run.plot("force").axes) == 2 and run.plot("power", "drag") and run.plot("length")
+    again = load(run.save(tmp_path / "run"))
+    close(again.force("spring").force, run.force("spring").force)
+    assert again.system.part("band", "forces").labels == ("slow",)
+    assert again.plot("force") and "spring.force.x" in again.to_csv(tmp_path / "again").read_text()
+    with pytest.raises(ValueError, match="the function of 'band' was not saved"):
+        again.force("band")
+
+
+def test_a_cylindrical_joint_is_read_at_its_angle():
+    rng = np.random.default_rng(8)
+    body = random_body(rng, "nut")
+    joint = Cylindrical(GROUND, body, at=body.position + 0.2 * direction(rng), axis=direction(rng), name="pin")
+    solution = simulate(System([body], [joint], [TorsionSpring(joint, stiffness=2.0, angle=1.0, name="coil")]), 0.3)
+    found = solution.force("coil")
+    close(found.angle, solution.angle(joint))
+    close(found.rate, solution.rate(joint))

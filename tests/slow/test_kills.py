@@ -1,0 +1,101 @@
+"""Sweeps killed at 60 moments: no process stays, nothing finished is computed again, and the result is the same."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweep_models import LONG, RUN, counted, speed
+
+from mbsd3d.sweeps.sweep import sweep
+
+ROOT = Path(__file__).parents[2]
+END = 15.0  # s: workers end at once, one that is still importing after that, which takes seconds on a busy machine
+MOMENTS = 20
+CELLS = 160
+
+
+def children(pid):
+    """All processes below one, from /proc."""
+    parents = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        except OSError:  # ended meanwhile
+            continue
+        parents.setdefault(int(fields[1]), []).append((int(folder.name), fields[0]))
+    found, todo = [], [pid]
+    while todo:
+        for child, state in parents.get(todo.pop(), []):
+            todo.append(child)
+            if state != "Z":
+                found.append(child)
+    return found
+
+
+def alive(pids):
+    """Those that still run."""
+    found = []
+    for pid in pids:
+        try:
+            if (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] != "Z":
+                found.append(pid)
+        except OSError:
+            continue
+    return found
+
+
+def lines(path):
+    return path.read_text().splitlines() if path.exists() else []
+
+
+def begin(ledger, mark, executor):
+    """A process that sweeps LONG."""
+    environment = {"MBSD3D_MARK": str(mark), "MBSD3D_FAST": "1000", "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}"}
+    command = [sys.executable, "-m", "sweep_models", str(ledger), "0", executor]
+    return subprocess.Popen(command, env=os.environ | environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    os.environ["MBSD3D_MARK"] = str(tmp_path_factory.mktemp("kills") / "mark")
+    return sweep(counted, LONG, speed, run=RUN)["speed"].values
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads processes from /proc")
+@pytest.mark.parametrize("executor", ["threads", "processes", "distributed"])
+@pytest.mark.parametrize("moment", range(MOMENTS))
+def test_a_killed_sweep_leaves_no_process_and_loses_nothing(tmp_path, monkeypatch, undisturbed, executor, moment):
+    ledger, mark = tmp_path / "sweep.db", tmp_path / "mark"
+    rng = np.random.default_rng([moment, 7])
+    process = begin(ledger, mark, executor)
+    wanted = int(rng.integers(0, CELLS - 20))  # cells that have begun; 0: while it starts
+    if not wanted:
+        time.sleep(rng.uniform(0.0, 3.0))
+    while wanted and len(lines(mark)) < wanted and process.poll() is None:
+        time.sleep(0.005)
+    below = children(process.pid)
+    victim = process.pid
+    if moment % 3 == 2 and executor == "processes" and below:  # a worker: the sweep goes on by itself
+        victim = below[-1]
+    os.kill(victim, signal.SIGKILL)
+    if victim == process.pid:
+        process.wait(timeout=10)
+        ends = time.monotonic() + END
+        while alive(below) and time.monotonic() < ends:
+            time.sleep(0.02)
+        assert alive(below) == [], f"{len(alive(below))} processes still run {END} s after kill -9"
+    else:
+        assert process.wait(timeout=120) == 0
+    begun = len(lines(mark))
+    monkeypatch.setenv("MBSD3D_MARK", str(mark))
+    table = sweep(counted, LONG, speed, run=RUN, ledger=ledger)
+    assert np.array_equal(table["speed"].values, undisturbed)  # to the last bit, whoever computed it
+    in_flight = 2 * (os.cpu_count() or 1) + 4
+    assert len(lines(mark)) - CELLS <= in_flight, "cells that had finished were computed again"
+    assert begun <= len(lines(mark))
