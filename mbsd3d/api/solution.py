@@ -17,6 +17,7 @@ from .viewable import Viewable
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from pandas import DataFrame
     from xarray import Dataset
 
     from ..plotting.panels import Part, Wanted
@@ -175,7 +176,7 @@ class Solution(RunResult, Viewable):
 
         return to_csv(self, path)
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> "DataFrame":
         """A pandas DataFrame, one row a sample, indexed by the time, with the columns of `to_csv`."""
         from ..files.tables import to_dataframe
 

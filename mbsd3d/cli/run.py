@@ -1,7 +1,7 @@
 """``mbsd3d run``: a simulation with its files."""
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -16,10 +16,13 @@ from .support import (
     set_option,
 )  # fmt: skip
 
+if TYPE_CHECKING:
+    from ..integrators.method import Method
+
 METHODS = ("DOP853", "RK4", "GeneralizedAlpha", "RadauIIA", "Kinematic")
 
 
-def method_of(name: str | None, dt: float | None, stiff: str | None) -> Any:
+def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method":
     """The method of the options; what it does not take is refused."""
     import mbsd3d
 

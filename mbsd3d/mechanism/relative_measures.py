@@ -6,12 +6,12 @@ direction fixed in the other: of its projection on the plane across the axis. Th
 """
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.directions import cross, perpendiculars, unit
-from .bodies import GROUND, Body
+from .bodies import GROUND, Body, Ground
 from .forces.springs import SpringDamper
 from .measures import Measure, body_or_error, distance, label, lean, point_of
 from .primitives import Coordinate
@@ -26,7 +26,9 @@ def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
     return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
-def protractor(a: Any, b: Any, axis: np.ndarray, zero: np.ndarray, direction: np.ndarray, what: str) -> Coordinate:
+def protractor(
+    a: Body | Ground, b: Body | Ground, axis: np.ndarray, zero: np.ndarray, direction: np.ndarray, what: str
+) -> Coordinate:
     """The angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
     for x in (zero, direction):
         if np.linalg.norm(cross(axis, x)) < PARALLEL:
@@ -37,7 +39,7 @@ def protractor(a: Any, b: Any, axis: np.ndarray, zero: np.ndarray, direction: np
     return Coordinate("angle", a, b, axis, axis, zero_a=zero, zero_b=direction)
 
 
-def heading(body: Body, *, forward: Any = (1.0, 0.0, 0.0)) -> Measure:
+def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Heading of a body [rad]: angle about z from the world x axis to its forward axis, > 0 to the left (z up).
 
     ``forward`` is given in world axes at the reference pose.
@@ -45,17 +47,17 @@ def heading(body: Body, *, forward: Any = (1.0, 0.0, 0.0)) -> Measure:
     return of_coordinate(_heading(body, forward, "measures.heading"), f"heading of {label(body)}")
 
 
-def heading_rate(body: Body, *, forward: Any = (1.0, 0.0, 0.0)) -> Measure:
+def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Rate of `heading` [rad/s]."""
     return of_coordinate(_heading(body, forward, "measures.heading_rate"), f"heading rate of {label(body)}", rate=True)
 
 
-def _heading(body: Body, forward: Any, what: str) -> Coordinate:
+def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
     body_or_error(body, what)
     return protractor(GROUND, body, AXES[2], AXES[0], unit(forward, f"{what}: forward"), what)
 
 
-def camber(wheel: Body, *, axle: Any = (0.0, 1.0, 0.0)) -> Measure:
+def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Camber of a wheel [rad]: elevation of its axle above the horizontal, > 0 where it leans to the right (y left).
 
     ``axle`` is given in world axes at the reference pose; the spin of the wheel does not matter.
@@ -64,7 +66,9 @@ def camber(wheel: Body, *, axle: Any = (0.0, 1.0, 0.0)) -> Measure:
     return replace(lean(wheel, lateral=unit(axle, "measures.camber: axle")), label=f"camber of {label(wheel)}")
 
 
-def angle_between(a: Any, b: Any, *, axis_a: Any, axis_b: Any, about: Any = None) -> Measure:
+def angle_between(
+    a: Body | Ground, b: Body | Ground, *, axis_a: ArrayLike, axis_b: ArrayLike, about: ArrayLike | None = None
+) -> Measure:
     """Angle from an axis of a to an axis of b [rad], about an axis fixed in a.
 
     Parameters
@@ -93,18 +97,18 @@ def angle_between(a: Any, b: Any, *, axis_a: Any, axis_b: Any, about: Any = None
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
 
 
-def turn(a: Any, b: Any, *, about: Any) -> Measure:
+def turn(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Angle of b relative to a about an axis fixed in a [rad], zero at the reference pose; no hinge is needed."""
     return of_coordinate(_turn(a, b, about, "measures.turn"), f"turn of {label(b)} from {label(a)}")
 
 
-def turn_rate(a: Any, b: Any, *, about: Any) -> Measure:
+def turn_rate(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Rate of `turn` [rad/s]."""
     x = _turn(a, b, about, "measures.turn_rate")
     return of_coordinate(x, f"turn rate of {label(b)} from {label(a)}", rate=True)
 
 
-def _turn(a: Any, b: Any, about: Any, what: str) -> Coordinate:
+def _turn(a: Body | Ground, b: Body | Ground, about: ArrayLike, what: str) -> Coordinate:
     for body in (a, b):
         body_or_error(body, what)
     axis = unit(about, f"{what}: about")
@@ -112,25 +116,43 @@ def _turn(a: Any, b: Any, about: Any, what: str) -> Coordinate:
     return protractor(a, b, axis, zero, zero, what)
 
 
-def offset(a: Any, b: Any, *, along: Any, at_a: Any = None, at_b: Any = None) -> Measure:
+def offset(
+    a: Body | Ground,
+    b: Body | Ground,
+    *,
+    along: ArrayLike,
+    at_a: ArrayLike | None = None,
+    at_b: ArrayLike | None = None,
+) -> Measure:
     """Distance along an axis fixed in a from a point of a to a point of b [m]; None = centre of mass."""
     return of_coordinate(_offset(a, b, along, at_a, at_b, "measures.offset"), f"offset of {label(b)} from {label(a)}")
 
 
-def offset_rate(a: Any, b: Any, *, along: Any, at_a: Any = None, at_b: Any = None) -> Measure:
+def offset_rate(
+    a: Body | Ground,
+    b: Body | Ground,
+    *,
+    along: ArrayLike,
+    at_a: ArrayLike | None = None,
+    at_b: ArrayLike | None = None,
+) -> Measure:
     """Rate of `offset` [m/s]."""
     x = _offset(a, b, along, at_a, at_b, "measures.offset_rate")
     return of_coordinate(x, f"offset rate of {label(b)} from {label(a)}", rate=True)
 
 
-def _offset(a: Any, b: Any, along: Any, at_a: Any, at_b: Any, what: str) -> Coordinate:
+def _offset(
+    a: Body | Ground, b: Body | Ground, along: ArrayLike, at_a: ArrayLike | None, at_b: ArrayLike | None, what: str
+) -> Coordinate:
     for body in (a, b):
         body_or_error(body, what)
     axis = unit(along, f"{what}: along")
     return Coordinate("slide", a, b, axis, axis, point_of(a, at_a, what), point_of(b, at_b, what))
 
 
-def between(a: Any, b: Any, *, at_a: Any = None, at_b: Any = None) -> dict[str, Measure]:
+def between(
+    a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
+) -> dict[str, Measure]:
     """The pose of b relative to a: "x", "y", "z" [m] by `offset` and "turn_x", "turn_y", "turn_z" [rad] by `turn`.
 
     Along and about the axes of a that are world axes at the reference pose.

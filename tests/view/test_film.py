@@ -1,10 +1,12 @@
 """Films: as many frames as they should have, each another picture, the same bytes twice, whole files or none."""
 
 import os
+import runpy
 import shutil
 import stat
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +16,10 @@ from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
 from mbsd3d import GROUND, Body, Revolute, System, accelerations, linearize, simulate
 from mbsd3d.base.style import DARK, LIGHT
-from mbsd3d.demos import pictures
 from mbsd3d.view.film import film
 from mbsd3d.view.film.frames import FilmFrames
 
+MAKE_PICTURES = Path(__file__).parents[2] / "docs" / "make_pictures.py"
 SMALL = {"width": 160, "hidden": ["body names", "joint names"]}
 
 
@@ -204,6 +206,7 @@ def test_mp4_refuses_odd_sizes(solution, tmp_path):
 
 @pytest.mark.slow
 def test_pictures_of_the_readme_are_small(tmp_path):
-    sizes = {path.name: path.stat().st_size for path in pictures.make(tmp_path)}
+    made = runpy.run_path(str(MAKE_PICTURES))["make"](tmp_path)
+    sizes = {path.name: path.stat().st_size for path in made}
     assert sizes.pop("heavy_top.gif") < 400_000
     assert set(sizes) == {"dzhanibekov.png", "cardan.png"} and max(sizes.values()) < 150_000
