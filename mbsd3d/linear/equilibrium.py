@@ -21,9 +21,9 @@ from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, solvable
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
-from ..constraints.row_choice import schur_of
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import compile_system
+from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
 from ..kernels.coordinates import remember
 from ..kernels.jit import announce_compilation, mark_warm
@@ -31,8 +31,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .linearization import Linearization, linearize_at
 from .steady_motion import Units, natural_units, varies
-from .tangent_space import Tangent, tangent_space
-from .variations import Field, Variations
+from .variations import Field, Tangent, Variations, tangent_space
 
 STEPS = 200
 AWAY = 8.0  # sizes of the mechanism that a body may move by; what goes on farther does not come to rest
@@ -207,9 +206,9 @@ def moved(field: Field, y: np.ndarray, X: np.ndarray, dz: np.ndarray) -> np.ndar
     """The state after a step that the joints allow; halved until they close."""
     compiled, model = field.compiled, field.compiled.model
     n = model.body.size
-    schur = schur_of(model, field.rows_at(field.t, y))
+    tree = eliminate(model, field.real, field.rows_at(field.t, y))
     for half in 0.5 ** np.arange(12):
-        found = closed(model, field.real, schur, field.t, y, half * X)
+        found = closed(model, field.real, tree, field.t, y, half * X)
         if found is None:
             continue
         found[13 * n : 13 * n + model.z_work] += half * dz
