@@ -267,7 +267,9 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
 def test_every_demo_is_seen_moving(chromium, name, tmp_path):
     demo = own_demos()[name]
     still = "nothing moves" in getattr(demo, "alone", "")
-    write(demo, demo.run(), tmp_path)
+    done = demo.run()
+    ground = f"/bodies/{max(len(run.system.bodies) for run in done.solutions.values())}"
+    write(demo, done, tmp_path)
     pages = sorted(tmp_path.glob("*.html"))
     assert pages
     for path in pages:
@@ -280,5 +282,7 @@ def test_every_demo_is_seen_moving(chromium, name, tmp_path):
             for share in np.linspace(0.07, 1.0, 5):
                 seek(seen, times["first"] + share * length)
                 changes.append(differing(first, scene(seen)))
-                assert seen.run(OUTSIDE) == []
+                outside = [name for name in seen.run(OUTSIDE) if name.count("/") > 2]
+                # where the camera goes along, ground and paths run out of the picture
+                assert [name for name in outside if not name.startswith(("/traces", f"{ground}/"))] == []
             assert still or min(changes[:-1]) > 200  # the end may be the pose of the start again

@@ -92,7 +92,8 @@ def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool)
         return -1
     if follow is None:
         heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
-        start = np.array([body.centre for body in system.bodies])
+        joined = (point for joint in system.joints for row in joint.primitives for point in row.points)
+        start = np.array([*(body.centre for body in system.bodies), *joined])
         size = max(motion.compiled.model.length, float(np.ptp(start, axis=0).max()))
         way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
         return heaviest if way > TRAVELS * size else -1
