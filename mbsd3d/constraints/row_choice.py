@@ -1,8 +1,7 @@
 """A largest set of independent rows: for drivers that must determine everything, small motions, and parts as built.
 
-Rank is decided here and nowhere else: by the singular values of the scaled J (columns:
-displacements in units of the model's length, rotations in radians), of which the bodies have been eliminated that need
-no such decision (see `mbsd3d.constraints.elimination`).
+Rank is decided by the singular values of the scaled J (columns: displacements in units of the model's length, rotations
+in radians), of which the bodies have been eliminated that need no such decision (`mbsd3d.constraints.elimination`).
 """
 
 import numpy as np
@@ -30,4 +29,4 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
     """A largest independent set of rows at the state in ``data``, ascending."""
-    return np.sort(Analysis(scaled_rows(model, data), tolerance).independent())
+    return Analysis(scaled_rows(model, data), tolerance).independent()

@@ -22,11 +22,13 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
     """
     used = np.arange(model.row.size) if rows is None else np.asarray(rows, np.int64)
-    on = np.where(np.isin(np.arange(model.row.size), used)[:, None], model.row["body"], -1)
-    order, up, first, joint = spanning_tree(on.tobytes(), model.body.size)
+    on = np.full_like(model.row["body"], -1)
+    on[used] = model.row["body"][used]
+    bodies = on.tobytes()
+    *_, first, joint = spanning_tree(bodies, model.body.size)
     chosen = np.zeros(joint.size, np.int64)
     choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
-    plan = loop_plan(on.tobytes(), model.body.size, chosen.tobytes())
+    plan = loop_plan(bodies, model.body.size, chosen.tobytes())
     return with_memory(model, plan, used, dtype)
 
 
