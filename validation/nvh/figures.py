@@ -54,6 +54,7 @@ def order_lines(study: Study) -> "Figure":
             axes.semilogy(study.map.rpm, size[:, k], color=colour, linewidth=LINE, label=f"{study.map.orders[k]:g}x")
             axes.semilogy([study.rpm], [full[k]], "o", color=colour, markersize=6)
         axes.set(xlabel="speed [1/min]", ylabel="force [N]", ylim=(1e-4 * size.max(), 2 * size.max()))
+        axes.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
         axes.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="lower right")
     return made
 
@@ -76,25 +77,25 @@ def working_cycle(study: Study) -> "Figure":
             axes["pressure"].set(xlabel="crank angle from firing [degrees]", xticks=range(-180, 541, 180))
             gases = gas.torque(engine, cycle.force, angle)
             axes["torque"].plot(np.degrees(angle), gases, color=look.colour(1), linewidth=LINE, label="gas")
-            turning_all = gases + turning
-            axes["torque"].plot(np.degrees(angle), turning_all, color=look.ink, linewidth=LINE, label="both")
+            axes["torque"].plot(np.degrees(angle), gases + turning, color=look.ink, linewidth=LINE, label="both")
         axes["torque"].plot(np.degrees(angle), turning, color=look.colour(0), linewidth=LINE, label="inertia")
         axes["torque"].set(xlabel="crank angle [degrees]", ylabel="torque on the crank [N m]", xticks=range(0, 721, 90))
-        axes["torque"].legend(frameon=False, labelcolor=look.ink, ncols=3, loc="upper right")
+        made.legend(frameon=False, labelcolor=look.ink, ncols=3, loc="outside lower right")
     return made
 
 
 def bearing_loads(study: Study) -> "Figure":
     """Radial loads of the main bearings over a cycle, and the paths of their vectors."""
     with new_figure(7.5, 3.2) as (made, look):
-        over, path = made.subplots(1, 2, width_ratios=(2.0, 1.0))
+        over, path = made.subplots(1, 2, width_ratios=(4.0, 1.0))
         dress(over, look)
         dress(path, look)
         for k, bearing in enumerate(study.bearings):
             colour = look.colour(k)
             over.plot(bearing.angle, bearing.radial / 1e3, color=colour, linewidth=LINE, label=bearing.name)
-            path.plot(*(-bearing.force.T / 1e3), color=colour, linewidth=LINE)
+            path.plot(-bearing.force[:, 1] / 1e3, -bearing.force[:, 0] / 1e3, color=colour, linewidth=THIN)
         over.set(xlabel="crank angle [degrees]", ylabel="radial load [kN]", xticks=range(0, 721, 180))
-        over.legend(frameon=False, labelcolor=look.ink, fontsize=8, ncols=3)
-        path.set(xlabel="towards bore 0 degrees [kN]", ylabel="across [kN]", aspect="equal")
+        made.legend(frameon=False, labelcolor=look.ink, fontsize=8, ncols=len(study.bearings), loc="outside upper left")
+        path.set(xlabel="across [kN]", ylabel="along x, towards the head of an inline engine [kN]", aspect="equal")
+        path.yaxis.label.set_size(8)
     return made

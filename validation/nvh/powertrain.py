@@ -109,9 +109,13 @@ class Equivalent:
 def free_mass(dense: DenseEquations, state: State) -> np.ndarray:
     """(6, 6) mass matrix N'M N of a system whose first body may move by all six freedoms and carries the rest."""
     terms = dense.at(state)
-    J = terms.J
-    N = np.vstack([np.eye(6), -np.linalg.lstsq(J[:, 6:], J[:, :6], rcond=1e-11)[0]])
+    N = carried(terms.J)
     return N.T @ terms.M @ N
+
+
+def carried(J: np.ndarray) -> np.ndarray:
+    """(6 n, 6) N: velocities of all bodies that a velocity of the first one causes, for rows J."""
+    return np.vstack([np.eye(6), -np.linalg.lstsq(J[:, 6:], J[:, :6], rcond=1e-11)[0]])
 
 
 def equivalent(preset: Preset) -> Equivalent:

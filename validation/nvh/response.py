@@ -7,19 +7,19 @@ turns evenly. A load F about the middle of the crank enters through the mass mat
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
-from mbsd3d.extend import Measure, matrix, skew
+from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.spectrum import spectrum
 from validation.nvh.loads import Source
 from validation.nvh.mounts import Mount, bushings
-from validation.nvh.powertrain import Equivalent, moving_engine
+from validation.nvh.powertrain import Equivalent, carried, moving_engine
 
 TABLE = 720  # points of the gas force over a cycle
 RTOL = 1e-8
@@ -163,17 +163,39 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     return System(bodies, joints, loads, gravity=(0, 0, 0), name=f"{source.preset.name} on mounts")
 
 
+def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
+    """The state at t = 0 of the linear answer: the block where it is on average, plus its small motion and rate."""
+    linear, rate = held.answer(source, [rpm]), source.preset.engine(rpm).rate
+    motion, block = linear.motion[0], system.bodies[0]
+    W = (linear.orders * rate)[:, None]
+    moved, speed = motion.sum(axis=0).real, (1j * W * motion).sum(axis=0).real
+    turn = matrix(exponential(moved[3:])) @ matrix(held.rest[3:])
+    shift, q = held.rest[:3] + moved[:3], []
+    for body in system.bodies:
+        on_ground = body.name == "dyno"
+        position = body.position if on_ground else shift + turn @ body.position
+        axes = body.axes if on_ground else turn @ body.axes
+        q.append(np.concatenate([position, quaternion_from_matrix(axes)]))
+    near = State(0.0, np.concatenate(q), np.zeros(6 * len(q)))
+    closed = system.assemble(near=near, pinned=[block])
+    return replace(closed, v=closed.v + carried(DenseEquations(system).at(closed).J) @ (speed - closed.v[:6]))
+
+
 def whole_run(
     source: Source, held: OnMounts, rpm: float, *, settle: float = 1.0, kept: int = 4, count: int = 144,
     **options: object,
 ) -> Solution:  # fmt: skip
-    """The full motion, after it has settled for a time [s], over ``kept`` cycles, ``count`` samples a turn."""
+    """The full motion from the state of the linear answer on, over ``kept`` cycles, ``count`` samples a turn.
+
+    What the linear answer misses at the start has the time ``settle`` [s] to die out.
+    """
     engine = source.preset.engine(rpm)
     cycle = 4 * np.pi / engine.rate
     before = max(int(np.ceil(settle / cycle)), 1)
     system = whole_system(source, held, rpm, before + kept)
     times = cycle * (before + np.arange(2 * count * kept + 1) / (2 * count))
-    return simulate(system, float(times[-1]), output=times, rtol=RTOL, **options)
+    state = start(system, held, source, rpm)
+    return simulate(system, float(times[-1]), state=state, output=times, rtol=RTOL, **options)
 
 
 def run_orders(solution: Solution, placed: Sequence[Mount], rate: float, orders: np.ndarray) -> np.ndarray:

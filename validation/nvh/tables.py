@@ -46,13 +46,13 @@ def mounts(study: Study) -> Rows:
 
 def handed_on(study: Study) -> Rows:
     """What the mounts hand on at the study's speed: by order, linear and in the full run."""
-    here, rows = study.here, [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [N]"]]
+    here, rows = study.here, [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
     size, off = study.differences
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
         if size[k] > LEAST * size.max():
             ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > LEAST * engine.max(initial=1.0) else "moment only"
-            values = [figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k]), f"{off[k]:.2g}"]
+            values = [figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k]), f"{100 * off[k] / size[k]:.2g}"]
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *values])
     return rows
 
@@ -77,7 +77,7 @@ def facts(study: Study) -> list[tuple[str, str]]:
         f"peak {cycle.samples[1].max() / 1e5:.1f} bar, indicated mean {cycle.mean_pressure / 1e5:.2f} bar"
     )
     found = [
-        ("engine", f"{p.title}; {p.displacement * 1e3:.2f} l, {p.bore * 1e3:g} x {p.stroke * 1e3:g} mm"),
+        ("engine", f"{p.title}; {p.displacement * 1e6:.0f} cm3, {p.bore * 1e3:g} x {p.stroke * 1e3:g} mm"),
         ("running", f"{study.rpm:g} rpm, {gas}"),
         ("cylinder", pressure),
         ("masses", f"piston {p.piston_mass:g} kg, rod {p.rod_mass:g} kg, powertrain {study.body.mass:.1f} kg"),

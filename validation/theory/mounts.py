@@ -1,4 +1,4 @@
-"""Bodies on springs in closed form: transmissibility, bounce and pitch on two mounts, three coupled freedoms, a quarter car."""
+"""Bodies on springs in closed form: transmissibility, bounce and pitch on two mounts, three coupled freedoms."""
 
 import numpy as np
 
@@ -21,8 +21,7 @@ def bounce_and_pitch(
 
         w^2 = (a + c) / 2 -+ sqrt((a - c)^2 / 4 + b^2 / i^2)
 
-    and every mode turns about a fixed point at ``x = (a - w^2) / b * ... = -z / theta``; for z upwards and theta such that
-    the displacement at x is z + x theta, the centre lies at x = b / (a - w^2).
+    and every mode turns about a fixed point: where the displacement at x is z + x theta, it lies at x = b / (a - w^2).
     """
     (k1, k2), (l1, l2) = rates, arms
     a, b, c = (k1 + k2) / mass, (k1 * l1 + k2 * l2) / mass, (k1 * l1**2 + k2 * l2**2) / (mass * gyration**2)
