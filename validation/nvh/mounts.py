@@ -21,7 +21,7 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.extend import matrix, number
 from validation.nvh.presets import Preset, preset
 
-DATA = Path(__file__).parents[1] / "references" / "cars.json"
+DATA = Path(__file__).parent / "data" / "cars.json"
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,95 @@
+"""Engines in cars as cases: the full motion on the mounts against the linear map, main bearings, and simple mounts."""
+
+from collections.abc import Callable, Iterable
+from functools import partial
+
+import numpy as np
+
+from validation.engine_balance import planar_sum
+from validation.nvh import checks, mounts, presets
+from validation.nvh.loads import Source
+from validation.nvh.main_bearings import cut_engine, cycle_run
+from validation.nvh.study import AGREES, Study
+from validation.suite.findings import PLANE, THEORY, Finding, judged
+from validation.suite.trials.trial import Run, Trial
+from validation.twins import planar
+
+IN_CARS = (("inline_4", "compact", 3000.0), ("v8_cross", "saloon", 2500.0), ("twin_270", "motorcycle", 4000.0))
+CUT = ("inline_4", "v6_90", "v8_cross")
+RPM = 4000.0
+LIMIT = 1e-9  # of the largest: rounding of models with up to 26 bodies stays below 1e-12
+ALONE = "I4 and V6_90_split30 represent engines, which have the same parts"
+FREQUENCIES = np.array([0.7, 4.1, 5.5, 9.3, 41.0])  # Hz, around a resonance at 5.6
+
+
+def trials(quick: bool) -> list[Trial]:
+    """Engines on mounts, cut cranks, and powertrains that theory knows."""
+    found = []
+    for engine, car, rpm in IN_CARS[: 1 if quick else None]:
+        title = f"{presets.preset(engine).title} on its mounts at {rpm:g} rpm, motored"
+        make = partial(on_mounts, engine, car, rpm)
+        found.append(Trial(f"nvh_{engine}", "engines in cars", title, make, {THEORY: by_order}, alone=ALONE))
+    for engine in CUT[: 1 if quick else None]:
+        title = f"main bearings of {presets.preset(engine).title}"
+        judges = {PLANE: partial(throws, engine)}
+        found.append(
+            Trial(f"nvh_bearings_{engine}", "engines in cars", title, partial(cut, engine), judges, False, ALONE)
+        )
+    for name, title, pairs in (
+        ("transmissibility", "one freedom on four mounts", partial(checks.one_freedom, FREQUENCIES)),
+        ("bounce_pitch", "bounce and pitch on two pairs of mounts", checks.bounce_and_pitch),
+        ("sway_roll_yaw", "three coupled freedoms on four mounts", checks.three_coupled),
+        ("gyroscopic", "a spinning crank couples pitch and yaw", partial(checks.spinning_rotor, 400.0)),
+    ):
+        judges = {THEORY: partial(known, pairs)}
+        found.append(Trial(f"nvh_{name}", "engines in cars", title, simple, judges, False, "closed forms judge it"))
+    return found
+
+
+def on_mounts(engine: str, car: str, rpm: float) -> Run:
+    """The full motion of a motored engine, settled."""
+    study = Study(presets.preset(engine), mounts.car(car), rpm, 0.0)
+    return Run(study.run.system, float(study.run.t[-1]), study.run, source=study)
+
+
+def by_order(made: Run) -> Iterable[Finding]:
+    """Forces on the car, order by order: phasors in closed form through the linear map."""
+    note = "closed form of the inertia, linear map of the mounts; relative to the largest order"
+    yield judged(THEORY, "orders of the forces on the car", made.source.difference, AGREES, note)
+
+
+def cut(engine: str) -> Run:
+    """A cycle of a motored engine whose crank is cut in its bearings."""
+    solution, _ = cycle_run(Source(presets.preset(engine), 0.0), RPM)
+    return Run(solution.system, float(solution.t[-1]), solution)
+
+
+def throws(engine: str, made: Run) -> Iterable[Finding]:
+    """Both ends of a throw carry half of what the planar models of its cylinders bear."""
+    chosen = presets.preset(engine).engine(RPM)
+    _, mains = cut_engine(Source(presets.preset(engine), 0.0), RPM)
+    plane = [
+        planar.kinematics(planar_sum.build(chosen, i), made.solution.t).reaction("bearing").force
+        for i in range(len(chosen.stations))
+    ]
+    worst, size = 0.0, 0.0
+    for k in range(mains.size - 1):
+        mine = sum(
+            force for force, z in zip(plane, chosen.stations, strict=True) if mains[k] < z < mains[k + 1]
+        )
+        for end in ("front", "rear"):
+            seen = made.solution.reaction(f"{end} {k + 1}").force[:, :2]
+            worst, size = max(worst, np.abs(seen - mine / 2).max()), max(size, np.abs(seen).max())
+    yield judged(PLANE, "loads of the main bearings", worst / size, LIMIT, "relative to the largest load")
+
+
+def simple() -> Run:
+    """Only the linear equations are compared: nothing moves."""
+    return Run(checks.mounted([checks.mount((0.3, y, -0.2), (1e5, 1e5, 2e5)) for y in (-0.2, 0.1)]))
+
+
+def known(pairs: Callable[[], checks.Pairs], made: Run) -> Iterable[Finding]:
+    """What theory knows."""
+    for quantity, (computed, exact) in pairs().items():
+        error = np.abs(np.asarray(computed) - exact).max() / np.abs(exact).max()
+        yield judged(THEORY, quantity, float(error), 1e-8, "relative to the largest")
