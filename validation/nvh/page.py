@@ -25,7 +25,7 @@ def write_page(study: Study, folder: str | Path) -> Path:
         study=study, view=view, lines=tables.facts(study), agrees=study.difference <= AGREES, digits=digits,
         figures={key: as_svg(made, key) for key, made in drawn.items()}, loads=tables.loads(study),
         modes=tables.modes(study), mounts=tables.mounts(study), handed=tables.handed_on(study),
-        bearings=tables.bearings(study),
+        bearings=tables.bearings(study), timing=tables.timing(study) if study.source.fitted else None,
     )  # fmt: skip
     return write_atomically(folder / f"{name}.html", page.encode())
 

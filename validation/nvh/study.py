@@ -7,15 +7,16 @@ import numpy as np
 
 from mbsd3d import Solution
 from mbsd3d.extend import number
-from validation.nvh import mounts as cars
-from validation.nvh.loads import Source
-from validation.nvh.main_bearings import Bearing, main_bearings
-from validation.nvh.mounts import Car, Mount
-from validation.nvh.powertrain import Equivalent, equivalent
-from validation.nvh.presets import Preset
-from validation.nvh.response import Map, OnMounts, run_orders, whole_run
-from validation.nvh.rigid_modes import RigidMode, rigid_modes, sag
-from validation.nvh.roll_axis import Decoupled, decouple, roll_share
+from validation.nvh.engine import balance_shafts
+from validation.nvh.engine.loads import Source
+from validation.nvh.engine.main_bearings import Bearing, main_bearings
+from validation.nvh.engine.presets import Preset
+from validation.nvh.held import mounts as cars
+from validation.nvh.held.mounts import Car, Mount
+from validation.nvh.held.powertrain import Equivalent, equivalent
+from validation.nvh.held.response import Map, OnMounts, run_orders, whole_run
+from validation.nvh.held.rigid_modes import RigidMode, rigid_modes, sag
+from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
 
 SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
@@ -24,7 +25,8 @@ SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
 @dataclass(frozen=True)
 class Study:
-    """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas.
+    """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas;
+    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None.
 
     ValueError for a speed that is not positive or beyond the redline, or a load outside 0 ... 1.
     """
@@ -33,6 +35,7 @@ class Study:
     car: Car
     rpm: float
     load: float = 1.0
+    shafts: str | None = None
 
     def __post_init__(self) -> None:
         rpm = number(self.rpm, "nvh: rpm", positive=True)
@@ -43,12 +46,13 @@ class Study:
     @cached_property
     def source(self) -> Source:
         """The engine that shakes."""
-        return Source(self.preset, self.load)
+        fitted = () if self.shafts is None else balance_shafts.fitted(self.preset, self.shafts)
+        return Source(self.preset, self.load, tuple(fitted))
 
     @cached_property
     def body(self) -> Equivalent:
         """Rigid body and rotor of the powertrain."""
-        return equivalent(self.preset)
+        return equivalent(self.preset, self.source.fitted)
 
     @cached_property
     def placed(self) -> list[Mount]:

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 
 from validation.engine_balance import planar_sum
-from validation.nvh import checks, mounts, presets
-from validation.nvh.loads import Source
-from validation.nvh.main_bearings import cut_engine, cycle_run
+from validation.nvh.engine import presets
+from validation.nvh.engine.loads import Source
+from validation.nvh.engine.main_bearings import cut_engine, cycle_run
+from validation.nvh.held import checks, mounts
 from validation.nvh.study import AGREES, Study
 from validation.suite.findings import PLANE, THEORY, Finding, judged
 from validation.suite.trials.trial import Run, Trial
@@ -74,9 +75,7 @@ def throws(engine: str, made: Run) -> Iterable[Finding]:
     ]
     worst, size = 0.0, 0.0
     for k in range(mains.size - 1):
-        mine = sum(
-            force for force, z in zip(plane, chosen.stations, strict=True) if mains[k] < z < mains[k + 1]
-        )
+        mine = sum(force for force, z in zip(plane, chosen.stations, strict=True) if mains[k] < z < mains[k + 1])
         for end in ("front", "rear"):
             seen = made.solution.reaction(f"{end} {k + 1}").force[:, :2]
             worst, size = max(worst, np.abs(seen - mine / 2).max()), max(size, np.abs(seen).max())

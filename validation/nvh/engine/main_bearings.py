@@ -10,13 +10,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbsd3d import (
-    GROUND, AngleDriver, Body, Force, Kinematic, Perpendicular, PointOnLine, PointOnPlane, Ramp, Revolute,
-    RollingBearing, Solution, System, Table, inertia, simulate,
+    GROUND,
+    AngleDriver,
+    Body,
+    Force,
+    Kinematic,
+    Perpendicular,
+    PointOnLine,
+    PointOnPlane,
+    Ramp,
+    Revolute,
+    RollingBearing,
+    Solution,
+    System,
+    Table,
+    inertia,
+    simulate,
 )  # fmt: skip
 from validation.engine_balance import spatial
 from validation.engine_balance.gas import forces as gas_forces
-from validation.nvh.loads import Source
-from validation.nvh.powertrain import THROW
+from validation.nvh.engine.loads import Source
+from validation.nvh.held.powertrain import THROW
 
 COUNT = 180  # samples of a turn
 ROLLERS = 10.0 / 3.0

@@ -16,8 +16,8 @@ from scipy.optimize import least_squares
 
 from mbsd3d import Body
 from mbsd3d.extend import number, skew
-from validation.nvh.mounts import Mount
-from validation.nvh.rigid_modes import mass_matrix, rigid_modes
+from validation.nvh.held.mounts import Mount
+from validation.nvh.held.rigid_modes import mass_matrix, rigid_modes
 
 HOLD = 0.02  # weight of what the optimiser is asked to leave as it is, against the coupling
 
@@ -107,5 +107,3 @@ def decouple(body: Body, placed: Sequence[Mount], *, reach: float = 0.15, factor
         moved, coupling(body, placed), coupling(body, moved), float(reach * np.abs(final.x[: 3 * n]).max()),
         float(factor ** np.abs(final.x[3 * n :]).max()),
     )  # fmt: skip
-
-

@@ -22,7 +22,7 @@ from mbsd3d import inertia, rotation
 from mbsd3d.extend import matrix, number
 from validation.engine_balance.layouts import Engine, Layout, layout
 
-DATA = Path(__file__).parent / "data" / "engines.json"
+DATA = Path(__file__).parents[1] / "data" / "engines.json"
 FRACTION, TWO_MASSES = 0.28, 1.0965
 
 

@@ -13,11 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from validation.engine_balance import gas as engine_gas
-from validation.engine_balance import phasor
+from validation.engine_balance import phasor, shafts
 from validation.engine_balance.pages.portrait import upright
+from validation.engine_balance.shafts import Shaft
 from validation.engine_balance.spectrum import spectrum
-from validation.nvh.combustion import COUNT, Cycle, cycle_of
-from validation.nvh.presets import Preset
+from validation.nvh.engine.combustion import COUNT, Cycle, cycle_of
+from validation.nvh.engine.presets import Preset
 
 ORDERS = 8  # the highest of crank speed
 RPM = 1000.0  # at which the inertia is computed
@@ -44,10 +45,13 @@ class Load:
 
 @dataclass(frozen=True)
 class Source:
-    """An engine that shakes: ``preset``; ``load``: share of full load, 0 for a motored engine without gas."""
+    """An engine that shakes: ``preset``; ``load``: share of full load, 0 for a motored engine without gas; ``fitted``:
+    balance shafts.
+    """
 
     preset: Preset
     load: float = 1.0
+    fitted: tuple[Shaft, ...] = ()
 
     @cached_property
     def cycle(self) -> Cycle | None:
@@ -63,6 +67,10 @@ class Source:
         parts = [np.zeros((2 * ORDERS + 1, 3), dtype=complex) for _ in range(2)]
         for part, values in zip(parts, (h.force, h.moment), strict=True):
             part[::2] = values @ R.T
+        for shaft in self.fitted:
+            X, Y, *moment = shafts.load(shaft, engine.rate)
+            for part, values in zip(parts, ((X, Y, 0.0), moment), strict=True):
+                part[2 * shaft.order] += R @ np.array(values)
         torque = np.zeros(2 * ORDERS + 1, dtype=complex)
         torque[::2] = h.torque
         return Load(np.arange(2 * ORDERS + 1) / 2, *parts, torque)
@@ -81,7 +89,9 @@ class Source:
         """The load at a speed [1/min]; signs do not matter to it, 0 has no inertia."""
         share, moment = (rpm / RPM) ** 2, self.inertia.moment * (rpm / RPM) ** 2
         moment[:, 0] -= self.gas_torque
-        return Load(self.inertia.orders, self.inertia.force * share, moment, self.inertia.torque * share - self.gas_torque)
+        return Load(
+            self.inertia.orders, self.inertia.force * share, moment, self.inertia.torque * share - self.gas_torque
+        )
 
     @property
     def mean_torque(self) -> float:

@@ -11,6 +11,7 @@ of the moving parts is that of a rotor, H = J w. What is left out, parts of M at
 enter the orders of the first power.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,14 +19,28 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import (
-    GROUND, AngleDriver, Body, Fixed, Kinematic, Perpendicular, Ramp, Revolute, Solution, SpeedDriver, State, System,
-    inertia, shapes, simulate,
+    GROUND,
+    AngleDriver,
+    Body,
+    Fixed,
+    Kinematic,
+    Perpendicular,
+    Ramp,
+    Revolute,
+    Solution,
+    SpeedDriver,
+    State,
+    System,
+    inertia,
+    shapes,
+    simulate,
 )  # fmt: skip
 from mbsd3d.extend import DenseEquations, skew
-from validation.engine_balance import looks, spatial
+from validation.engine_balance import looks, shafts, spatial
 from validation.engine_balance.layouts import Engine
 from validation.engine_balance.pages.portrait import turned, upright
-from validation.nvh.presets import Preset
+from validation.engine_balance.shafts import Shaft
+from validation.nvh.engine.presets import Preset
 
 X = (1.0, 0.0, 0.0)
 ANGLES = 12  # of the crank over a turn: harmonics of M up to 11 do not enter its mean
@@ -35,20 +50,22 @@ THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass 
 ROTOR = 0.01  # of the mass is in the rotor; only the sum counts
 
 
-def moving_engine(preset: Preset, engine: Engine, *, frame: bool = True) -> tuple[list[Body], list[Any]]:
+def moving_engine(
+    preset: Preset, engine: Engine, fitted: Sequence[Shaft] = (), *, frame: bool = True
+) -> tuple[list[Body], list[Any]]:
     """(bodies, joints) of the engine with a free block, car axes, at q = 0: "block", "crank", "rod 1" ..., "dyno".
 
-    ``frame``: draw the block as an open frame, so that the crank is seen.
+    ``fitted``: balance shafts, geared to the crank; ``frame``: draw the block as an open frame: the crank is seen.
     """
     R, block = upright(engine.layout), preset.block
     places = [spatial.place(engine, i) for i in range(len(engine.layout.pins))]
     drawn = looks.block(engine, places) if frame else None
     housing = Body("block", block.mass, R.T @ block.inertia @ R, com=R.T @ block.com, shape=drawn)
     crank = crankshaft(preset, engine, places)
-    main = Revolute(housing, crank, at=(0, 0, 0), axis=spatial.Z, name="main")
+    main = Revolute(housing, crank, at=(0, 0, 0), axis=spatial.Z, name="main 1")
     parts = [spatial.cylinder(engine, i, where, crank, housing, "spherical") for i, where in enumerate(places)]
     bodies, joints = ([part for some in kind for part in some] for kind in zip(*parts, strict=True))
-    whole = turned(System([housing, crank, *bodies], [main, *joints]), R)
+    whole = turned(shafts.with_shafts(System([housing, crank, *bodies], [main, *joints]), engine, fitted), R)
     crank, end = whole.part("crank", "bodies"), engine.ends[1] + 1.5 * engine.spacing
     disc = shapes.Disc(0.6 * engine.radius, 0.3 * engine.spacing, "x", colour=looks.CASE)
     dyno = Body("dyno", 1.0, DYNO, position=(end, 0, 0), shape=disc)
@@ -83,7 +100,7 @@ class Equivalent:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """"powertrain" and "rotor": the rotor has `ROTOR` of the mass, on the crank."""
+        """ "powertrain" and "rotor": the rotor has `ROTOR` of the mass, on the crank."""
         light = ROTOR * self.mass
         disc = np.diag([self.rotor, self.rotor / 2, self.rotor / 2])
         com = self.com * self.mass / (self.mass - light)
@@ -118,10 +135,10 @@ def carried(J: np.ndarray) -> np.ndarray:
     return np.vstack([np.eye(6), -np.linalg.lstsq(J[:, 6:], J[:, :6], rcond=1e-11)[0]])
 
 
-def equivalent(preset: Preset) -> Equivalent:
-    """The mean of the moving engine; ValueError if it is not that of a rigid body."""
+def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
+    """The mean of the moving engine with its balance shafts; ValueError if it is not that of a rigid body."""
     engine = preset.engine(1000.0)
-    bodies, joints = moving_engine(preset, engine, frame=False)
+    bodies, joints = moving_engine(preset, engine, fitted, frame=False)
     system = System(bodies, joints, gravity=(0, 0, 0))
     still = held(bodies, joints, engine)
     states = [State(0.0, (at := still.state(k)).q, at.v) for k in range(ANGLES)]

@@ -19,9 +19,9 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.extend import matrix, number
-from validation.nvh.presets import Preset, preset
+from validation.nvh.engine.presets import Preset
 
-DATA = Path(__file__).parent / "data" / "cars.json"
+DATA = Path(__file__).parents[1] / "data" / "cars.json"
 
 
 @dataclass(frozen=True)

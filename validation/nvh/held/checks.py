@@ -9,10 +9,10 @@ import numpy as np
 
 from mbsd3d import Body, System, linearize
 from validation import theory
-from validation.nvh.mounts import Mount, bushings
-from validation.nvh.powertrain import Equivalent
-from validation.nvh.response import OnMounts
-from validation.nvh.rigid_modes import rigid_modes
+from validation.nvh.held.mounts import Mount, bushings
+from validation.nvh.held.powertrain import Equivalent
+from validation.nvh.held.response import OnMounts
+from validation.nvh.held.rigid_modes import rigid_modes
 
 Pairs = dict[str, tuple[Any, Any]]
 MASS, INERTIA = 187.0, np.diag([6.3, 11.9, 13.1])  # kg, kg m^2
@@ -41,9 +41,7 @@ def one_freedom(frequencies: np.ndarray) -> Pairs:
 def bounce_and_pitch() -> Pairs:
     """Two pairs of mounts before and behind the centre of mass, at its height: bounce and pitch about y."""
     rates, arms = (1.7e5, 2.9e5), (0.41, -0.27)
-    placed = [
-        mount((x, y, 0.0), (9e4, 7e4, k / 2)) for k, x in zip(rates, arms, strict=True) for y in (-0.2, 0.2)
-    ]
+    placed = [mount((x, y, 0.0), (9e4, 7e4, k / 2)) for k, x in zip(rates, arms, strict=True) for y in (-0.2, 0.2)]
     squares, centres = theory.bounce_and_pitch(MASS, np.sqrt(INERTIA[1, 1] / MASS), rates, arms)
     body = Body("powertrain", MASS, INERTIA)
     mine = [mode for mode in rigid_modes(body, placed) if mode.shares[2] + mode.shares[4] > 0.99]
@@ -97,4 +95,6 @@ def spinning_rotor(rate: float) -> Pairs:
     H, (_, B, C) = J * rate, np.diag(INERTIA)
     squares = np.roots([B * C, stiff * (B + C) + H**2, stiff**2])
     known = np.sort(np.sqrt(-squares.real))
-    return {"pitch and yaw of a spinning crank": (np.array([values[np.argmin(np.abs(values - w))] for w in known]), known)}
+    return {
+        "pitch and yaw of a spinning crank": (np.array([values[np.argmin(np.abs(values - w))] for w in known]), known)
+    }

@@ -17,9 +17,9 @@ from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaterni
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.spectrum import spectrum
-from validation.nvh.loads import Source
-from validation.nvh.mounts import Mount, bushings
-from validation.nvh.powertrain import Equivalent, carried, moving_engine
+from validation.nvh.engine.loads import Source
+from validation.nvh.held.mounts import Mount, bushings
+from validation.nvh.held.powertrain import Equivalent, carried, moving_engine
 
 TABLE = 720  # points of the gas force over a cycle
 RTOL = 1e-8
@@ -145,7 +145,7 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     The gas knows the crank angle from the block as it is rolled on average.
     """
     engine = source.preset.engine(rpm)
-    bodies, joints = moving_engine(source.preset, engine)
+    bodies, joints = moving_engine(source.preset, engine, source.fitted)
     loads = bushings(held.placed, bodies[0])
     if source.cycle is not None:
         count = TABLE * cycles

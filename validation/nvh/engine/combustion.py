@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 
 from mbsd3d.extend import number
 from validation.engine_balance.gas import CYCLE
-from validation.nvh.presets import Preset
+from validation.nvh.engine.presets import Preset
 
 COUNT = 1440  # samples of a cycle: half a degree
 HEAT, AIR_FUEL, GAS, CRANKCASE = 43e6, 14.7, 287.0, 101325.0  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
