@@ -62,7 +62,8 @@ def show(study: object) -> None:
     click.echo("\n".join(f"{name:{width}}  {text}" for name, text in tables.facts(study)))
     timing = [("balance shafts fitted late", tables.timing)] if study.source.fitted else []
     for title, table in (
-        ("load on the block", tables.loads), *timing, ("main bearings", tables.bearings), ("modes on the mounts", tables.modes),
+        ("load on the block", tables.loads), *timing,
+        ("main bearings", tables.bearings), ("modes on the mounts", tables.modes),
         ("mounts", tables.mounts), ("handed on to the car", tables.handed_on),
     ):  # fmt: skip
         click.echo(f"\n{title}\n" + "\n".join(aligned(table(study))))

@@ -15,7 +15,7 @@ def transmissibility(frequency: np.ndarray, natural: float, damping: float) -> n
 def bounce_and_pitch(
     mass: float, gyration: float, rates: tuple[float, float], arms: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(w [rad/s], centres [m]) of the two modes of a beam on two springs, arms in front (+) and behind (-) of the centre.
+    """(w [rad/s], centres [m]) of the modes of a beam on two springs, arms in front (+) and behind (-) of the centre.
 
     With a = (k1 + k2) / m, b = (k1 l1 + k2 l2) / m, c = (k1 l1^2 + k2 l2^2) / (m i^2) the frequencies are
 

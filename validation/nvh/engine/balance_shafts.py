@@ -1,9 +1,10 @@
 """Balance shafts for engines with real dimensions, and what their place and timing do.
 
-"lanchester": two shafts of order 2 that turn opposite ways on both sides of the crank, at its height; "raised": the same,
-one higher and one lower such that they also take the 2x torque of the inertia; "first": one shaft of order 1 that turns
-against the crank, and weights on the crank for what its counterweights leave. Unbalances follow from the closed form of the engine
-(`engine_balance.shafts.balance`). A pair that is late by phi leaves ``2 sin(phi / 2)`` of the force it should cancel.
+"lanchester": two shafts of order 2 that turn opposite ways on both sides of the crank, at its height; "raised": the
+same, one higher and one lower such that they also take the 2x torque of the inertia; "first": one shaft of order 1 that
+turns against the crank, and weights on the crank for what its counterweights leave. Unbalances follow from the closed
+form of the engine (`engine_balance.shafts.balance`). A pair that is late by phi leaves ``2 sin(phi / 2)`` of the force
+that it should cancel.
 """
 
 from collections.abc import Sequence

@@ -3,7 +3,7 @@
 One zone of ideal gas with a constant gamma from the closing of the inlet at bottom dead centre to the opening of the
 outlet. With psi the crank angle after firing top dead centre, ``d(p V^gamma) = (gamma - 1) V^(gamma - 1) dQ`` gives
 
-    p V^gamma = p_1 V_1^gamma + (gamma - 1) Q int V^(gamma - 1) dx,    x = 1 - exp(-a ((psi - start) / duration)^(m + 1))
+    p V^gamma = p_1 V_1^gamma + (gamma - 1) Q int V^(gamma - 1) dx,   x = 1 - exp(-a ((psi - start) / duration)^(m + 1))
 
 the heat release of Wiebe, a = ln 1000, with ``Q = heat rho_1 V_1 / (1 + air_fuel)`` less what the walls take. Pressure
 blends (cosine) to the outlet's until bottom dead centre and to the inlet's around gas exchange.

@@ -30,8 +30,8 @@ FRACTION, TWO_MASSES = 0.28, 1.0965
 class Block:
     """All of a powertrain that does not move relative to its block.
 
-    ``mass`` [kg]; ``box`` (3,): edges of the uniform box of its inertia [m]; ``com`` (3,): from the middle of the crank,
-    x along it, z up [m]; ``tilt``: of the box about y [degrees].
+    ``mass`` [kg]; ``box`` (3,): edges of the uniform box of its inertia [m]; ``com`` (3,): from the middle of the
+    crank, x along it, z up [m]; ``tilt``: of the box about y [degrees].
     """
 
     mass: float

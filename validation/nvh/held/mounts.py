@@ -29,8 +29,8 @@ class Mount:
     """An elastic mount.
 
     ``name``; ``at`` (3,): from the middle of the crank, car axes [m]; ``rates`` (3,): along its own axes, > 0 [N/m];
-    ``damping`` (3,): >= 0 [N s/m]; ``angle``: by which its axes are turned about x [degrees]. ValueError for a rate that
-    is not positive, or a negative damping.
+    ``damping`` (3,): >= 0 [N s/m]; ``angle``: by which its axes are turned about x [degrees]. ValueError for a rate
+    that is not positive, or a negative damping.
     """
 
     name: str

@@ -6,9 +6,9 @@ middle of the crank, for motions of the block with the dyno turning on,
 
     M(q) = N'M N,   N = [1; -J_o^+ J_block]   the motions of all bodies that one of the block causes
 
-the mean over a turn is that of a rigid body (mass, centre of mass, inertia: `Equivalent`), and the mean angular momentum
-of the moving parts is that of a rotor, H = J w. What is left out, parts of M at twice the crank speed and more, does not
-enter the orders of the first power.
+the mean over a turn is that of a rigid body (mass, centre of mass, inertia: `Equivalent`), and the mean angular
+momentum of the moving parts is that of a rotor, H = J w. What is left out, parts of M at twice the crank speed and
+more, turns an order of the motion into its neighbours, by the share of the pistons in the mass.
 """
 
 from collections.abc import Sequence

@@ -1,8 +1,8 @@
 """The six modes of a powertrain on its mounts: frequencies, shapes, and where their kinetic energy is.
 
 With phi the shape of a mode about the centre of mass (three displacements, three rotations, real: dampers left out) its
-energy is shared among the directions as ``phi_i (M phi)_i / phi'M phi``; the shares add up to 1, and one near 1 says that
-the mode is decoupled.
+energy is shared among the directions as ``phi_i (M phi)_i / phi'M phi``; the shares add up to 1, and one near 1 says
+that the mode is decoupled.
 """
 
 from collections.abc import Sequence

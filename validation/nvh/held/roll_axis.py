@@ -1,11 +1,11 @@
 """The torque-roll axis of a powertrain, and mounts that let it roll about this axis alone.
 
-A torque about the crank turns a free body about ``I^-1 x`` through its centre of mass, not about the crank. Held by mounts
-of stiffness K it goes on doing so at all speeds if that motion t = (0, I^-1 x) is a mode,
+A torque about the crank turns a free body about ``I^-1 x`` through its centre of mass, not about the crank. Held by
+mounts of stiffness K it goes on doing so at all speeds if that motion t = (0, I^-1 x) is a mode,
 
     K t = lam M t,    lam = t'K t / t'M t,
 
-and what is left of ``K t - lam M t``, over lam M t in the metric of M^-1, is the coupling: 0 for a decoupled powertrain.
+and what is left of ``K t - lam M t``, over lam M t in the metric of M^-1, is the coupling: 0 for a decoupled one.
 """
 
 from collections.abc import Sequence
