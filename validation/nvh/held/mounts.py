@@ -64,13 +64,16 @@ class Mount:
 
 @dataclass(frozen=True)
 class Car:
-    """A car of the data file: ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]."""
+    """A car of the data file: ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]; ``ride``:
+    the car on its wheels, None if nothing is known of it.
+    """
 
     name: str
     title: str
     mounts: dict[str, dict[str, Any]]
     bounce: float
     damping: float
+    ride: dict[str, Any] | None = None
 
 
 @cache
