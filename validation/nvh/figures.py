@@ -98,4 +98,5 @@ def bearing_loads(study: Study) -> "Figure":
         made.legend(frameon=False, labelcolor=look.ink, fontsize=8, ncols=len(study.bearings), loc="outside upper left")
         path.set(xlabel="across [kN]", ylabel="along x, towards the head of an inline engine [kN]", aspect="equal")
         path.yaxis.label.set_size(8)
+        path.locator_params(axis="x", nbins=2)
     return made

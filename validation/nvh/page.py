@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
+from markupsafe import Markup
+
 from mbsd3d.extend import digits, inline_svg, page_template, write_atomically
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh import figures, tables
 from validation.nvh.study import AGREES, Study
 
-PERIOD = 4.0  # s that two turns take to watch
+PERIOD = 4.0  # s that a cycle takes to watch
 
 
 def write_page(study: Study, folder: str | Path) -> Path:
@@ -23,22 +26,14 @@ def write_page(study: Study, folder: str | Path) -> Path:
     }
     page = page_template("nvh.html", TEMPLATES).render(
         study=study, view=view, lines=tables.facts(study), agrees=study.difference <= AGREES, digits=digits,
-        figures={key: as_svg(made, key) for key, made in drawn.items()}, loads=tables.loads(study),
+        figures={key: Markup(inline_svg(made, f"{key}-")) for key, made in drawn.items()}, loads=tables.loads(study),
         modes=tables.modes(study), mounts=tables.mounts(study), handed=tables.handed_on(study),
         bearings=tables.bearings(study), timing=tables.timing(study) if study.source.fitted else None,
     )  # fmt: skip
     return write_atomically(folder / f"{name}.html", page.encode())
 
 
-def as_svg(made: object, key: str) -> object:
-    """A figure as part of the page."""
-    from markupsafe import Markup
-
-    return Markup(inline_svg(made, f"{key}-"))
-
-
 def shown(study: Study) -> str:
-    """The moving engine on its mounts over one cycle, as a page."""
-    run = study.run
-    cycle = float(run.t[-1] - run.t[0]) / 4
-    return run.animate(curves=(), traces=(), speed=4 * cycle / PERIOD / 4, title=study.preset.title).html
+    """The moving engine on its mounts, as a page."""
+    cycle = 4 * np.pi / study.preset.engine(study.rpm).rate
+    return study.run.animate(curves=(), traces=(), speed=cycle / PERIOD, title=study.preset.title).html

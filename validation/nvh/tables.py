@@ -19,10 +19,8 @@ def figure(x: float, size: float = 0.0) -> str:
 def loads(study: Study) -> Rows:
     """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank."""
     load = study.source.at(study.rpm)
-    six, found = (
-        np.abs(load.six),
-        [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]"]],
-    )
+    found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]"]]
+    six = np.abs(load.six)
     sizes = np.array([six[1:, :3].max(), six[1:, 3:].max()]).repeat(3)
     for order, row in zip(load.orders[1:], six[1:], strict=True):
         if (row > LEAST * np.maximum(sizes, 1.0)).any():
@@ -62,23 +60,14 @@ def mounts(study: Study) -> Rows:
 
 def handed_on(study: Study) -> Rows:
     """What the mounts hand on at the study's speed: by order, linear and in the full run."""
-    here, rows = (
-        study.here,
-        [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]],
-    )
-    size, off = study.differences
+    rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
+    here, (size, off) = study.here, study.differences
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
         if size[k] > LEAST * size.max():
             ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > LEAST * engine.max(initial=1.0) else "moment only"
-            values = [
-                figure(engine[k], engine.max()),
-                figure(car[k]),
-                ratio,
-                figure(size[k]),
-                f"{100 * off[k] / size[k]:.2g}",
-            ]
-            rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *values])
+            forces = figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k])
+            rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
 
 
@@ -96,17 +85,10 @@ def facts(study: Study) -> list[tuple[str, str]]:
     """The engine and its mounts in a few lines."""
     p, (shift, turn) = study.preset, study.sag
     (built, f_built), (free, f_free) = study.roll_shares
-    gas = (
-        "motored, no gas"
-        if study.load == 0
-        else f"{study.load:.0%} load, mean torque {study.source.mean_torque:.1f} N m"
-    )
-    cycle = study.source.cycle
-    pressure = (
-        ""
-        if cycle is None
-        else (f"peak {cycle.samples[1].max() / 1e5:.1f} bar, indicated mean {cycle.mean_pressure / 1e5:.2f} bar")
-    )
+    cycle, gas, pressure = study.source.cycle, "motored, no gas", ""
+    if cycle is not None:
+        gas = f"{study.load:.0%} load, mean torque {study.source.mean_torque:.1f} N m"
+        pressure = f"peak {cycle.samples[1].max() / 1e5:.1f} bar, indicated mean {cycle.mean_pressure / 1e5:.2f} bar"
     found = [
         ("engine", f"{p.title}; {p.displacement * 1e6:.0f} cm3, {p.bore * 1e3:g} x {p.stroke * 1e3:g} mm"),
         ("running", f"{study.rpm:g} rpm, {gas}"),

@@ -64,8 +64,10 @@ class Mount:
 
 @dataclass(frozen=True)
 class Car:
-    """A car of the data file: ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]; ``ride``:
-    the car on its wheels, None if nothing is known of it.
+    """A car of the data file.
+
+    ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]; ``ride``: the car on its wheels,
+    None if nothing is known of it.
     """
 
     name: str

@@ -20,6 +20,7 @@ from validation.engine_balance.spectrum import spectrum
 from validation.nvh.engine.loads import Source
 from validation.nvh.held.mounts import Mount, bushings
 from validation.nvh.held.powertrain import Equivalent, carried, moving_engine
+from validation.nvh.held.rigid_modes import mass_matrix
 
 TABLE = 720  # points of the gas force over a cycle
 RTOL = 1e-8
@@ -113,7 +114,7 @@ class OnMounts:
     def mass(self) -> np.ndarray:
         """(6, 6) about the middle of the crank, axes of the block."""
         rigid = shift(self.body.com)
-        return rigid.T @ spatial_mass(self.body.mass, self.body.inertia) @ rigid
+        return rigid.T @ mass_matrix(self.body) @ rigid
 
 
 def six_freedoms(body: Body) -> list[Measure]:
@@ -130,13 +131,6 @@ def shift(arm: np.ndarray) -> np.ndarray:
     whole = np.eye(6)
     whole[:3, 3:] = -skew(arm)
     return whole
-
-
-def spatial_mass(mass: float, inertia: np.ndarray) -> np.ndarray:
-    """(6, 6) about the centre of mass."""
-    M = np.zeros((6, 6))
-    M[:3, :3], M[3:, 3:] = mass * np.eye(3), inertia
-    return M
 
 
 def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> System:

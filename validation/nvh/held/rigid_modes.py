@@ -12,6 +12,7 @@ import numpy as np
 
 from mbsd3d import Body, System, linearize
 from validation.nvh.held.mounts import Mount, bushings
+from validation.nvh.held.powertrain import Equivalent
 
 DIRECTIONS = ("x", "y", "z", "about x", "about y", "about z")
 
@@ -30,7 +31,7 @@ class RigidMode:
         return DIRECTIONS[int(np.argmax(self.shares))]
 
 
-def mass_matrix(body: Body) -> np.ndarray:
+def mass_matrix(body: Body | Equivalent) -> np.ndarray:
     """(6, 6) about the centre of mass, car axes."""
     M = np.zeros((6, 6))
     M[:3, :3], M[3:, 3:] = body.mass * np.eye(3), body.inertia

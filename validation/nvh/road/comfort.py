@@ -1,7 +1,7 @@
 """Weighting of vertical vibration of seated people by ISO 2631-1, W_k.
 
-    H(s) = high pass (0.4 Hz) * low pass (100 Hz) * (1 + s / w3) / (1 + s / (Q4 w4) + s^2 / w4^2)
-           * (w5 / w6)^2 (1 + s / (Q5 w5) + s^2 / w5^2) / (1 + s / (Q6 w6) + s^2 / w6^2)
+H(s) = high pass (0.4 Hz) * low pass (100 Hz) * (1 + s / w3) / (1 + s / (Q4 w4) + s^2 / w4^2)
+       * (w5 / w6)^2 (1 + s / (Q5 w5) + s^2 / w5^2) / (1 + s / (Q6 w6) + s^2 / w6^2)
 """
 
 import numpy as np

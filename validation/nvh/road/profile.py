@@ -1,7 +1,7 @@
 """Rough roads by ISO 8608, as sums of waves with seeded phases.
 
-The displacement spectrum of a class is ``G(n) = G_0 (n / n_0)^-2`` over the spatial frequency n, n_0 = 0.1 1/m, with G_0 =
-16e-6 m^3 for class A and four times more from class to class. A track of length L is
+The displacement spectrum of a class is ``G(n) = G_0 (n / n_0)^-2`` over the spatial frequency n, n_0 = 0.1 1/m, with
+G_0 = 16e-6 m^3 for class A and four times more from class to class. A track of length L is
 
     z(x) = sum_k sqrt(2 G(n_k) / L) cos(2 pi n_k x + phase_k),     n_k = k / L
 
@@ -41,7 +41,9 @@ class Road:
         if self.kind not in CLASSES or len(self.kind) != 1:
             raise ValueError(f"road of class {self.kind!r}; give one of {', '.join(CLASSES)}")
         if number(self.length, "road: length", positive=True) < 2.0 / LONGEST:
-            raise ValueError(f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more")
+            raise ValueError(
+                f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more"
+            )
 
     @cached_property
     def waves(self) -> np.ndarray:

@@ -44,11 +44,15 @@ def comfort(rides: list[Ride]) -> Rows:
 
 def modes(ride: Ride) -> Rows:
     """Small motions of the car on its wheels."""
+    rows, r = [["mode", "mostly", "Hz", "damping"]], ride.vehicle.ride
     system = ride.vehicle.system()
-    rows = [["mode", "largest", "Hz", "damping"]]
     for mode in linearize(system).modes:
         if mode.frequency > 0.0:
-            rows.append([str(len(rows)), mode.label, f"{mode.frequency:.3f}", f"{mode.damping_ratio:.3f}"])
+            up, (roll, pitch, _) = np.abs(mode.translation[:, 2]), np.abs(mode.rotation[0])
+            moved = {"heave": up[0], "roll": roll * r["track"] / 2, "pitch": pitch * r["wheelbase"] / 2}
+            moved |= {f"hop of {body.name}": z for body, z in zip(system.bodies[1:], up[1:], strict=True)}
+            name = max(moved, key=moved.__getitem__)
+            rows.append([str(len(rows)), name, f"{mode.frequency:.3f}", f"{mode.damping_ratio:.3f}"])
     return rows
 
 
@@ -88,8 +92,8 @@ def figure(ride: Ride) -> "Figure":
             over = [Ride(ride.vehicle, Road(kind), speed).weighted for speed in SPEEDS]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
-        lower.set(xlabel="speed [m/s]", ylabel="weighted acceleration [m/s²]", ylim=(0.0, None))
-        lower.legend(frameon=False, labelcolor=look.ink, ncols=len(SHOWN))
+        lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
+        made.legend(frameon=False, labelcolor=look.ink, ncols=len(SHOWN), loc="outside lower right")
     return made
 
 

@@ -59,7 +59,7 @@ class Ride:
     @cached_property
     def seat(self) -> np.ndarray:
         """(k,) phasors of the acceleration at the seat [m/s^2]."""
-        return -self.rates**2 * (self.heights @ self.vehicle.at_seat)
+        return -(self.rates**2) * (self.heights @ self.vehicle.at_seat)
 
     @property
     def weighted(self) -> float:

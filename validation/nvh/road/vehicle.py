@@ -2,8 +2,8 @@
 
 The body heaves, rolls and pitches; wheels slide along the z axis of the body on springs and dampers; tyres are springs
 and dampers to the ground. A road of height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level
-ground: without weight all is measured from the loaded position. A half car has its two sides in one, a quarter car is one
-corner with a body that only heaves.
+ground: without weight all is measured from the loaded position. A half car has its two sides in one, a quarter car is
+one corner with a body that only heaves.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,17 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import (
-    GROUND, Body, Force, Perpendicular, PointOnLine, Prismatic, SpringDamper, System, accelerations, linearize, measures,
+    GROUND,
+    Body,
+    Force,
+    Perpendicular,
+    PointOnLine,
+    Prismatic,
+    SpringDamper,
+    System,
+    accelerations,
+    linearize,
+    measures,
     shapes,
 )  # fmt: skip
 from mbsd3d.extend import Measure, number
@@ -127,7 +137,9 @@ class Vehicle:
     def outputs(self, system: System) -> list[Measure]:
         """Heights of as many points as there are freedoms, then their velocities: of the body, then of the wheels."""
         body = system.bodies[0]
-        points = [(body, (x, y, body.position[2])) for x, y in SPOTS[self.kind]] + [(wheel, None) for wheel in system.bodies[1:]]
+        points = [(body, (x, y, body.position[2])) for x, y in SPOTS[self.kind]] + [
+            (wheel, None) for wheel in system.bodies[1:]
+        ]
         places = [measures.position(part, axis=Z, at=at) for part, at in points]
         return places + [measures.velocity(part, axis=Z, at=at) for part, at in points]
 
