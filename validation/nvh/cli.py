@@ -8,7 +8,7 @@ from mbsd3d.extend import can_view, ready_folder
 
 DIFFER = 1  # exit code
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
-OF_ENGINE = ("rpm", "load", "shafts")
+OF_ENGINE = ("rpm", "load", "shafts", "sound")
 
 
 @click.command()
@@ -17,6 +17,7 @@ OF_ENGINE = ("rpm", "load", "shafts")
 @click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
+@click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
 @click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
 @click.option("--page", "folder", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
@@ -55,7 +56,13 @@ def nvh(engine: str | None, car_name: str, folder: str | None, only_list: bool, 
 
 
 def in_car(
-    chosen: Any, car: Any, folder: str | None, rpm: float | None = None, load: float = 1.0, shafts: str | None = None
+    chosen: Any,
+    car: Any,
+    folder: str | None,
+    rpm: float | None = None,
+    load: float = 1.0,
+    shafts: str | None = None,
+    sound: str | None = None,
 ) -> None:
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from validation.nvh import tables
@@ -63,6 +70,10 @@ def in_car(
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
     study = Study(chosen, car, speed, load, shafts)
+    if sound is not None and study.cabin is None:
+        raise ValueError(
+            f"nvh: --sound needs a car whose shell is known; '{car.name}' is not one, give compact or saloon"
+        )
     facts = tables.facts(study)
     width = max(len(name) for name, _ in facts)
     click.echo("\n".join(f"{name:{width}}  {text}" for name, text in facts))
@@ -73,7 +84,14 @@ def in_car(
     show("modes on the mounts", tables.modes(study))
     show("mounts", tables.mounts(study))
     show("handed on to the car", tables.handed_on(study))
+    if study.cabin is not None:
+        show("seat rail", tables.felt(study))
+        show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
     click.echo(f"\nlinear map and full run differ by {study.difference:.2%}")
+    if sound is not None:
+        from validation.nvh.cabin.sound import write_sound
+
+        click.echo(write_sound(study.map, study.cabin.seat(study.map), sound))
     if folder is not None:
         from validation.nvh.page import write_page
 

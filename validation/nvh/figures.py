@@ -59,6 +59,23 @@ def order_lines(study: Study) -> "Figure":
     return made
 
 
+def seat_lines(study: Study) -> "Figure":
+    """Acceleration of the seat rail over speed by order, root of the sum of all directions; all orders in black."""
+    seat = np.sqrt((np.abs(study.cabin.seat(study.map)) ** 2).sum(axis=2) / 2)
+    ranked = np.argsort(-seat.max(axis=0))[:SHOWN]
+    chosen = np.sort(ranked[seat.max(axis=0)[ranked] > 1e-3 * seat.max()])
+    with new_figure(7.5, 3.4) as (made, look):
+        axes = made.add_subplot()
+        dress(axes, look)
+        axes.plot(study.map.rpm, np.linalg.norm(seat, axis=1), color=look.ink, linewidth=LINE, label="all")
+        for line, k in enumerate(chosen):
+            label = f"{study.map.orders[k]:g}x"
+            axes.plot(study.map.rpm, seat[:, k], color=look.colour(line), linewidth=LINE, label=label)
+        axes.set(xlabel="speed [1/min]", ylabel="seat rail, rms [m/s²]", ylim=(0.0, None))
+        made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN + 1, loc="outside lower right")
+    return made
+
+
 def working_cycle(study: Study) -> "Figure":
     """Pressure over volume and over the crank angle; torque of gas and inertia over the crank angle."""
     angle, cycle = np.linspace(0.0, 4 * np.pi, 1441), study.source.cycle

@@ -24,11 +24,15 @@ def write_page(study: Study, folder: str | Path) -> Path:
         "waterfall": figures.waterfall(study),
         "lines": figures.order_lines(study),
     }
+    if study.cabin is not None:
+        drawn["seat"] = figures.seat_lines(study)
+    felt, (most, paths) = (None, (None, None)) if study.cabin is None else (tables.felt(study), tables.paths(study))
     page = page_template("nvh.html", TEMPLATES).render(
         study=study, view=view, lines=tables.facts(study), agrees=study.difference <= AGREES, digits=digits,
         figures={key: Markup(inline_svg(made, f"{key}-")) for key, made in drawn.items()}, loads=tables.loads(study),
         modes=tables.modes(study), mounts=tables.mounts(study), handed=tables.handed_on(study),
-        bearings=tables.bearings(study), timing=tables.timing(study) if study.source.fitted else None,
+        felt=felt, most=most, paths=paths, bearings=tables.bearings(study),
+        timing=tables.timing(study) if study.source.fitted else None,
     )  # fmt: skip
     return write_atomically(folder / f"{name}.html", page.encode())
 

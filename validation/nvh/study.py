@@ -7,6 +7,7 @@ import numpy as np
 
 from mbsd3d import Solution
 from mbsd3d.extend import number
+from validation.nvh.cabin.seat import Cabin
 from validation.nvh.engine import balance_shafts
 from validation.nvh.engine.loads import Source
 from validation.nvh.engine.main_bearings import Bearing, main_bearings
@@ -20,6 +21,7 @@ from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
 
 SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
+IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
 SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
 
@@ -121,6 +123,16 @@ class Study:
         """Largest difference of full run and map in any order, over the largest order."""
         size, off = self.differences
         return float(off.max() / size.max())
+
+    @cached_property
+    def cabin(self) -> Cabin | None:
+        """The car around it; None if its shell is not known."""
+        return None if self.car.shell is None else Cabin(self.car, self.on_mounts)
+
+    @property
+    def idling(self) -> "Study":
+        """The same engine at idle."""
+        return replace(self, rpm=self.preset.idle, load=IDLE)
 
     @cached_property
     def bearings(self) -> list[Bearing]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from validation.nvh.cabin.seat import rms
 from validation.nvh.engine import balance_shafts
 from validation.nvh.held.rigid_modes import DIRECTIONS
 from validation.nvh.study import Study
@@ -71,6 +72,29 @@ def handed_on(study: Study) -> Rows:
     return rows
 
 
+def felt(study: Study) -> Rows:
+    """Acceleration of the seat rail at the study's speed by order."""
+    rows, seat = [["order", "Hz", "x", "y", "z [mm/s2]"]], np.abs(study.cabin.seat(study.here)[0])
+    for order, row in zip(study.here.orders, 1e3 * seat, strict=True):
+        if (row > LEAST * 1e3 * seat.max()).any():
+            rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *(figure(x) for x in row)])
+    return rows
+
+
+def paths(study: Study) -> tuple[str, Rows]:
+    """(what is felt most, the share of every path in it)."""
+    parts = study.cabin.paths(study.here)[0]
+    seat = parts.sum(axis=(1, 2))
+    order, way = np.unravel_index(np.abs(seat).argmax(), seat.shape)
+    title = f"{study.here.orders[order]:g}x along {'xyz'[way]}: {1e3 * abs(seat[order, way]):.3g} mm/s2"
+    rows = [["mount", "force", "alone [mm/s2]", "phase [degrees]", "share [%]"]]
+    for mount, forces in zip(study.placed, parts[order, :, :, way], strict=True):
+        for name, path in zip("xyz", forces / seat[order, way], strict=True):
+            alone, phase = 1e3 * abs(path * seat[order, way]), np.degrees(np.angle(path))
+            rows.append([mount.name, f"along {name}", figure(alone), f"{phase:.0f}", f"{100 * path.real:.1f}"])
+    return title, rows
+
+
 def bearings(study: Study) -> Rows:
     """Loads of the main bearings over a cycle."""
     rows = [["bearing", "", "peak [N]", "mean [N]", "peak pressure [MPa]", "roller: P_m [N]", "L10h [h]"]]
@@ -79,6 +103,14 @@ def bearings(study: Study) -> Rows:
         numbers = f"{radial.max():.0f}", f"{radial.mean():.0f}", f"{bearing.pressure / 1e6:.1f}"
         rows.append([bearing.name, "", *numbers, f"{bearing.mean:.0f}", f"{bearing.hours:.3g}"])
     return rows
+
+
+def seat_rail(study: Study) -> str:
+    """Root mean squares in a line; nothing if the shell is not known."""
+    if study.cabin is None:
+        return ""
+    here, idle = (float(rms(s.cabin.seat(s.here))[0]) for s in (study, study.idling))
+    return f"{1e3 * here:.3g} mm/s2 rms, at idle {1e3 * idle:.3g}"
 
 
 def facts(study: Study) -> list[tuple[str, str]]:
@@ -98,6 +130,7 @@ def facts(study: Study) -> list[tuple[str, str]]:
         ("car", study.car.title),
         ("sag", f"{-1e3 * shift[2]:.2f} mm, turned by {np.degrees(np.linalg.norm(turn)):.3f} degrees"),
         ("rolled by mean torque", f"{np.degrees(study.on_mounts.roll):.2f} degrees"),
+        ("seat rail", seat_rail(study)),
         ("roll about torque-roll axis", f"{100 * built:.1f} % of a mode at {f_built:.2f} Hz"),
         ("after decoupling", f"{100 * free:.4f} % at {f_free:.2f} Hz, mounts moved by up to "
                              f"{1e3 * study.decoupled.moved:.0f} mm, rates by up to {study.decoupled.rates:.2f}"),

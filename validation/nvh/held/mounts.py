@@ -67,7 +67,7 @@ class Car:
     """A car of the data file.
 
     ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]; ``ride``: the car on its wheels,
-    None if nothing is known of it.
+    ``shell``: its body as a beam, None if nothing is known of them.
     """
 
     name: str
@@ -76,6 +76,7 @@ class Car:
     bounce: float
     damping: float
     ride: dict[str, Any] | None = None
+    shell: dict[str, Any] | None = None
 
 
 @cache

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
@@ -83,19 +84,33 @@ class OnMounts:
         start = State(0.0, np.tile(self.rest, 2), v)
         return linearize(system, start, outputs=six_freedoms(system.bodies[0])).A
 
+    @cached_property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """`matrix` at rest and at `RATE`."""
+        return self.matrix(0.0), self.matrix(RATE)
+
+    def turning(self, rate: float) -> np.ndarray:
+        """`matrix` at a rate [rad/s], from `ends`: it is linear in the rate."""
+        still, turning = self.ends
+        return still + (turning - still) * (rate / RATE)
+
+    @cached_property
+    def pushed(self) -> np.ndarray:
+        """(12, 6) what forces and moments about the middle of the crank, car axes, add to the rates."""
+        turn = np.kron(np.eye(2), matrix(self.rest[3:]))
+        return np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
+
     def answer(self, source: Source, rpm: Sequence[float]) -> Map:
         """The linear map over speeds [1/min] > 0; ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
             raise ValueError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
-        still, turning = self.matrix(0.0), self.matrix(RATE)
-        turn = np.kron(np.eye(2), matrix(self.rest[3:]))
-        B = np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
+        turn, B = np.kron(np.eye(2), matrix(self.rest[3:])), self.pushed
         force, load, motion = [], [], []
         for speed in speeds:
             rate, given = 2 * np.pi * speed / 60, source.at(speed)
             late = np.exp(-1j * given.orders * self.roll)[:, None]  # a crank angle counts from the block
-            A, push = still + (turning - still) * (rate / RATE), late * (given.six @ turn.T)
+            A, push = self.turning(rate), late * (given.six @ turn.T)
             W = given.orders * rate
             x = np.linalg.solve(1j * W[:, None, None] * np.eye(12) - A, (push @ B.T)[..., None])[..., 0]
             x[0] = 0.0  # the mean is in `rest`
@@ -109,6 +124,18 @@ class OnMounts:
         u = motion @ shift(matrix(self.rest[3:]) @ mount.at).T[:, :3]
         damping = mount.axes @ np.diag(mount.damping) @ mount.axes.T
         return u @ mount.stiffness + 1j * W[:, None] * (u @ damping)
+
+    def feet(self, rate: float, W: np.ndarray) -> np.ndarray:
+        """(n, 3 mounts, 3 mounts) D: forces against motions of the mounts' feet at rates W, the crank turning [N/m].
+
+        With Z of the mounts alone and Y the receptance of the mounted powertrain at their heads, ``D = Z - Z Y Z``.
+        """
+        heads = np.vstack([shift(matrix(self.rest[3:]) @ mount.at)[:3] for mount in self.placed])
+        A, W = self.turning(rate), np.asarray(W)[:, None, None]
+        Y = heads @ np.linalg.solve(1j * W * np.eye(12) - A, self.pushed @ heads.T)[:, :6]
+        dampings = [mount.axes @ np.diag(mount.damping) @ mount.axes.T for mount in self.placed]
+        Z = block_diag(*[mount.stiffness for mount in self.placed]) + 1j * W * block_diag(*dampings)
+        return Z - Z @ Y @ Z
 
     @property
     def mass(self) -> np.ndarray:
