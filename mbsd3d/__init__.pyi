@@ -28,6 +28,7 @@ from .integrators.driven import Kinematic as Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .integrators.radau import RadauIIA as RadauIIA
 from .integrators.rk4 import RK4 as RK4
+from .kernels.coordinates import arctan2 as arctan2
 from .mechanism.bodies import GROUND as GROUND
 from .mechanism.bodies import Body as Body
 from .mechanism.contacts import KnifeEdge as KnifeEdge

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..base.errors import InputError
 from .support import (
     INTERRUPTED,
     can_view,
@@ -31,9 +32,9 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
     takes = {"DOP853": ("dt", "stiff"), "Kinematic": ()}.get(name, ("dt",))
     wrong = [key for key in given if key not in takes]
     if wrong:
-        raise ValueError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
+        raise InputError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
     if name == "RK4" and dt is None:
-        raise ValueError("--method RK4 needs --dt, its step [s]")
+        raise InputError("--method RK4 needs --dt, its step [s]")
     return getattr(mbsd3d, name)(**given)
 
 

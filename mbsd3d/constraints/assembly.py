@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
 from ..base.checks import number, shown
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
@@ -175,11 +175,11 @@ def assemble(
     """See `System.assemble`."""
     for what, given in (("angles", angles), ("slides", slides), ("rates", rates), ("measures", measures)):
         if not isinstance(given, Mapping):
-            raise ValueError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
+            raise InputError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
     probes = tuple(measures)
     for probe in probes:
         if not isinstance(probe, Measure):
-            raise ValueError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
         check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
     wanted = []

@@ -8,6 +8,8 @@ from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..base.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -104,9 +106,9 @@ class Exhibit:
         """The whole effect, or with the changes of its ablation."""
         for name in changes:
             if name not in inspect.signature(self.make).parameters:
-                raise ValueError(
+                raise InputError(
                     f"demo '{self.name}' has no parameter '{name}'; it has a table of its own and no numbers to set"
                 )
         if without not in (None, *self.ablation):
-            raise ValueError(f"demo '{self.name}' has no term '{without}'; there are {', '.join(self.ablation)}")
+            raise InputError(f"demo '{self.name}' has no term '{without}'; there are {', '.join(self.ablation)}")
         return self.make(**({without: self.ablation[without]} if without else {}), **changes)

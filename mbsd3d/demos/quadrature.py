@@ -6,6 +6,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ..base.errors import InputError
+
 MOST = 2**17  # points of a quadrature
 
 
@@ -40,7 +42,7 @@ def turning_point(square: Callable, inside: float, step: float, limit: float) ->
         if square(x + step) <= 0.0:
             return float(brentq(square, x, x + step, xtol=1e-15, rtol=1e-15))
         x += step
-    raise ValueError("the motion does not turn back, so it is no swing: give a smaller kick")
+    raise InputError("the motion does not turn back, so it is no swing: give a smaller kick")
 
 
 def motion(rate: Callable, y: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import floats, shown
+from ..base.errors import InputError
 from ..kernels import kinds
 from ..kernels.jit import announce_compilation
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
@@ -43,15 +44,15 @@ class Switches:
     def __post_init__(self) -> None:
         if not isinstance(self.stabilisation, str) or self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
-            raise ValueError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
+            raise InputError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
         remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
         factors = floats(self.baumgarte, "baumgarte", remedy)
         if factors.shape != (2,) or (factors < 0.0).any():
-            raise ValueError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
+            raise InputError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
         object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
         for name in ("gyroscopic", "centripetal", "gamma"):
             if not isinstance(getattr(self, name), bool | np.bool_):
-                raise ValueError(f"{name} = {shown(getattr(self, name))}; give True or False")
+                raise InputError(f"{name} = {shown(getattr(self, name))}; give True or False")
 
 
 STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}

@@ -13,9 +13,12 @@ from .kinds import ANGLE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POS
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
 
 
-@inner_kernel
+@kernel
 def arctan2(y, x):
-    """atan2 for real and complex-step arguments: the real angle plus the small rotation left over."""
+    """Angle of (x, y) [rad], for real numbers and for those of a complex step; for functions of `CustomForce`.
+
+    The real angle plus the small rotation left over; (0, 0) has none.
+    """
     angle = math.atan2(y.real, x.real)
     c, s = math.cos(angle), math.sin(angle)
     return angle + (c * y - s * x) / (c * x + s * y)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..base.directions import perpendiculars, unit
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import Joint, PointJoint
@@ -36,7 +37,7 @@ class KnifeEdge(PointJoint):
         super().check(what)
         if (self.lateral is None) == (self.heading is None):
             given = "neither lateral nor heading" if self.lateral is None else "both lateral and heading"
-            raise ValueError(f"{what}: {given}; give the direction it cannot move along, or the one it points")
+            raise InputError(f"{what}: {given}; give the direction it cannot move along, or the one it points")
         if self.lateral is None:
             ahead = unit(self.heading, f"{what}: heading")
             self.set(heading=None, lateral=unit(np.cross((0.0, 0.0, 1.0), ahead), f"{what}: heading seen from above"))
@@ -83,16 +84,16 @@ class RollingDisc(Joint):
     def check(self, what: str) -> None:
         super().check(what)
         if self.b is GROUND:
-            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
+            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
         radius = number(self.radius, f"{what}: radius", positive=True)
         crown = number(self.crown, f"{what}: crown", minimum=0.0)
         if crown > radius:
-            raise ValueError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
+            raise InputError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
         at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
         plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
         axis = unit(self.axis, f"{what}: axis")
         if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
-            raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
+            raise InputError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
         centre = self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre")
         self.set(axis=axis, radius=radius, crown=crown, plane=plane, centre=centre)
 

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..base.directions import unit
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
@@ -57,7 +58,7 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         if self.unit not in UNITS_OF[self.kind] or not fits or not own:
-            raise ValueError(
+            raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
                 "function of mbsd3d.measures"
             )
@@ -83,7 +84,7 @@ class Condition:
     direction: float
 
     def __bool__(self) -> bool:
-        raise ValueError(
+        raise InputError(
             f"condition '{self}' is neither true nor false before a run, so 'and', 'or' and 'a < x < b' would drop a "
             "part of it; give stop_when a single comparison"
         )
@@ -98,7 +99,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     for part in (measure.a, measure.b, measure.part or GROUND):
         if id(part) not in members:
             kind = "force" if part is measure.part else "body"
-            raise ValueError(
+            raise InputError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
 
@@ -140,7 +141,7 @@ def slide_rate(slider: Joint) -> Measure:
 def body_or_error(body: Any, what: str) -> None:
     """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
-        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+        raise InputError(f"{what}: {body!r} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
@@ -209,6 +210,6 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
         have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
-        raise ValueError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
+        raise InputError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.loads import loads
 from ..equations.compiled import new_data
@@ -47,7 +48,7 @@ def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground
     system = solution.system
     part = system.part(force, "forces")
     if isinstance(part, SavedForce):
-        raise ValueError(
+        raise InputError(
             f"solution.force: the function of '{system.name(part)}' was not saved with the solution, so its force is "
             "not known; read it before saving, or run the model again"
         )
@@ -72,7 +73,7 @@ def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | s
             return body
     names = ", ".join(f"'{body.name}'" for body in bodies)
     shown = getattr(on, "name", on)
-    raise ValueError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
+    raise InputError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
 
 
 def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Ground) -> np.ndarray:

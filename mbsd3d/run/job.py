@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.concurrency import turn_passed_on
-from ..base.errors import AssemblyError, IntegrationError
+from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.contradictions import rivals
 from ..constraints.row_choice import choose_rows
@@ -32,6 +32,7 @@ from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
+from .balance import check_balance
 from .divergence import DivergenceWatch
 from .events import armed_at_start
 from .stiffness import check_forces
@@ -194,7 +195,7 @@ class Job:
             spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
                 hint = f"{spins[0].text}: {spins[0].cure}"
-            raise ValueError(
+            raise InputError(
                 f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
                 f"position level; {hint}"
             )
@@ -219,6 +220,7 @@ class Job:
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
+        check_balance(self.compiled, self.memory.y, self.start.t)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import vector
+from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...kernels.force_laws import push, twist
 from ...kernels.jit import inner_kernel, merged_kernel
@@ -121,7 +122,7 @@ class Bushing(ForceElement):
             value = getattr(self, name)
             three = vector((value,) * 3 if np.ndim(value) == 0 else value, f"{what}: {name}")
             if (three < 0).any():
-                raise ValueError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
+                raise InputError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
             self.set(**{name: three})
 
     def record(self) -> ForceRecord:
