@@ -1,11 +1,13 @@
 """Checks of input: errors name the value and the remedy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import InputError
+from .errors import InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 
@@ -94,3 +96,15 @@ def sequence(values: Any, what: str) -> tuple[float, ...]:
     except TypeError:
         raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
     return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
+
+
+@contextmanager
+def solvable(what: str) -> Iterator[None]:
+    """Turn what the linear algebra inside cannot solve into an error of this package."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, OverflowError) as error:
+        raise MbsError(
+            f"{what}: {error}",
+            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
+        ) from error

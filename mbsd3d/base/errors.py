@@ -2,13 +2,10 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
-
-import numpy as np
 
 T = TypeVar("T")
 
@@ -40,18 +37,6 @@ class MbsError(ValueError):
         self.residual = residual
         self.solution = solution
         self.advice = advice
-
-
-@contextmanager
-def solvable(what: str) -> Iterator[None]:
-    """Turn what the linear algebra inside cannot solve into an error of this package."""
-    try:
-        yield
-    except (np.linalg.LinAlgError, OverflowError) as error:
-        raise MbsError(
-            f"{what}: {error}",
-            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
-        ) from error
 
 
 class InputError(MbsError):

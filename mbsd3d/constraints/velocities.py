@@ -6,9 +6,9 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array, vstack
 
-from ..base.checks import number
+from ..base.checks import number, solvable
 from ..base.concurrency import one_thread
-from ..base.errors import AssemblyError, InputError, solvable
+from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled

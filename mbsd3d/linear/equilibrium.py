@@ -17,8 +17,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
+from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError, EquilibriumError, InputError, solvable
+from ..base.errors import AssemblyError, EquilibriumError, InputError
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint

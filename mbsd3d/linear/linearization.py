@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import number
+from ..base.checks import number, solvable
 from ..base.concurrency import on_one_thread
-from ..base.errors import InputError, solvable
+from ..base.errors import InputError
 from ..constraints.nearby_poses import closed
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.elimination import eliminate

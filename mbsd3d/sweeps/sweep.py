@@ -97,6 +97,8 @@ def sweep(
     >>> found.first_order.shape
     (2,)
     """
+    import xarray  # noqa: F401  # half a second, which nobody waits for after Ctrl-C
+
     began = time.perf_counter()
     cells, experiment = make_grid(grid), Experiment(build, measure, {} if run is None else run)
     check(experiment, cells, executor, units)
