@@ -97,6 +97,8 @@ def cross_check(
     'agrees'
     """
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
+    if not any(body.mass for body in system.bodies):
+        raise InputError("cross_check: no body has a mass, so nothing moves by laws that engines share; give masses")
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
         ours = ours_at_start(system, start) if t_end is None else ours_at(system, start, times)
         found, interrupted = one_by_one(engines, partial(compare, system, start, ours, tolerance, budget), bar)
