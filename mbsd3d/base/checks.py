@@ -28,7 +28,7 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
         array = np.array(values, dtype=float) if raw.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
-    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes) for x in raw.flat)):
+    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)):
         raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
     if not np.isfinite(array).all():
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")

@@ -1,6 +1,6 @@
 """Consistent states: poses by forward kinematics and Newton, velocities by least kinetic energy."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -188,6 +188,8 @@ def assemble(
             joint = system.part(key, "joints")
             x = coordinate_of(joint, kind, f"assemble: {kind}s")
             wanted.append((x, number(value, f"assemble: {kind} of '{system.name(joint)}'")))
+    if not isinstance(pinned, Sequence) or isinstance(pinned, str):
+        raise InputError(f"assemble: pinned = {shown(pinned)} is no sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)

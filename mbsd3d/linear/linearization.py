@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import number, solvable
+from ..base.checks import number, shown, solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
 from ..constraints.nearby_poses import closed
@@ -143,6 +143,8 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
     """Measures of parts of this system."""
     if isinstance(outputs, Measure):
         outputs = (outputs,)
+    if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
+        raise InputError(f"linearize: outputs = {shown(outputs)} is no sequence; give a list of mbsd3d.measures")
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise InputError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
