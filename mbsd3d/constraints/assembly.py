@@ -16,6 +16,7 @@ from ..kernels.coordinates import coordinate, measure
 from ..kernels.kinematics import displace, kinematics
 from ..kernels.layout import Data
 from ..kernels.rows import rows
+from ..mechanism.bodies import Body
 from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -168,7 +169,7 @@ def assemble(
     slides: Mapping,
     rates: Mapping,
     measures: Mapping,
-    pinned: tuple,
+    pinned: Sequence[Body],
     near: State | None,
     t: float,
 ) -> State:
