@@ -4,7 +4,7 @@ from importlib import metadata
 from typing import TypeVar
 
 T = TypeVar("T")
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 
 def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
