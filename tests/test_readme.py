@@ -1,4 +1,4 @@
-"""README.md: its blocks print what it shows, its commands and files exist; and the examples of all docstrings run."""
+"""README.md: its blocks print what it shows; files and commands named in all texts exist; docstring examples run."""
 
 import doctest
 import pkgutil
@@ -15,8 +15,11 @@ from mbsd3d.cli import main
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PATHS = sorted(set(re.findall(r"`((?:mbsd3d|tests|validation)/[\w./]*|\w+\.(?:md|toml|txt))`", README)))
-COMMANDS = sorted(set(re.findall(r"mbsd3d (\w+)", "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL)))))
+TEXTS = [README, *((ROOT / name).read_text(encoding="utf-8") for name in ("CONTRIBUTING.md", "ARCHITECTURE.md"))]
+TEXTS += [page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").rglob("*.md"))]
+PATHS = sorted(set(re.findall(r"`((?:mbsd3d|tests|validation|bicycle|docs)/[\w./]+)`", "".join(TEXTS))))
+SHELL = "".join(block for text in TEXTS for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
+COMMANDS = sorted(set(re.findall(r"^mbsd3d (\w+)", SHELL, re.MULTILINE)))
 MODULES = ["mbsd3d", *(module.name for module in pkgutil.walk_packages(mbsd3d.__path__, "mbsd3d."))]
 
 
@@ -44,18 +47,24 @@ def test_comparison_of_certificates_sees_sizes_and_verdicts():
     assert not agrees(shown, shown.replace("  ok   energy", "  FAIL energy"))
 
 
+def test_readme_is_one_page_and_its_links_lead_somewhere():
+    assert README.count("\n") <= 150
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        assert (ROOT / target).exists(), target
+
+
 def test_readme_opens_with_the_two_commands():
     first = re.search(r"```sh\n(.*?)```", README, re.DOTALL).group(1)
     assert [line.split("#")[0].split() for line in first.splitlines()] == [["make", "demo"], ["make", "test"]]
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_files_named_in_the_readme_exist(path):
+def test_files_named_in_the_texts_exist(path):
     assert (ROOT / path).exists()
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_commands_of_the_readme_exist(command):
+def test_commands_of_the_texts_exist(command):
     assert CliRunner().invoke(main, [command, "--help"]).exit_code == 0
 
 

@@ -104,3 +104,10 @@ def test_links_of_a_page_lead_somewhere(page):
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
         assert target.startswith("http") or (page.parent / target).exists(), target
+
+
+def test_forty_questions_have_a_page():
+    text = PAGES["questions.md"].read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| .*\]\(([\w/.]+)\) \|$", text, re.MULTILINE)
+    assert [int(number) for number, _ in rows] == list(range(1, 41))
+    assert {page for _, page in rows} <= set(PAGES)
