@@ -6,7 +6,7 @@ from typing import TypeVar
 from .errors import InputError
 
 T = TypeVar("T")
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 
 def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
