@@ -11,7 +11,7 @@ from .warmup import compile_all
 
 if TYPE_CHECKING:
     from ..demos.base import Outcome, Row
-    from ..demos.discovery import Known
+    from ..demos.form import Demo
 
 
 @click.command()
@@ -72,7 +72,7 @@ def demo(
 
 
 def run_one(
-    shown: "Known", without: str | None, values: dict, out: str | None, as_json: bool, watched: bool = False
+    shown: "Demo", without: str | None, values: dict, out: str | None, as_json: bool, watched: bool = False
 ) -> "Outcome":
     """Run a demo, print its table (or object), and write its files if there is a folder for them."""
     from ..demos.report import listing, report, to_json, write

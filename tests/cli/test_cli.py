@@ -12,10 +12,10 @@ from importlib import metadata
 import click
 import pytest
 from click.testing import CliRunner
+from family_checks import small
 
 import mbsd3d
 from mbsd3d.cli import main
-from mbsd3d.demos.base import Exhibit, Outcome, Row
 from mbsd3d.demos.discovery import discover
 
 PENDULUM = """
@@ -360,15 +360,8 @@ def plugins(monkeypatch):
     def refuse():
         raise ValueError("wheel 'front':\n radius is 0")
 
-    def failing():
-        from matplotlib.figure import Figure
-
-        figure = Figure(layout="constrained")
-        figure.subplots()
-        return Outcome((Row("one", 2.0, 1.0, 1e-9),), lambda: figure, {})
-
     module.hello, module.refuse, module.wrong, module.run = hello, refuse, 3, hello
-    module.failing = Exhibit("failing", "fails", "Why.", "source", failing)
+    module.failing = small("failing", "plugin_commands")
     monkeypatch.setitem(sys.modules, "plugin_commands", module)
     names = {"hello": "plugin_commands:hello", "refuse": "plugin_commands:refuse", "wrong": "plugin_commands:wrong",
              "lost": "no_such_package:command", "run": "plugin_commands:run"}  # fmt: skip
