@@ -10,7 +10,7 @@ from mbsd3d import IntegrationError
 from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
 
 from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
-from . import bicycle_argument, out_option, report, saved
+from . import bicycle_argument, out_option, report, saved, tyre_options
 
 if TYPE_CHECKING:
     from ..parameters import Parameters
@@ -32,10 +32,11 @@ RATE, MOST = 100, 20_000
 )
 @click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
+@tyre_options
 @out_option
 def ride(
     parameters: "Parameters", manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
-    held_down: bool, viewed: bool, out: str,
+    held_down: bool, viewed: bool, fittings: dict[str, Any], out: str,
 ) -> None:  # fmt: skip
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
@@ -56,7 +57,10 @@ def ride(
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
         raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
-    name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down)])
+    name = "_".join(
+        [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *["tyres"] * bool(fittings)]
+    )
+    arguments |= fittings
     target = ready_folder(out) / name
     try:
         samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
