@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "stability": "stability", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
-    "frequency": "linear", "compare": "linear",
+    "frequency": "linear", "rider": "rider", "compare": "linear",
 }  # fmt: skip
 """Study -> module here that holds its command, in the order of a course."""
 

@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle on tyres that runs straight."""
+ORDER = (
+    "weave", "capsize", "castering", "wobble", "second wobble", "third wobble", "fourth wobble", "tyre decay",
+    "second tyre decay", "third tyre decay", "fourth tyre decay",
+)  # fmt: skip
+TWIN = " (conjugate)"
 FOOT = 0.3048
 """[m]"""
 CLOSED = 1e-8
@@ -134,7 +139,10 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
 def followed(found: list) -> tuple[np.ndarray, tuple[str, ...]]:
     """(values with a column per mode, their names), from the fastest speed down, where modes are told apart."""
     here, shapes = found[-1]
-    order = np.lexsort((here.imag, -here.real, np.abs(here.imag)))
+    names = named(here)
+    order = sorted(
+        range(len(here)), key=lambda k: ORDER.index(names[k].removesuffix(TWIN)) + 0.5 * names[k].endswith(TWIN)
+    )
     values, vectors = [here[order]], shapes[:, order]
     for there, shapes in reversed(found[:-1]):
         far = np.abs(values[-1][:, None] - there) / (1.0 + np.abs(there))
@@ -142,20 +150,21 @@ def followed(found: list) -> tuple[np.ndarray, tuple[str, ...]]:
         place = linear_sum_assignment(change)[1]
         values.append(there[place])
         vectors = shapes[:, place]
-    return np.array(values[::-1]), named(values[0])
+    return np.array(values[::-1]), tuple(names[k] for k in order)
 
 
-def named(values: np.ndarray) -> tuple[str, ...]:
-    """At the fastest speed: oscillations by frequency from weave on, capsize the slowest decay, castering the next."""
-    pairs = sorted({round(abs(s.imag), 9) for s in values if s.imag != 0.0})
-    waves = [*("weave", "wobble", "tyre wobble")[: len(pairs)], *(f"oscillation {k}" for k in range(4, len(pairs) + 1))]
-    real = sorted((k for k in range(len(values)) if values[k].imag == 0.0), key=lambda k: -values[k].real)
-    decays = ["capsize", "castering", *(f"decay {k}" for k in range(3, len(real) + 1))]
-    names = {k: name for k, name in zip(real, decays, strict=False)}
-    for k, s in enumerate(values):
-        if s.imag != 0.0:
-            names[k] = waves[pairs.index(round(abs(s.imag), 9))] + ("" if s.imag > 0.0 else " (conjugate)")
-    return tuple(names[k] for k in range(len(values)))
+def named(values: np.ndarray) -> list[str]:
+    """At the fastest speed: oscillations by frequency from weave on, decays from the slowest, capsize, on."""
+    waves = iter(("weave", "wobble", "second wobble", "third wobble", "fourth wobble"))
+    decays = iter(("capsize", "castering", "tyre decay", "second tyre decay", "third tyre decay", "fourth tyre decay"))
+    names = [""] * len(values)
+    for k in np.lexsort((-values.real, np.abs(values.imag))):
+        if values[k].imag == 0.0:
+            names[k] = next(decays)
+        elif values[k].imag > 0.0:
+            names[k] = next(waves)
+            names[int(np.argmin(np.abs(values - values[k].conj())))] = names[k] + TWIN
+    return names
 
 
 def limits(parameters: Parameters, speeds: np.ndarray, values: np.ndarray, build: Build) -> tuple[Limit, ...]:
@@ -194,11 +203,14 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
             for low, high in zip(edges, edges[1:], strict=False):
                 if found.stable(low, high):
                     axes.axvspan(low, high, color=look.good, linewidth=0.0, zorder=0)
-        shown = [k for k, name in enumerate(found.names) if not name.endswith("(conjugate)")]
+        shown = [k for k, name in enumerate(found.names) if not name.endswith(TWIN)]
         for number, k in enumerate(shown):
             style = {"color": look.colour(number), "linewidth": LINE}
             growth.plot(found.speeds, found.values[:, k].real, label=found.names[k], **style)
             frequency.plot(found.speeds, np.abs(found.values[:, k].imag), **style)
+            other = found.names[k] + TWIN
+            if other in found.names:  # where an oscillation has split into two decays
+                growth.plot(found.speeds, found.values[:, found.names.index(other)].real, **style)
         published(found, (growth, frequency), look.ink)
         growth.axhline(0.0, color=look.ink, linewidth=THIN)
         for at in found.limits:
@@ -207,7 +219,7 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
                 f"{at.speed:.4g} m/s", (at.speed, 0.99), xycoords=("data", "axes fraction"), rotation=90.0, ha="right",
                 va="top", fontsize=8.5, color=look.muted,
             )  # fmt: skip
-        slow = np.sort(found.values.real, axis=1)[:, -4:]
+        slow = np.sort(found.values[:, shown].real, axis=1)[:, -2:]
         low, high = min(slow.min(), 0.0), max(slow.max(), 0.0)
         growth.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
         growth.set_ylabel("growth, Re(s) [1/s]")
