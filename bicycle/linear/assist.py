@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are
 from scipy.optimize import brentq
 
-from mbsd3d.extend import number
+from mbsd3d.extend import number, on_one_thread
 
 from ..parameters import Parameters
 from .equations import canonical
@@ -59,10 +59,11 @@ def input_of(parameters: Parameters) -> np.ndarray:
 def eigenvalues(parameters: Parameters, speeds: ArrayLike, law: Law) -> np.ndarray:
     """(n, 4) complex [1/s] at speeds (n,) [m/s], by real part."""
     linear, B = canonical(parameters), input_of(parameters)
-    found = [linear.A(v) - B * law(v) for v in np.asarray(speeds, float).ravel().tolist()]
-    return np.array([np.sort_complex(np.linalg.eigvals(A)) for A in found])
+    matrices = [linear.A(v) - B * law(v) for v in np.asarray(speeds, float).ravel().tolist()]
+    return np.sort_complex(np.linalg.eigvals(np.array(matrices)))
 
 
+@on_one_thread
 def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike = GRID) -> list[Range]:
     """Ranges of self-stable speeds within the first and the last one given [m/s].
 

@@ -51,14 +51,18 @@ def steer(t, bodies, z, parameters, loads, z_dot):
     ``bodies`` are frame and fork, its point the front hub; parameters: gains (5), course (5), steer axis (3), arm of
     the front wheel along its disc, stiffness and damping of the muscles.
     """
-    frame, fork = bodies[0].R, bodies[1].R
-    axle, front, w = frame[:, 1], fork[:, 1], bodies[0].w
-    level = np.sqrt(1.0 - axle[2] * axle[2])
-    axis = parameters[10] * frame[:, 0] + parameters[11] * frame[:, 1] + parameters[12] * frame[:, 2]
-    delta = np.arctan2(np.sum(front * np.cross(axis, axle)), np.sum(front * axle))
-    roll, roll_rate = np.arcsin(axle[2]), (w[0] * axle[1] - w[1] * axle[0]) / level
-    heading = np.arctan2(axle[0], axle[1])
-    y = -bodies[1].r[1] - parameters[13] * front[1] * front[2] / np.sqrt(1.0 - front[2] * front[2])
+    R, S, w = bodies[0].R, bodies[1].R, bodies[0].w  # scalars: numba compiles them several times faster than arrays
+    ax, ay, az = R[0, 1], R[1, 1], R[2, 1]  # axle of the rear wheel, to the left
+    fx, fy, fz = S[0, 1], S[1, 1], S[2, 1]  # and of the front wheel
+    p, q, r = parameters[10], parameters[11], parameters[12]
+    nx = p * R[0, 0] + q * ax + r * R[0, 2]  # steer axis
+    ny = p * R[1, 0] + q * ay + r * R[1, 2]
+    nz = p * R[2, 0] + q * az + r * R[2, 2]
+    sine = fx * (ny * az - nz * ay) + fy * (nz * ax - nx * az) + fz * (nx * ay - ny * ax)
+    delta = np.arctan2(sine, fx * ax + fy * ay + fz * az)
+    roll, roll_rate = np.arcsin(az), (w[0] * ay - w[1] * ax) / np.sqrt(1.0 - az * az)
+    heading = np.arctan2(ax, ay)
+    y = -bodies[1].r[1] - parameters[13] * fy * fz / np.sqrt(1.0 - fz * fz)
     lane = 0.5 * parameters[5] * (1.0 + np.tanh(parameters[7] * (t - parameters[6])))
     command = lane + parameters[8] * np.sin(parameters[9] * t) - y
     command = parameters[4] * command - heading
@@ -67,9 +71,8 @@ def steer(t, bodies, z, parameters, loads, z_dot):
     command = parameters[1] * command - delta
     z_dot[0] = z[1]
     z_dot[1] = parameters[14] * (parameters[0] * command - z[0]) - parameters[15] * z[1]
-    for k in range(3):
-        loads[1, 3 + k] = z[0] * axis[k]
-        loads[0, 3 + k] = -z[0] * axis[k]
+    loads[1, 3], loads[1, 4], loads[1, 5] = z[0] * nx, z[0] * ny, z[0] * nz
+    loads[0, 3], loads[0, 4], loads[0, 5] = -z[0] * nx, -z[0] * ny, -z[0] * nz
 
 
 def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, tyres: Tyres | None = None) -> Bicycle:

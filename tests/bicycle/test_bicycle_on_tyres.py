@@ -43,6 +43,7 @@ def test_eigenvalues_of_an_independent_program(row, speed):
     assert (np.abs(found - wanted) / np.abs(wanted)).max() < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [3, 4, 5])
 def test_stable_range_of_an_independent_program(k):
     row = TRUTHS["straight_running"]["rows"][k]
@@ -87,7 +88,7 @@ def test_nine_freedoms_and_the_published_radius():
     assert run.position("rear wheel")[:, 2] == pytest.approx(P.rR, abs=1e-9)
     loads = [run.force(f"{wheel} tyre").normal[-1] for wheel in ("rear", "front")]
     share = P.front_load * P.mass * P.g
-    assert loads == pytest.approx([P.mass * P.g - share, share], rel=1e-9)
+    assert loads == pytest.approx([P.mass * P.g - share, share], abs=1e-4)  # 2e5 N/m times 1e-10 m of the run
 
 
 def test_history_of_an_independent_program():
@@ -128,21 +129,14 @@ def test_a_slide_on_a_wet_patch():
     assert found.event.name == "fallen"
 
 
+@pytest.mark.slow
 def test_study_figure_and_command(tmp_path):
     found = stability.study(P, np.linspace(3.0, 8.0, 6), tyres=BRUSH)
     assert {"weave", "capsize", "castering"} <= {*found.names} and len(found.names) == 8
     assert "self-stable between 3 and 8 m/s: 4.49779 ... 6.84322 m/s" in str(found)
-    assert (
-        found.mode("weave", 5.0).eigenvalue
-        == pytest.approx(
-            min(
-                complexes(TRUTHS["straight_running"]["rows"][3]["eigenvalues"]["5.0"]),
-                key=lambda s: abs(s - (-0.6 + 4.1j)),
-            ),
-            rel=1e-9,
-        )
-        or found.mode("weave", 5.0).eigenvalue.imag < 0.0
-    )
+    weave = found.mode("weave", 5.0).eigenvalue
+    every = complexes(TRUTHS["straight_running"]["rows"][3]["eigenvalues"]["5.0"])
+    assert min(abs(weave - s) for s in every) < 1e-9 and abs(abs(weave.imag) - 4.1) < 0.01
     out = ["--from", "3", "--to", "8", "--count", "4", "--tyre", "trail=0", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "stability", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "4.25414 ... 5.95697 m/s" in done.output
