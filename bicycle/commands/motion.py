@@ -13,6 +13,7 @@ from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
 from . import bicycle_argument, out_option, report, saved, tyre_options
 
 if TYPE_CHECKING:
+    from ..model.tyres import Tyres
     from ..parameters import Parameters
 
 RATE, MOST = 100, 20_000
@@ -94,16 +95,23 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
     help="Of turns that a steer torque holds [m/s]; may be given several times.",
 )  # fmt: skip
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
+@tyre_options
 @out_option
-def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, out: str) -> None:
+def circles(
+    parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, fittings: dict[str, Any], out: str
+) -> None:
     """Find the circles a bicycle rides without hands, and the torque that holds it in other turns.
 
     Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
-    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
+    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns. On tyres only the held
+    turns are sought, up to the limit of grip, beside those of ideal wheels.
     """
     from ..rides.ride import view
     from ..turns import circles as study
 
+    if fittings:
+        circles_on_tyres(parameters, speeds, fittings["tyres"], out)
+        return
     can_view(needed=viewed)
     target = ready_folder(out) / f"{parameters.name}_circles"
     families, held, interrupted = [], [], False
@@ -123,3 +131,22 @@ def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, o
         shown = max((turn for _, turn in first.special or [("", first.turns[0])]), key=lambda turn: turn.speed)
         title = f"{parameters.name}: a circle without hands, lean {np.degrees(shown.lean):.1f}°"
         report(view(shown.ride(output=400), target, title=title))
+
+
+def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres: "Tyres", out: str) -> None:
+    """Held turns at every speed up to the limit of grip."""
+    from ..turns import circles as study
+    from ..turns.on_tyres import figure, to_csv, turns
+
+    target = ready_folder(out) / f"{parameters.name}_circles_tyres"
+    leans, found, ideal = np.arange(0.05, 1.3, 0.05), [], []
+    for speed in speeds:
+        found.append(turns(parameters, tyres, speed, leans))
+        last = found[-1][-1]
+        click.echo(
+            f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
+            f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
+        )
+    study.held_if_possible(parameters, speeds, ideal, lambda text: None)
+    report(to_csv([turn for group in found for turn in group], target))
+    report(*saved(figure(found, ideal, f"{parameters.name}: steady turns on tyres"), target))

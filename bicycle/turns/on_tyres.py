@@ -1,22 +1,27 @@
 """Steady turns on tyres at a speed and a lean: steer, torques of rider and pedals, slip and grip, up to the limit."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import root
 
 from mbsd3d import Solution, State, accelerations
-from mbsd3d.extend import as_quaternion, as_signal, cross, number
+from mbsd3d.extend import LINE, as_quaternion, as_signal, cross, dress, number
 
 from ..model.kinematics import X, Y, Z, placed, pose_of, rotation_about, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
-from ..output import write_table
+from ..output import new_figure, write_table
 from ..parameters import Parameters
 from ..rides.ride import axle_torque
+from .turning import Turn
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
 """Of the unknowns: steer, pitch and height of the rear hub over those of ideal wheels, its speed to the left, yaw rate,
@@ -201,3 +206,31 @@ def to_csv(found: Iterable[TyreTurn], path: str | Path) -> Path:
     """Write one line per turn; ".csv" is appended if it is missing."""
     rows = [one.columns() for one in found]
     return write_table(path, [*rows[0]], [list(row.values()) for row in rows])
+
+
+def figure(
+    found: Sequence[Sequence[TyreTurn]], ideal: Sequence[Sequence[Turn]], title: str, *, dark: bool = False
+) -> "Figure":
+    """Steer, steer torque, drive torque and grip over the lean, a colour per speed; dashed: ideal wheels."""
+    with new_figure(10.0, 7.0, dark) as (sheet, look):
+        axes = sheet.subplots(2, 2, sharex=True)
+        labels = ("steer [°]", "steer torque that holds it [N m]", "drive torque that keeps the speed [N m]")
+        for one, label in zip(axes.flat, (*labels, "grip used [-]"), strict=True):
+            dress(one, look)
+            one.set_ylabel(label)
+        for k, group in enumerate(found):
+            lean, style = np.degrees([one.lean for one in group]), {"color": look.colour(k), "linewidth": LINE}
+            values = [[np.degrees(x.steer), x.steer_torque, x.drive_torque, x.saturation] for x in group]
+            for one, line in zip(axes.flat, np.transpose(values), strict=True):
+                one.plot(lean, line, label=f"{group[0].speed:g} m/s", **style)
+        for k, group in enumerate(ideal):
+            lean, style = np.degrees([one.lean for one in group]), {"color": look.colour(k), "linewidth": LINE}
+            for one, line in zip(
+                axes.flat, ([np.degrees(x.steer) for x in group], [x.torque for x in group]), strict=False
+            ):
+                one.plot(lean, line, linestyle="--", label="ideal wheels" if k == len(ideal) - 1 else None, **style)
+        for one in axes[1]:
+            one.set_xlabel("lean [°]")
+        axes[0, 1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9, labelcolor=look.ink)
+        sheet.suptitle(title, fontweight="bold")
+    return sheet

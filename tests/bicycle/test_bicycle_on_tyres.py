@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from bicycle import Meijaard2007, named, on_tyres, ride, stability, whipple
 from bicycle.parameters import fittings, machines
+from bicycle.turns import on_tyres as turns_on_tyres
 from mbsd3d import Pulse, simulate
 from mbsd3d.cli import main
 
@@ -149,3 +150,35 @@ def test_study_figure_and_command(tmp_path):
 def test_errors(tyres, text):
     with pytest.raises(ValueError, match=text):
         whipple(P, tyres=tyres)
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        pytest.param(row, marks=[pytest.mark.slow] * (row["lean"] > 0.1))
+        for row in TRUTHS["bicycle_on_brush_tyres"]["steady"]
+    ],
+    ids=lambda row: f"{row['v']} m per s, {row['lean']} rad",
+)
+def test_steady_turns_of_an_independent_program(row):
+    """Which has its y axis to the left and turns to the left where the lean is positive."""
+    found = turns_on_tyres.turn(P, BRUSH, speed=row["v"], lean=row["lean"])
+    keys = {"steer": "steer", "yaw_rate": "yaw_rate", "steer_torque": "steer_torque", "radius": "radius_rear_hub"}
+    for name, key in keys.items():
+        assert getattr(found, name) == pytest.approx(row[key], rel=1e-9), name
+    assert found.drive_torque == pytest.approx(row["drive_torque_on_rear_wheel"], abs=1e-8)
+    assert found.at.position("rear wheel")[0, 2] == pytest.approx(row["z_hub"], abs=1e-11)
+    for wheel in ("rear", "front"):
+        load, wanted = found.at.force(f"{wheel} tyre"), row[wheel]
+        assert load.normal[0] == pytest.approx(wanted["N"], rel=1e-10)
+        assert load.longitudinal[0] == pytest.approx(wanted["Fx"], abs=1e-7)
+        assert load.lateral[0] == pytest.approx(-wanted["Fy"], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_turns_end_at_the_limit_of_grip(tmp_path):
+    found = turns_on_tyres.turns(P, BRUSH, 8.0, np.arange(0.1, 1.3, 0.1))
+    assert 0.9 < found[-1].saturation < 1.0 and found[-1].lean < np.arctan(0.9)
+    out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
+    assert done.exit_code == 0 and "5 m/s: up to a lean of 14.3°" in done.output
