@@ -50,6 +50,7 @@ from .mechanism.forces.loads import Torque as Torque
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
+from .mechanism.forces.tyre import Tyre as Tyre
 from .mechanism.joints import ConstantVelocity as ConstantVelocity
 from .mechanism.joints import Cylindrical as Cylindrical
 from .mechanism.joints import Distance as Distance

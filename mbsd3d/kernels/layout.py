@@ -142,6 +142,7 @@ def data_records(dtype: type) -> dict[str, list]:
             ("rate", dtype),
             ("gradient", dtype, (4, 3)),  # rate = gradient . (velocity of a, w of a, velocity of b, w of b)
             ("load", dtype),  # N or N m along it: on b, the opposite on a
+            ("shown", dtype, 12),  # where a load travels: its point [m], then what `ForceElement.shows` names
         ],
         "pose": [  # what a custom function is told of a point of a body, world axes
             ("r", dtype, 3),

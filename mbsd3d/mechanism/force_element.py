@@ -38,6 +38,7 @@ class ForceElement(Part):
 
     role = "force"
     law: ClassVar[Callable | None] = None
+    shows: ClassVar[tuple[str, ...]] = ()  # what its law shows besides, after the point at which it acts
 
     def record(self) -> ForceRecord:
         """What the law reads of this element."""

@@ -31,6 +31,7 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
+    Tyre,
     rotation,
 )
 from mbsd3d.base.quaternions import exponential, multiply
@@ -100,6 +101,14 @@ def _on(joint, cls, **numbers):
     return [joint], cls(joint, **numbers)
 
 
+def _tyre(rng, a, b):
+    """So large a tube that the general poses press it."""
+    numbers = dict(radius=3.0, crown=2.4, stiffness=4.0, damping=0.1, trail=0.3, twisting=0.2, rolling_resistance=0.1)
+    more = dict(cornering=1.3, longitudinal=1.7, camber=0.8, mu=0.7, standing_damping=0.4, standing_speed=2.0)
+    plane = (b.position - np.array([0.3, 0.2, 1.1]), np.array([0.2, -0.1, 1.0]))
+    return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
+
+
 EXAMPLES = {
     "Force in world axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng))),
     "Force in body axes": lambda rng, a, b: ([], Force(b, _signals(rng), at=b.position + direction(rng), frame="body")),
@@ -120,6 +129,7 @@ EXAMPLES = {
     ),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
+    "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
     "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
