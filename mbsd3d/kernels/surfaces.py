@@ -40,16 +40,15 @@ def lowest_rate(r, rho, u, low, h, q, n_dot, n, w):
 
 @inner_kernel
 def meeting(p, a, b):
-    """(axes of the plane, arms from O of a and of b to the contact, gap, velocity of b relative to a there).
+    """(axes of the plane, arms from O of a and of b to the lowest point, gap, velocity of b relative to a there).
 
-    The contact is the foot of the lowest point on the plane; p: record of a `Contact` between a and b.
+    p: record of a `Contact` between a and b.
     """
     plane = columns(a, p.frame[0])
     low, _, _ = lowest(vec(p.value), p.value[3], columns(b, p.frame[1]), plane[2])
     place = add(point(b, arm(b, p.point[1])), low)
     gap = dot(plane[2], sub(place, point(a, arm(a, p.point[0]))))
-    foot = sub(place, scale(gap, plane[2]))
-    on_a, on_b = sub(foot, vec(a.r)), sub(foot, vec(b.r))
+    on_a, on_b = sub(place, vec(a.r)), sub(place, vec(b.r))
     return plane, on_a, on_b, gap, sub(point_velocity(b, on_b), point_velocity(a, on_a))
 
 

@@ -73,7 +73,7 @@ def rub(m, d, p, out, normal, slip, turn):
 
 @merged_kernel
 def contact(m, d, p, out, t):
-    """Normal force, friction, and moments against rolling and spinning, at the foot of the lowest point on the plane.
+    """Normal force, friction, and moments against rolling and spinning, at the lowest point.
 
     value = half axes (3), tube, k, exponent, c, loss; grip, its damping, creep, size.
     """
@@ -100,8 +100,8 @@ def contact(m, d, p, out, t):
 class Contact(ForceElement):
     """A sphere, an ellipsoid or a torus of body b touches a plane of body a: it presses, rubs and lifts off.
 
-    With the penetration d of the lowest point (in closed form, see `mbsd3d.kernels.surfaces`), its rate d_dot, the slip
-    velocity V of b over a and their relative angular velocity w at the foot of that point on the plane:
+    All acts at the lowest point of the surface over the plane, which is known in closed form (see
+    `mbsd3d.kernels.surfaces`). With its penetration d and the slip velocity V of b over a there:
 
     - normal force ``N = k d^m (1 + x d_dot) + c d_dot``, never below 0: it does not pull;
     - friction ``F = -clip(k_t z + c_t V, mu N)``, where the deflection z is an own state,
@@ -221,10 +221,8 @@ class Contact(ForceElement):
         return ("deflection x", "deflection y", "turn x", "turn y", "turn z")[: self.states()]
 
     def acting_points(self, motion: Motion) -> np.ndarray:
-        """(samples, 3) feet of the lowest points on the plane, where the force acts on both bodies."""
-        lowest = self.outline.moving(motion, self.a, self.b, self.plane[1])
-        normal, at = motion.body_axis(self.a, self.plane[1]), motion.body_point(self.a, self.plane[0])
-        return lowest - np.sum((lowest - at) * normal, axis=-1, keepdims=True) * normal
+        """(samples, 3) lowest points, where the force acts on both bodies."""
+        return self.outline.moving(motion, self.a, self.b, self.plane[1])
 
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
         return self.b, self.outline.lowest(self.outline.centre, self.outline.axes, self.plane[1])
