@@ -61,3 +61,8 @@ def quaternion_rate(e: np.ndarray, w: np.ndarray) -> np.ndarray:
 def cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
     """a x b of plain numbers."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def dot(a: Sequence[float], b: Sequence[float]) -> float:
+    """a . b of plain numbers."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
