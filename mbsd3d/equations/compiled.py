@@ -140,7 +140,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     signals, length = Signals(), own_length(system)
     bodies, singular = body_table(system)
     forces = force_table(system, records, index, where, signals, len(measures))
-    first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
+    places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     rows_table = primitive_table(primitives, index, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
@@ -152,7 +152,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         row=per_row,
         coordinate=coordinate_table(coordinates, index),
         force=forces,
-        measure=measure_table([*measures, *read], index, where, first_state),
+        measure=measure_table([*measures, *read], index, where, places),
         number=np.array([x for r in records for x in r.numbers], float),
         **signals.arrays(),
         **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),

@@ -71,6 +71,7 @@ MEASURE = [
     ("axis", float, 3),  # world axes, or body axes of the second body
     ("coordinate", int),
     ("state", int),  # place in z of the state it reads
+    ("force", int),  # number of the contact it speaks of, -1 = none
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 

@@ -19,6 +19,7 @@ class ForceRecord:
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+    frame_b: np.ndarray | None = None  # other axes in b; None: the same
     values: tuple = ()
     signals: tuple = (None, None, None)
     coordinate: Coordinate | None = None

@@ -12,6 +12,7 @@ from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
+from .forces.contact import Contact
 from .joints import Joint, coordinate_of
 from .mechanism import Mechanism
 from .primitives import ZERO, Coordinate, check_kind
@@ -26,12 +27,16 @@ MEASURES = {
     "lean rate": kinds.LEAN_RATE,
     "distance": kinds.GAP,
     "state": kinds.OWN_STATE,
+    "clearance": kinds.CLEARANCE,
+    "normal force": kinds.PRESS,
 }
+OF_CONTACTS = ("clearance", "normal force")
 OF_JOINTS = ("coordinate", "coordinate rate")
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
 UNITS_OF = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+    "clearance": ("m",), "normal force": ("N",),
 }  # fmt: skip
 
 
@@ -48,8 +53,8 @@ class Measure:
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
-    part: ForceElement | None = None  # force element whose own state it is,
-    index: int = 0  # and which one
+    part: ForceElement | None = None  # force element it speaks of,
+    index: int = 0  # and which of its own states
 
     def __post_init__(self) -> None:
         """Also a file may describe a measure, and kernels do not check."""
@@ -57,6 +62,7 @@ class Measure:
         states = 0 if self.part is None else len(self.part.record().states)
         fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
+        own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
         if self.unit not in UNITS_OF[self.kind] or not fits or not own:
             raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
@@ -213,3 +219,30 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         raise InputError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
+
+
+def of_contact(contact: ForceElement, kind: str, unit_of: str) -> Measure:
+    """A measure of a `Contact`, or a ValueError."""
+    if not isinstance(contact, Contact):
+        raise ValueError(f"measures.{kind.replace(' ', '_')}: {contact!r} is not a contact; give a Contact")
+    return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
+
+
+def clearance(contact: ForceElement) -> Measure:
+    """Height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
+    return of_contact(contact, "clearance", "m")
+
+
+def normal_force(contact: ForceElement) -> Measure:
+    """Force [N] with which a `Contact` presses, >= 0."""
+    return of_contact(contact, "normal force", "N")
+
+
+def touches(contact: ForceElement) -> Condition:
+    """The surface of a `Contact` comes down to its plane; for ``stop_when``."""
+    return clearance(contact) < 0.0
+
+
+def leaves(contact: ForceElement) -> Condition:
+    """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
+    return normal_force(contact) < 0.0

@@ -16,6 +16,7 @@ from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
@@ -118,6 +119,8 @@ def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Groun
     """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
     if part.record().coordinate is not None:
         return part.partners()[0].reaction_points(solution)
+    if isinstance(part, Contact):
+        return part.acting_points(solution)
     return solution.body_point(*part.acts_at(body))
 
 
