@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mbsd3d.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 

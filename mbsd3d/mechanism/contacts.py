@@ -67,13 +67,13 @@ class RollingContact(Joint):
     def check(self, what: str) -> None:
         super().check(what)
         if self.b is GROUND:
-            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
+            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
         self.set(plane=checked_plane(self.plane, what))
 
     def check_tilt(self, what: str) -> None:
         """ValueError for a disc that touches in a circle."""
         if self.outline.lies_flat(self.plane[1]):
-            raise ValueError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
+            raise InputError(f"{what}: the disc lies flat on the plane, so it has no contact point; tilt its axis")
 
     @cached_property
     def outline(self) -> Rounded:
@@ -176,7 +176,7 @@ class RollingDisc(RollingContact):
         radius = number(self.radius, f"{what}: radius", positive=True)
         crown = number(self.crown, f"{what}: crown", minimum=0.0)
         if crown > radius:
-            raise ValueError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
+            raise InputError(f"{what}: crown {crown} exceeds the outer radius {radius}; give crown <= radius")
         centre = self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre")
         self.set(axis=unit(self.axis, f"{what}: axis"), radius=radius, crown=crown, centre=centre)
         self.check_tilt(what)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..base.directions import perpendiculars
+from ..base.errors import InputError
 from ..base.rotations import AXES, matrix
 from .bodies import Body, Ground
 from .motion import Motion
@@ -54,9 +55,11 @@ class Rounded:
 
 
 def rounded(surface: Any, body: Body, what: str) -> Rounded:
-    """The surface of a body, or a ValueError."""
+    """The surface of a body, or an InputError."""
     if not isinstance(surface, Smooth):
-        raise ValueError(f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus")
+        raise InputError(
+            f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
+        )
     centre = body.position + body.axes @ surface.origin(body)
     axes, tube = body.axes @ matrix(surface.orientation), 0.0
     if isinstance(surface, Sphere):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...base.checks import number
 from ...base.directions import perpendiculars
+from ...base.errors import InputError
 from ...kernels.force_laws import push, twist
 from ...kernels.jit import inner_kernel, merged_kernel
 from ...kernels.surfaces import meeting, pressure
@@ -185,7 +186,7 @@ class Contact(ForceElement):
     def check_grip(self, what: str) -> None:
         """Stiffness and damping of the deflection, given or by default."""
         if self.b.mass == 0.0 and (self.grip is None or self.grip_damping is None):
-            raise ValueError(f"{what}: '{self.b.name}' has no mass to choose grip by; give grip and grip_damping")
+            raise InputError(f"{what}: '{self.b.name}' has no mass to choose grip by; give grip and grip_damping")
         grip, damping = self.grip, self.grip_damping
         if grip is None:
             depth = (self.b.mass * WEIGHT / self.stiffness) ** (1.0 / self.exponent)

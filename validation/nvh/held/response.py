@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
@@ -87,7 +88,7 @@ class OnMounts:
         """The linear map over speeds [1/min] > 0; ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
-            raise ValueError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
+            raise InputError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
         still, turning = self.matrix(0.0), self.matrix(RATE)
         turn = np.kron(np.eye(2), matrix(self.rest[3:]))
         B = np.vstack([np.zeros((6, 6)), turn @ np.linalg.inv(self.mass) @ turn.T])
