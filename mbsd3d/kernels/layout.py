@@ -179,7 +179,7 @@ class Tree(NamedTuple):
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
     skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S[i, j] is [0, line_i + j]
-    vector: np.ndarray  # (3, l) right side, then multipliers of the loop rows; those of the sweeps; the step of a sweep
+    vector: np.ndarray  # (4, l) right side, then multipliers of the loop rows; those of the sweeps; residual, step
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
     state: np.record  # TREE_STATE
     used: np.ndarray  # rows in use, ascending
@@ -190,6 +190,7 @@ TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
     ("weak", int),  # 1: some loop rows are nearly dependent on others
+    ("soft", int),  # 1: some have pivots so near mu that one sweep does not take it away again
     ("independent", int),  # loop rows that are so at the factorisation at hand,
     ("rank", int),  # and the most at the end of any step: off c = 0 rows that repeat others seem independent
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far

@@ -12,12 +12,17 @@ import numpy as np
 from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 
-PROXIMAL = 1e-8  # times the compliance of the heaviest body, mu: singular values of J below its root are let go
+PROXIMAL = (
+    1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
+)
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
 FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
-SWEEPS, MORE_SWEEPS = 1, 6  # as a rule; near a singular position
-SPREAD = 1e5  # of the compliance that loop rows feel over that of the heaviest body: S alone has too few digits then
+REPEATS, SOFT = 1.001, 1e7  # times mu: pivots between these may need more than one sweep, which leaves (mu / pivot)^2
+SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, where rows are soft
+SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
+GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
+REGULAR = 1e7  # times mu: pivots below it are judged as if they were this
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
@@ -66,7 +71,7 @@ def independence(s):
 def factor_loops(s):
     """Cholesky factor of S + mu (symmetric also for complex steps); notes how independent its rows are."""
     S, L, loop = s.skyline[0], s.skyline[1], s.loop
-    s.state.weak, softest = 0, 0.0
+    s.state.weak, s.state.soft, softest, least = 0, 0, 0.0, np.inf
     for i in range(loop.shape[0]):
         line_i, first_i, mu = loop[i].line, loop[i].first, loop[i].mu
         diagonal = S[line_i + i]
@@ -88,13 +93,15 @@ def factor_loops(s):
         floor = mu + FLOOR * diagonal.real
         if not pivot.real >= floor:  # rounding: the row repeats others
             pivot = pivot * 0.0 + floor
-        most = max(loop[i].most, pivot.real)
+        most, least = max(loop[i].most, pivot.real), min(least, pivot.real / mu)
         loop[i].pivot = pivot.real
         if pivot.real < WEAK * most or most < FELT * mu:
             s.state.weak = 1
+        if REPEATS * mu < pivot.real < SOFT * mu:
+            s.state.soft = 1
         L[line_i + i] = 1.0 / np.sqrt(pivot)
     s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
-    if s.state.weak == 1 and softest > SPREAD / PROXIMAL:
+    if softest > GRADED * max(least, REGULAR):
         s.state.dense, s.state.pivot = 1, 1.0
 
 
@@ -129,14 +136,29 @@ def subtract_product(s, x, y):
 
 
 @inner_kernel
+def settled(rhs, residual, step):
+    """True where ``step``, the new residual, is that of the sweep before, which it replaces."""
+    real, imag, change_real, change_imag = 0.0, 0.0, 0.0, 0.0
+    for i in range(rhs.shape[0]):
+        change = step[i] - residual[i]
+        change_real, change_imag = max(change_real, abs(change.real)), max(change_imag, abs(change.imag))
+        real, imag = max(real, abs(rhs[i].real)), max(imag, abs(rhs[i].imag))
+        residual[i] = step[i]
+    return change_real <= SETTLED * real and change_imag <= SETTLED * imag
+
+
+@inner_kernel
 def sweeps(s, count):
-    """lam := S^-1 rhs by proximal sweeps."""
-    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
+    """lam := S^-1 rhs by proximal sweeps, until what they leave no longer changes."""
+    rhs, lam, residual, step = s.vector[0], s.vector[1], s.vector[2], s.vector[3]
     copy(lam, rhs)
+    copy(residual, rhs)
     substitute(s, lam)
     for _ in range(count):
         copy(step, rhs)
         subtract_product(s, lam, step)
+        if count > SWEEPS and settled(rhs, residual, step):
+            break
         substitute(s, step)
         add_scaled(lam, 1.0, step)
 
@@ -144,8 +166,8 @@ def sweeps(s, count):
 @merged_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
-    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
-    count = SWEEPS if s.state.pivot > WEAK else MORE_SWEEPS
+    rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
+    count = MORE_SWEEPS if s.state.soft == 1 else SWEEPS
     sweeps(s, count)
     if s.state.weak == 1:
         clear(step)
