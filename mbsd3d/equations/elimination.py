@@ -54,7 +54,7 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], inertias: np.ndarray,
     return Tree(
         link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
         skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
-        state=state, used=used, skipped=np.setdiff1d(np.arange(model.row.size), used),
+        state=state, used=used, skipped=np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
 
 
