@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_joint_rows
-from ..saddle.loops import PROXIMAL
+from ..saddle.loops import PROXIMAL, UNKNOWN
 
 LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 CLASSES = 8
@@ -47,6 +47,7 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], inertias: np.ndarray,
             tables[name][key.partition(".")[2]] = value
     loop, state = tables["loop"], single(TREE_STATE)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
+    state.soft = UNKNOWN
     loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
@@ -169,7 +170,7 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
     in_use = np.flatnonzero((on >= 0).any(axis=1))
     loops = np.setdiff1d(in_use, joint["row"][take])
     felt = paths(on, loops, place, up, n)
-    line = narrow_order(felt, n)
+    line, group = narrow_order(on[loops], felt, n)
     loops, felt = loops[line], [felt[k] for k in line]
     entries: list[list[int]] = [[] for _ in range(n)]  # places of the loop rows that each link feels, ascending
     for k, links in enumerate(felt):
@@ -182,10 +183,12 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
     at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
     owner = np.repeat(np.arange(n), lengths)
     entry_place = np.array([k for places in entries for k in places], np.int64)
-    first_column = np.arange(loops.size)
+    begin, end = np.searchsorted(group, group), np.searchsorted(group, group, "right")
+    first_column = begin.copy()
     for places in entries:
         if places:
-            first_column[places] = np.minimum(first_column[places], places[0])
+            first_column[places] = np.minimum(first_column[places], begin[places[0]])
+    first_column = np.array([first_column[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
     width = np.arange(loops.size) - first_column + 1
     start_of_line = np.cumsum(width) - width - first_column
     slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
@@ -194,7 +197,7 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
         "link.joint": np.cumsum(counts) - counts, "link.entry": starts[:-1], "link.entries": lengths,
         "link.alone": (counts == 0) & (lengths == 0) & (up < 0) & ~np.isin(np.arange(n), up),
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
-        "loop": loops, "loop.row": loops, "loop.first": first_column, "loop.line": start_of_line,
+        "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.line": start_of_line,
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
         "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
         "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),
@@ -219,11 +222,19 @@ def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, 
     return found
 
 
-def narrow_order(felt: list[dict[int, bool]], n: int) -> np.ndarray:
-    """Reverse Cuthill-McKee order of the loop rows: those that share a link lie side by side."""
-    if len(felt) < 2:
-        return np.arange(len(felt))
-    row = np.repeat(np.arange(len(felt)), [len(links) for links in felt])
-    link = np.array([i for links in felt for i in links], np.int64)
-    shared = csr_array((np.ones(row.size), (row, link)), shape=(len(felt), n))
-    return reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True).astype(np.int64)
+def narrow_order(on: np.ndarray, felt: list[dict[int, bool]], n: int) -> tuple[np.ndarray, np.ndarray]:
+    """(order of the loop rows, the group of each then): rows between the same bodies are a group, side by side.
+
+    Reverse Cuthill-McKee: groups that share a link lie side by side.
+    """
+    _, group = np.unique(np.sort(on, axis=1), axis=0, return_inverse=True)
+    group = group.ravel()
+    if group.max(initial=0) > 0:
+        owner = np.repeat(group, [len(links) for links in felt])
+        link = np.array([i for links in felt for i in links], np.int64)
+        shared = csr_array((np.ones(owner.size), (owner, link)), shape=(group.max() + 1, n))
+        rank = np.empty(group.max() + 1, np.int64)
+        rank[reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True)] = np.arange(rank.size)
+        group = rank[group]
+    order = np.argsort(group, kind="stable")
+    return order, group[order]
