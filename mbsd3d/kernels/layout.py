@@ -191,8 +191,7 @@ TREE_STATE = [
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
     ("weak", int),  # 1: some loop rows are nearly dependent on others
     ("soft", int),  # 1: some resist so little at the end of the last step that one sweep does not take mu away again
-    ("independent", int),  # loop rows that are so at the factorisation at hand,
-    ("rank", int),  # and the most at the end of any step: off c = 0 rows that repeat others seem independent
+    ("rank", int),  # independent loop rows, the most at the end of any step: off c = 0 rows that repeat others seem so
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
 ]

@@ -51,7 +51,7 @@ def independence(s):
 
     Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
     """
-    shares, now = s.shares, 0
+    shares = s.shares
     clear(shares)
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
@@ -60,8 +60,6 @@ def independence(s):
             fallen = -np.log2(row.pivot / most)
             k = shares.shape[0] - 1
             shares[int(fallen) if 0.0 <= fallen < k else k] += 1
-            now += row.pivot > FELT
-    s.state.independent = now
     left = s.state.rank
     for k in range(shares.shape[0]):
         left -= shares[k]
@@ -112,7 +110,10 @@ def exchange(s, i, k, end):
 
 @inner_kernel
 def pivot_of(s, i):
-    """1 / L_ii^2 in units of the row's mu, zero for a row that nothing yields to; sets L_ii."""
+    """Pivot in units of the row's mu, zero for a row that nothing yields to; sets L_ii.
+
+    Rows known to repeat others are left out: off c = 0 they contradict them.
+    """
     L, row = s.skyline[1], s.loop[i]
     at = s.loop[row.at]
     diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
@@ -122,8 +123,10 @@ def pivot_of(s, i):
     pivot, floor = L[place] + at.mu, at.mu + FLOOR * diagonal
     if not pivot.real >= floor:  # rounding: the row repeats others
         pivot = pivot * 0.0 + floor
-    L[place] = 1.0 / np.sqrt(pivot)
-    return pivot.real / at.mu
+    share = pivot.real / at.mu
+    repeats = s.state.soft == 0 and 0.0 < row.most < FELT and share < FELT
+    L[place] = 0.0 * pivot if repeats else 1.0 / np.sqrt(pivot)
+    return share
 
 
 @inner_kernel
@@ -166,28 +169,41 @@ def substitute(s, x):
 
 
 @inner_kernel
-def judge_softness(s):
-    """Whether rows with pivots near mu resist a little, at a state with c = 0: elsewhere rows that repeat others do too.
+def resists(s, i):
+    """Whether row i, with a pivot near mu, still does: elsewhere than at c = 0 those that repeat others do too.
 
     z = (S + mu)^-1 e is nearly the direction along which S resists least: z'Sz / z'mu z = z'e / z'mu z - 1.
     """
-    z, s.state.soft = s.vector[3], 0
+    z, L, row = s.vector[3], s.skyline[1], s.loop[i]
+    place, mu = row.line + i, s.loop[row.at].mu
+    kept = L[place]
+    L[place] = 1.0 / np.sqrt(row.pivot * mu)  # also where it is left out
+    clear(z)
+    z[row.at] = 1.0
+    substitute(s, z)
+    L[place] = kept
+    held = 0.0
+    for k in range(z.shape[0]):
+        held += s.loop[k].mu * z[k].real * z[k].real
+    return z[row.at].real > (1.0 + REPEATS) * held
+
+
+@inner_kernel
+def note_independence(s):
+    """What the factor at a state with c = 0 says of the rows."""
+    s.state.soft, independent = 0, 0
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
-        if 0.0 < row.pivot < SOFT:
-            clear(z)
-            z[row.at] = 1.0
-            substitute(s, z)
-            held = 0.0
-            for k in range(z.shape[0]):
-                held += s.loop[k].mu * z[k].real * z[k].real
-            if z[row.at].real > (1.0 + REPEATS) * held:
-                s.state.soft = 1
+        row.most = max(row.most, row.pivot)
+        independent += row.pivot > FELT
+        if 0.0 < row.pivot < SOFT and resists(s, i):
+            s.state.soft = 1
+    s.state.rank = max(s.state.rank, independent)
 
 
 @inner_kernel
 def factor_loops(s):
-    """Factor of S + mu, group after group (symmetric also for complex steps); notes how independent its rows are."""
+    """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
     loop, begin = s.loop, 0
     while begin < loop.shape[0]:
         start_group(s, begin, loop[begin].end)
@@ -199,10 +215,10 @@ def factor_loops(s):
         if row.pivot == 0.0:
             continue
         softest, least = max(softest, s.skyline[0][row.line + i].real / row.mu), min(least, row.pivot)
-        if row.pivot < WEAK * row.most or max(row.most, row.pivot) < FELT:
+        if row.pivot < WEAK * row.most or (max(row.most, row.pivot) < FELT and s.skyline[1][row.line + i] != 0.0):
             s.state.weak = 1
     if s.state.soft == UNKNOWN:
-        judge_softness(s)
+        note_independence(s)
     s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
     if softest > GRADED * max(least, REGULAR):
         s.state.dense, s.state.pivot = 1, 1.0
