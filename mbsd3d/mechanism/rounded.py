@@ -56,7 +56,9 @@ class Rounded:
 def rounded(surface: Any, body: Body, what: str) -> Rounded:
     """The surface of a body, or a ValueError."""
     if not isinstance(surface, Smooth):
-        raise ValueError(f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus")
+        raise ValueError(
+            f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
+        )
     centre = body.position + body.axes @ surface.origin(body)
     axes, tube = body.axes @ matrix(surface.orientation), 0.0
     if isinstance(surface, Sphere):

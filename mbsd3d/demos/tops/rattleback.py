@@ -36,7 +36,11 @@ def own(times, *, m, radii, I, delta_deg, wobble, spin):
         n_dot, h = cross(n, w), (A * n[0] ** 2 + B * n[1] ** 2 + C * n[2] ** 2) ** 0.5
         a = (A * n[0] / h, B * n[1] / h, C * n[2] / h)
         along = dot(n_dot, a)
-        a_dot = ((A * n_dot[0] - along * a[0]) / h, (B * n_dot[1] - along * a[1]) / h, (C * n_dot[2] - along * a[2]) / h)
+        a_dot = (
+            (A * n_dot[0] - along * a[0]) / h,
+            (B * n_dot[1] - along * a[1]) / h,
+            (C * n_dot[2] - along * a[2]) / h,
+        )
         L = (xx * w[0] + xy * w[1], xy * w[0] + yy * w[1], zz * w[2])
         turn = cross(w, a)
         pull = cross(w, [a_dot[k] + turn[k] for k in range(3)])
