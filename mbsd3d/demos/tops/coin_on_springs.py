@@ -43,9 +43,12 @@ def steady_spin(m, R, rho, I1, I3, tilt, W):
     return -(W**2 * c * (s * (I3 - I1) + m * drop * R) + m * G * R * c) / per_spin
 
 
-def theory(*, W, R, rho, tilt_deg):
-    """The steady motion goes on; what the table gives way falls with one over its stiffness."""
+def theory(*, m, W, R, rho, I1, I3, tilt_deg, mu):
+    """The steady motion goes on, if friction holds it; what the table gives way falls with one over its stiffness."""
     require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90")
+    tilt = np.radians(tilt_deg)
+    needed = abs(W * (W * R * np.cos(tilt) + steady_spin(m, R, rho, I1, I3, tilt, W) * (R + rho * np.sin(tilt)))) / G
+    require(mu > needed, f"the coin slips: it needs friction {needed:.3f}, not {mu}; give a greater mu")
     return {"limit_rad_s": W, "order": 1.0, "exact_rad_s": W}
 
 
