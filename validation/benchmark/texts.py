@@ -1,7 +1,7 @@
-"""Times in the texts: ``python -m validation.benchmark.texts [precision.json]`` renews README.md and docs/performance.md.
+"""``python -m validation.benchmark.texts [precision.json]`` renews the times in README.md and docs/performance.md.
 
-All figures stand in docs/measured.json, with date, machine and the kernels they belong to; the texts hold tables made of
-it between two marks. With the file of a new measurement, docs/measured.json is renewed first.
+All figures stand in docs/measured.json, with date, machine and the kernels they belong to; the texts hold tables made
+of it between two marks. With the file of a new measurement, docs/measured.json is renewed first.
 """
 
 import json
