@@ -71,6 +71,7 @@ MEASURE = [
     ("axis", float, 3),  # world axes, or body axes of the second body
     ("coordinate", int),
     ("state", int),  # place in z of the state it reads
+    ("force", int),  # number of the contact it speaks of, -1 = none
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
@@ -142,6 +143,7 @@ def data_records(dtype: type) -> dict[str, list]:
             ("rate", dtype),
             ("gradient", dtype, (4, 3)),  # rate = gradient . (velocity of a, w of a, velocity of b, w of b)
             ("load", dtype),  # N or N m along it: on b, the opposite on a
+            ("shown", dtype, 12),  # where a load travels: its point [m], then what `ForceElement.shows` names
         ],
         "pose": [  # what a custom function is told of a point of a body, world axes
             ("r", dtype, 3),
