@@ -94,7 +94,7 @@ def tyre_number(text: str) -> tuple[str, float | None]:
     try:
         return key, None if right == "none" else float(right)
     except ValueError:
-        raise ValueError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
+        raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 
 
 def saved(figure: "Figure", target: Path) -> list[Path]:
