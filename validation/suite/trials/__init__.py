@@ -1,6 +1,6 @@
 """The trials of the suite in the order of the report: what is run, and who judges it."""
 
-from validation.suite.trials import bicycles, engines, families, loops, references
+from validation.suite.trials import bicycles, engines, families, loops, references, tyres
 from validation.suite.trials.trial import Trial
 
 
@@ -10,7 +10,7 @@ def trials(quick: bool = False) -> list[Trial]:
     ``quick``: whether the run must be short. Names are unique.
     """
     some = families.ladders, loops.trials, families.demonstrations, engines.trials, families.randoms
-    return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
+    return [trial for group in (references.trials, bicycles.trials, tyres.trials, *some) for trial in group(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
