@@ -4,7 +4,7 @@ import fnmatch
 from itertools import chain
 
 from mbsd3d.errors import InputError
-from validation.suite.trials import bicycles, engines, families, loops, nvh, references
+from validation.suite.trials import bicycles, engines, families, loops, nvh, references, tyres
 from validation.suite.trials.trial import Trial
 
 
@@ -14,7 +14,7 @@ def trials(quick: bool = False) -> list[Trial]:
     ``quick``: whether the run must be short. Names are unique.
     """
     some = families.ladders, loops.trials, families.demonstrations, engines.trials, nvh.trials, families.randoms
-    return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
+    return [trial for group in (references.trials, bicycles.trials, tyres.trials, *some) for trial in group(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
