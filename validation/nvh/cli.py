@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import can_view, ready_folder
 
 DIFFER = 1  # exit code
@@ -42,10 +43,10 @@ def nvh(engine: str | None, car_name: str, folder: str | None, only_list: bool, 
         return
     given = {name: value for name, value in given.items() if value is not None}
     if (engine is None) == ("road" not in given):
-        raise ValueError(f"nvh: give one of LAYOUT and --road; engines are {', '.join(presets.names())}")
+        raise InputError(f"nvh: give one of LAYOUT and --road; engines are {', '.join(presets.names())}")
     wrong = [name for name in given if (name in OF_ENGINE) != (engine is not None)]
     if wrong:
-        raise ValueError(f"nvh: --{wrong[0]} is for {'--road' if engine else 'an engine'}; leave it out")
+        raise InputError(f"nvh: --{wrong[0]} is for {'--road' if engine else 'an engine'}; leave it out")
     if folder is not None:
         can_view(needed=True)
         ready_folder(folder, "--page")
@@ -71,7 +72,7 @@ def in_car(
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
     study = Study(chosen, car, speed, load, shafts)
     if sound is not None and study.cabin is None:
-        raise ValueError(
+        raise InputError(
             f"nvh: --sound needs a car whose shell is known; '{car.name}' is not one, give compact or saloon"
         )
     facts = tables.facts(study)

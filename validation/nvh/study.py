@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import Solution
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.nvh.cabin.seat import Cabin
 from validation.nvh.engine import balance_shafts
@@ -42,7 +43,7 @@ class Study:
     def __post_init__(self) -> None:
         rpm = number(self.rpm, "nvh: rpm", positive=True)
         if rpm > self.preset.redline:
-            raise ValueError(f"nvh: rpm {rpm:g} is beyond the redline of '{self.preset.name}', {self.preset.redline:g}")
+            raise InputError(f"nvh: rpm {rpm:g} is beyond the redline of '{self.preset.name}', {self.preset.redline:g}")
         self.source.cycle  # noqa: B018  # refuses a load
 
     @cached_property

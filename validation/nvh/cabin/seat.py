@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import rotation
+from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix
 from validation.nvh.cabin.shell import ModalShell, beam_shell
 from validation.nvh.held.mounts import Car
@@ -29,7 +30,7 @@ class Cabin:
 
     def __post_init__(self) -> None:
         if self.car.shell is None:
-            raise ValueError(f"car '{self.car.name}': its shell is not known; give compact or saloon")
+            raise InputError(f"car '{self.car.name}': its shell is not known; give compact or saloon")
 
     @cached_property
     def shell(self) -> ModalShell:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import eigh
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 ELEMENTS = 40
@@ -37,7 +38,7 @@ class ModalShell:
     def __post_init__(self) -> None:
         if not len(self.rates) == len(self.damping) == len(self.shapes):
             counts = len(self.rates), len(self.damping), len(self.shapes)
-            raise ValueError(f"shell: {counts[0]} rates, {counts[1]} dampings, {counts[2]} shapes; give one per mode")
+            raise InputError(f"shell: {counts[0]} rates, {counts[1]} dampings, {counts[2]} shapes; give one per mode")
         for k, (w, z) in enumerate(zip(self.rates, self.damping, strict=True), start=1):
             number(w, f"shell: rate of mode {k}", minimum=0.0)
             number(z, f"shell: damping of mode {k}", minimum=0.0)

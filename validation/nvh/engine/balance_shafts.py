@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from validation.engine_balance import phasor
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.shafts import Shaft, balance, remainder
@@ -26,7 +27,7 @@ LEAST = 1e-9  # of a piston on the crank radius: smaller unbalances are rounding
 def fitted(preset: Preset, kind: str) -> list[Shaft]:
     """The shafts of a kind for an engine; ValueError for an unknown kind, or an engine that they cannot help."""
     if kind not in KINDS:
-        raise ValueError(f"balance shafts '{kind}' are unknown; there are {', '.join(KINDS)}")
+        raise InputError(f"balance shafts '{kind}' are unknown; there are {', '.join(KINDS)}")
     engine = preset.engine(RPM)
     load, z = phasor.block_load(engine, dyno=True), engine.stations
     planes = (float(z.min()), float(z.max())) if np.ptp(z) > 0 else (0.0,)
@@ -38,7 +39,7 @@ def fitted(preset: Preset, kind: str) -> list[Shaft]:
     least = LEAST * preset.piston_mass * engine.radius
     found = [shaft for shaft in found if max(abs(u) for u in shaft.unbalance) > least]
     if not any(not shaft.on_crank for shaft in found):
-        raise ValueError(f"engine '{preset.name}' has no {order}x force or couple that {kind} shafts could take")
+        raise InputError(f"engine '{preset.name}' has no {order}x force or couple that {kind} shafts could take")
     return found
 
 

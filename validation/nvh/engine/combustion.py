@@ -16,6 +16,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.engine_balance.gas import CYCLE
 from validation.nvh.engine.presets import Preset
@@ -54,9 +55,9 @@ class Cycle:
             number(getattr(self, name), f"cycle: {name}", positive=True)
         for name, low in (("compression", 1.0), ("gamma", 1.0), ("rod_length", self.radius)):
             if not number(getattr(self, name), f"cycle: {name}") > low:
-                raise ValueError(f"cycle: {name} {getattr(self, name):g} is not above {low:g}; give a larger one")
+                raise InputError(f"cycle: {name} {getattr(self, name):g} is not above {low:g}; give a larger one")
         if not self.start + self.duration < self.opening <= 180.0 or self.start < -180.0:
-            raise ValueError(
+            raise InputError(
                 f"cycle: burning from {self.start:g} to {self.start + self.duration:g} degrees, outlet at "
                 f"{self.opening:g}; burning must end before the outlet opens, at 180 or before"
             )
@@ -142,5 +143,5 @@ def cycle_of(preset: Preset, load: float = 1.0) -> Cycle:
     """
     load = number(load, "gas: load", minimum=0.1)
     if load > 1.0:
-        raise ValueError(f"gas: load {load:g}; give a share of the inlet pressure from 0.1 to 1")
+        raise InputError(f"gas: load {load:g}; give a share of the inlet pressure from 0.1 to 1")
     return Cycle(preset.bore, preset.stroke / 2, preset.rod_length, preset.compression, inlet=0.95e5 * load)

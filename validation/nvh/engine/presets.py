@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import inertia, rotation
+from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 from validation.engine_balance.layouts import Engine, Layout, layout
 
@@ -102,7 +103,7 @@ def names() -> tuple[str, ...]:
 def preset(name: str) -> Preset:
     """An engine by its name; ValueError for an unknown one, with all names."""
     if name not in names():
-        raise ValueError(f"engine '{name}' is unknown; there are {', '.join(names())}")
+        raise InputError(f"engine '{name}' is unknown; there are {', '.join(names())}")
     record = dict(data()["engines"][name])
     block = Block(**record.pop("block"))
     if "layout" in record:

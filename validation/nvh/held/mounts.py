@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Body, Bushing, rotation
+from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 from validation.nvh.engine.presets import Preset
 
@@ -93,7 +94,7 @@ def names() -> tuple[str, ...]:
 def car(name: str) -> Car:
     """A car by its name; ValueError for an unknown one, with all names."""
     if name not in names():
-        raise ValueError(f"car '{name}' is unknown; there are {', '.join(names())}")
+        raise InputError(f"car '{name}' is unknown; there are {', '.join(names())}")
     return Car(name, **data()["cars"][name])
 
 

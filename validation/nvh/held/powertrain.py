@@ -35,6 +35,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )  # fmt: skip
+from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, skew
 from validation.engine_balance import looks, shafts, spatial
 from validation.engine_balance.layouts import Engine
@@ -149,7 +150,7 @@ def equivalent(preset: Preset, fitted: Sequence[Shaft] = ()) -> Equivalent:
     rigid = np.block([[mass * np.eye(3), -mass * skew(com)], [mass * skew(com), M[3:, 3:]]])
     off = np.abs(M - rigid).max() / mass
     if off > RIGID:
-        raise ValueError(f"engine '{preset.name}': its mean mass matrix is {off:.1g} off that of a rigid body")
+        raise InputError(f"engine '{preset.name}': its mean mass matrix is {off:.1g} off that of a rigid body")
     momentum = np.mean(still.momentum().angular[:ANGLES, 0]) - DYNO[0] * engine.rate
     about = M[3:, 3:] - mass * (com @ com * np.eye(3) - np.outer(com, com))
     return Equivalent(mass, com, about, float(momentum / engine.rate))

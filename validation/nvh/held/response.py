@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
@@ -104,7 +105,7 @@ class OnMounts:
         """The linear map over speeds [1/min] > 0; ValueError for others."""
         speeds = np.asarray(rpm, dtype=float)
         if speeds.size == 0 or not (speeds > 0).all():
-            raise ValueError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
+            raise InputError(f"map: rpm from {speeds.min(initial=0.0):g}; give speeds above 0, the crank turns")
         turn, B = np.kron(np.eye(2), matrix(self.rest[3:])), self.pushed
         force, load, motion = [], [], []
         for speed in speeds:

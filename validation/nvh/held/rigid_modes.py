@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbsd3d import Body, System, linearize
+from mbsd3d.errors import InputError
 from validation.nvh.held.mounts import Mount, bushings
 from validation.nvh.held.powertrain import Equivalent
 
@@ -48,7 +49,7 @@ def rigid_modes(body: Body, placed: Sequence[Mount]) -> list[RigidMode]:
     M, found = mass_matrix(body), []
     free = int((small.eigenvalues == 0.0).sum()) // 2
     if free:
-        raise ValueError(f"powertrain: {len(placed)} mounts leave {free} motions free; give three that are not in line")
+        raise InputError(f"powertrain: {len(placed)} mounts leave {free} motions free; give three that are not in line")
     for mode in small.modes:
         shape = np.concatenate([mode.translation[0], mode.rotation[0]])
         shape = (shape * np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape))]))).real

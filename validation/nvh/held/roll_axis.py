@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from mbsd3d import Body
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number, skew
 from validation.nvh.held.mounts import Mount
 from validation.nvh.held.rigid_modes import mass_matrix, rigid_modes
@@ -82,7 +83,7 @@ def decouple(body: Body, placed: Sequence[Mount], *, reach: float = 0.15, factor
     """
     reach = number(reach, "decouple: reach", positive=True)
     if not number(factor, "decouple: factor") > 1.0:
-        raise ValueError(f"decouple: factor {factor:g} leaves the rates as they are; give one above 1")
+        raise InputError(f"decouple: factor {factor:g} leaves the rates as they are; give one above 1")
     total, n = sum(mount.stiffness[2, 2] for mount in placed), len(placed)
 
     def changed(x: np.ndarray) -> list[Mount]:

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 CLASSES = "ABCDEFGH"
@@ -39,9 +40,9 @@ class Road:
 
     def __post_init__(self) -> None:
         if self.kind not in CLASSES or len(self.kind) != 1:
-            raise ValueError(f"road of class {self.kind!r}; give one of {', '.join(CLASSES)}")
+            raise InputError(f"road of class {self.kind!r}; give one of {', '.join(CLASSES)}")
         if number(self.length, "road: length", positive=True) < 2.0 / LONGEST:
-            raise ValueError(
+            raise InputError(
                 f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more"
             )
 

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from bicycle.output import new_figure
 from mbsd3d import linearize, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, digits, dress, inline_svg, page_template, write_atomically
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.held.mounts import Car
@@ -29,7 +30,7 @@ FILM, FRAMES = 4.0, 201  # s and pictures of the animation
 def ride_of(car: Car, kind: str, road: str, speed: float) -> Ride:
     """A car over a road; ValueError if nothing is known of its wheels."""
     if car.ride is None:
-        raise ValueError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
+        raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
     return Ride(Vehicle(kind, car.ride), Road(road), speed)
 
 

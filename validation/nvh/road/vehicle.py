@@ -27,6 +27,7 @@ from mbsd3d import (
     measures,
     shapes,
 )  # fmt: skip
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, number
 from validation.nvh.road.guide import SWING, Guide, guide
 
@@ -66,7 +67,7 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise ValueError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
+            raise InputError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
         for name in ("mass", "roll_inertia", "pitch_inertia", "wheelbase", "track"):
             number(self.ride[name], f"car on wheels: {name}", positive=True)
         for name in ("unsprung", "spring", "tyre"):
