@@ -22,8 +22,9 @@ OF_ENGINE = ("rpm", "load", "shafts", "sound")
 @click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
 @click.option("--page", "folder", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
+@click.option("--planes", is_flag=True, help="What a plane says of all this: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
-def nvh(engine: str | None, car_name: str, folder: str | None, only_list: bool, **given: Any) -> None:
+def nvh(engine: str | None, car_name: str, folder: str | None, planes: bool, only_list: bool, **given: Any) -> None:
     """What an engine does to its bearings, its mounts and the car it is in.
 
     LAYOUT is an engine with real dimensions, such as inline_4. Orders of forces and moments on the block, loads of the
@@ -40,6 +41,11 @@ def nvh(engine: str | None, car_name: str, folder: str | None, only_list: bool, 
         listed = [(name, presets.preset(name).title) for name in presets.names()]
         listed += [(name, mounts.car(name).title) for name in mounts.names()]
         click.echo("\n".join(f"{name:12} {title}" for name, title in listed))
+        return
+    if planes:
+        from validation.nvh.planes import table
+
+        show(f"what a plane says, {car_name}", table(mounts.car(car_name)))
         return
     given = {name: value for name, value in given.items() if value is not None}
     if (engine is None) == ("road" not in given):

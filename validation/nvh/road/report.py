@@ -10,6 +10,7 @@ from bicycle.output import new_figure
 from mbsd3d import linearize, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, digits, dress, inline_svg, page_template, write_atomically
+from validation import theory
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.held.mounts import Car
 from validation.nvh.road.comfort import verdict, weight
@@ -32,6 +33,14 @@ def ride_of(car: Car, kind: str, road: str, speed: float) -> Ride:
     if car.ride is None:
         raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
     return Ride(Vehicle(kind, car.ride), Road(road), speed)
+
+
+def quarter_car(ride: Ride) -> np.ndarray:
+    """(k,) phasors of the acceleration at the seat of a quarter car in closed form [m/s^2]."""
+    (corner,) = ride.vehicle.corners
+    rates = (corner.spring, corner.damper), (corner.tyre, corner.tyre_damping)
+    body, _ = theory.quarter_car(ride.rates, (ride.vehicle.mass, corner.mass), *rates)
+    return -(ride.rates**2) * body * ride.under(corner)
 
 
 def comfort(rides: list[Ride]) -> Rows:

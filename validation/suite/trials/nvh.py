@@ -5,13 +5,12 @@ from functools import partial
 
 import numpy as np
 
-from validation import theory
 from validation.engine_balance import planar_sum
 from validation.nvh.engine import presets
 from validation.nvh.engine.loads import Source
 from validation.nvh.engine.main_bearings import cut_engine, cycle_run
 from validation.nvh.held import checks, mounts
-from validation.nvh.road.report import ride_of
+from validation.nvh.road.report import quarter_car, ride_of
 from validation.nvh.road.ride import rms
 from validation.nvh.study import AGREES, Study
 from validation.suite.findings import PLANE, THEORY, Finding, judged
@@ -67,18 +66,11 @@ def rough(kind: str) -> Run:
 def over_the_road(made: Run) -> Iterable[Finding]:
     """The seat, wave by wave: a quarter car in closed form, the others by their small motions."""
     ride = made.source
-    note = "relative to the root mean square; small motions of the car"
-    if ride.vehicle.kind == "quarter":
-        (corner,), note = ride.vehicle.corners, "relative to the root mean square; closed form of the quarter car"
-        masses = ride.vehicle.mass, corner.mass
-        tyre = corner.tyre, corner.tyre_damping
-        body, _ = theory.quarter_car(ride.rates, masses, (corner.spring, corner.damper), tyre)
-        known = -(ride.rates**2) * body * ride.under(corner)
-    else:
-        known = ride.seat
-    yield judged(
-        THEORY, "acceleration at the seat", rms(ride.run_seat - known) / rms(known), SMALL[ride.vehicle.kind], note
-    )
+    quarter = ride.vehicle.kind == "quarter"
+    known = quarter_car(ride) if quarter else ride.seat
+    note = f"relative to the root mean square; {'closed form of the' if quarter else 'small motions of the'} car"
+    error = rms(ride.run_seat - known) / rms(known)
+    yield judged(THEORY, "acceleration at the seat", error, SMALL[ride.vehicle.kind], note)
 
 
 def on_mounts(engine: str, car: str, rpm: float) -> Run:
