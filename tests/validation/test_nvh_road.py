@@ -118,10 +118,13 @@ def test_roads_and_cars_that_cannot_be_are_refused(call, text):
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ([], "give one of LAYOUT and --road"),
-        (["single", "--road", "C"], "give one of LAYOUT and --road"),
-        (["single", "--speed", "3"], "--speed is for --road"),
-        (["--road", "C", "--rpm", "3000"], "--rpm is for an engine"),
+        ([], "give one of LAYOUT, --road"),
+        (["single", "--road", "C"], "give one of LAYOUT, --road"),
+        (["single", "--speed", "3"], "--speed does not go with LAYOUT"),
+        (["--road", "C", "--rpm", "3000"], "--rpm does not go with --road"),
+        (["--planes", "--page", "x"], "--page does not go with --planes"),
+        (["--valve", "flat"], "cam 'flat' is unknown; there are cycloidal"),
+        (["--valve", "harmonic", "--rpm", "-5"], "rpm"),
     ],
 )
 def test_options_that_do_not_belong_together_are_refused(arguments, text):

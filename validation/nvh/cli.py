@@ -9,7 +9,9 @@ from mbsd3d.extend import can_view, ready_folder
 
 DIFFER = 1  # exit code
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
-OF_ENGINE = ("rpm", "load", "shafts", "sound")
+TAKES = {"LAYOUT": ("rpm", "load", "shafts", "sound", "page"), "--road": ("speed", "page"), "--valve": ("rpm", "page"),
+         "--planes": ()}  # fmt: skip
+"""What goes with what is studied."""
 
 
 @click.command()
@@ -21,18 +23,20 @@ OF_ENGINE = ("rpm", "load", "shafts", "sound")
 @click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
 @click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
-@click.option("--page", "folder", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
+@click.option("--page", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
+@click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
 @click.option("--planes", is_flag=True, help="What a plane says of all this: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
-def nvh(engine: str | None, car_name: str, folder: str | None, planes: bool, only_list: bool, **given: Any) -> None:
+def nvh(engine: str | None, car_name: str, only_list: bool, **options: Any) -> None:
     """What an engine does to its bearings, its mounts and the car it is in.
 
     LAYOUT is an engine with real dimensions, such as inline_4. Orders of forces and moments on the block, loads of the
     main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the speeds, and at one speed
     by the full motion of the crank train on its mounts. The exit code is 1 if the two differ by more than 1 %.
 
-    With --road instead of LAYOUT: vibration at the seat of a quarter, linked, half and whole car on a
-    rough road, and what the links of its axles make of the travel of a wheel.
+    Instead of LAYOUT, --road: vibration at the seat of a quarter, linked, half and whole car on a rough road, and what
+    the links of its axles make of the travel of a wheel; --valve: from which speed on a valve leaves its cam, and how
+    it comes back; --planes: what a plane can say.
     """
     from validation.nvh.engine import presets
     from validation.nvh.held import mounts
@@ -42,34 +46,38 @@ def nvh(engine: str | None, car_name: str, folder: str | None, planes: bool, onl
         listed += [(name, mounts.car(name).title) for name in mounts.names()]
         click.echo("\n".join(f"{name:12} {title}" for name, title in listed))
         return
-    if planes:
+    given = {name: value for name, value in options.items() if value not in (None, False)}
+    subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in TAKES]
+    if len(subjects) != 1:
+        raise InputError(f"nvh: give one of {', '.join(TAKES)}; engines are {', '.join(presets.names())}")
+    (subject,) = subjects
+    wrong = [name for name in given if f"--{name}" != subject and name not in TAKES[subject]]
+    if wrong:
+        raise InputError(f"nvh: --{wrong[0]} does not go with {subject}; leave it out")
+    if "page" in given:
+        can_view(needed=True)
+        ready_folder(given["page"], "--page")
+    car = mounts.car(car_name)
+    if subject == "LAYOUT":
+        in_car(presets.preset(engine), car, **given)
+    elif subject == "--road":
+        on_road(car, **given)
+    elif subject == "--valve":
+        on_cam(**given)
+    else:
         from validation.nvh.planes import table
 
-        show(f"what a plane says, {car_name}", table(mounts.car(car_name)))
-        return
-    given = {name: value for name, value in given.items() if value is not None}
-    if (engine is None) == ("road" not in given):
-        raise InputError(f"nvh: give one of LAYOUT and --road; engines are {', '.join(presets.names())}")
-    wrong = [name for name in given if (name in OF_ENGINE) != (engine is not None)]
-    if wrong:
-        raise InputError(f"nvh: --{wrong[0]} is for {'--road' if engine else 'an engine'}; leave it out")
-    if folder is not None:
-        can_view(needed=True)
-        ready_folder(folder, "--page")
-    if engine is None:
-        on_road(mounts.car(car_name), folder, **given)
-    else:
-        in_car(presets.preset(engine), mounts.car(car_name), folder, **given)
+        show(f"what a plane says, {car_name}", table(car))
 
 
 def in_car(
     chosen: Any,
     car: Any,
-    folder: str | None,
     rpm: float | None = None,
     load: float = 1.0,
     shafts: str | None = None,
     sound: str | None = None,
+    page: str | None = None,
 ) -> None:
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from validation.nvh import tables
@@ -99,16 +107,16 @@ def in_car(
         from validation.nvh.cabin.sound import write_sound
 
         click.echo(write_sound(study.map, study.cabin.seat(study.map), sound))
-    if folder is not None:
+    if page is not None:
         from validation.nvh.page import write_page
 
-        click.echo(write_page(study, folder))
+        click.echo(write_page(study, page))
     if study.difference > AGREES:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
         raise click.exceptions.Exit(DIFFER)
 
 
-def on_road(car: Any, folder: str | None, road: str, speed: float = 20.0) -> None:
+def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:
     """Quarter, linked, half and whole car on a road; show them, write their page."""
     from validation.nvh.road import report
     from validation.nvh.road.vehicle import KINDS
@@ -120,8 +128,19 @@ def on_road(car: Any, folder: str | None, road: str, speed: float = 20.0) -> Non
     show("modes", report.modes(rides[-1]))
     show("guides of the wheels", report.guides(rides[-1].vehicle))
     click.echo(f"\n{report.braking(rides[-1].vehicle)}")
-    if folder is not None:
-        click.echo(report.write_page(car, rides[-1], folder))
+    if page is not None:
+        click.echo(report.write_page(car, rides[-1], page))
+
+
+def on_cam(valve: str, rpm: float | None = None, page: str | None = None) -> None:
+    """A valve train over the speed; show it, write its page."""
+    from validation.nvh.valve.report import Valve, write_page
+
+    found = Valve(valve, rpm)
+    click.echo(found.facts)
+    show("on the cam and off it", found.rows)
+    if page is not None:
+        click.echo(write_page(found, page))
 
 
 def show(title: str, rows: list[list[str]]) -> None:

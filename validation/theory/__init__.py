@@ -9,6 +9,7 @@ body axes, ``L`` angular momentum, ``T`` kinetic energy, ``m`` the parameter of 
 digits of the period with it.
 """
 
+from validation.theory import cams
 from validation.theory.common import (
     EXTENDED,
     GRAVITY,

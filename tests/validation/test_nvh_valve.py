@@ -1,0 +1,133 @@
+"""Valves on cams: laws in closed form, float, the contact against the constraint, surge, cams with a cusp."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mbsd3d import SlideDriver, System, linearize
+from validation.nvh.cli import nvh
+from validation.nvh.valve.cam import LAWS, Cam, cam
+from validation.nvh.valve.train import Train
+from validation.theory import cams
+
+LIFT, HALF, BASE = 0.0083, np.radians(72.0), 0.0285
+KNOWN = {"cycloidal": cams.cycloidal, "harmonic": cams.harmonic}
+ANGLE = np.linspace(-np.pi, np.pi, 20001)
+
+
+def train(law: str = "cycloidal", **changes: object) -> Train:
+    return Train(cam(law, LIFT, HALF, BASE), mass=0.13, rate=31e3, preload=270.0, **changes)
+
+
+@pytest.mark.parametrize("law", KNOWN)
+def test_the_spline_of_a_cam_has_the_derivatives_of_its_law(law):
+    spline = cam(law, LIFT, HALF, BASE).spline
+    # away from the ends of the lift, where the acceleration of a harmonic cam jumps; s'' is a line over half a degree:
+    # h^2 / 8 (2 pi / half)^2 = 2.4e-4 at most
+    inside = (np.abs(ANGLE) < 0.9 * HALF) & (np.abs(ANGLE) > 1e-3)
+    for order, known in enumerate(KNOWN[law](ANGLE[inside], LIFT, HALF)):
+        found = spline(np.mod(ANGLE[inside], 2 * np.pi), order)
+        assert found == pytest.approx(known, abs=3e-4 * np.abs(known).max())
+
+
+def test_a_cam_pushes_up_its_flat_follower():
+    """The highest point of the turned outline is the height of the follower, beside the axis by s'."""
+    chosen = cam("polynomial", LIFT, HALF, BASE)
+    for turn in np.radians([-61.0, -20.0, 3.0, 47.0, 130.0]):
+        x, y = chosen.outline[:, 0], chosen.outline[:, 1]
+        # across is y of the world, a turn about x takes y towards z
+        across, up = x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
+        top = up.argmax()
+        assert up[top] == pytest.approx(BASE + chosen.spline(turn % (2 * np.pi)), abs=2e-6)
+        assert across[top] == pytest.approx(chosen.spline(turn % (2 * np.pi), 1), abs=3e-4)
+
+
+@pytest.mark.parametrize("law", KNOWN)
+def test_a_multiplier_says_when_the_valve_floats(law):
+    chosen = train(law)
+    s, _, dds = KNOWN[law](ANGLE, LIFT, HALF)
+    known = 30 / np.pi * cams.float_rate(chosen.mass, chosen.rate, chosen.preload, s, dds)
+    assert chosen.floats_at() == pytest.approx(known, rel=1e-4)
+    for share, sign in ((0.99, 1), (1.01, -1)):
+        assert np.sign(replace(chosen, rpm=share * known).held().effort("cam").min()) == sign
+
+
+def test_harmonic_cams_float_at_the_nose():
+    chosen = train("harmonic")
+    known = np.sqrt((chosen.preload + chosen.rate * LIFT) * 2 * HALF**2 / (chosen.mass * LIFT * np.pi**2))
+    assert chosen.floats_at() == pytest.approx(30 / np.pi * known, rel=1e-4)
+
+
+def test_below_float_the_contact_does_what_the_constraint_does():
+    chosen = train(rpm=1500.0)
+    run = chosen.free()
+    assert run.certificate.passed
+    held, force = chosen.held().effort("cam"), run.force("contact").force[:, 2]
+    # the valve swings on the contact at 2.4 kHz, which the cam hardly excites
+    assert np.abs(force - held).max() < 0.03 * held.max()
+    # and sinks in by F / k
+    assert chosen.gap(run) == pytest.approx(-force / chosen.contact, abs=0.02 * held.max() / chosen.contact)
+    # the cam bears the torque -F s'
+    slope = chosen.cam.spline(np.mod(np.pi + chosen.turn * run.t, 2 * np.pi), 1)
+    assert run.effort("motor") == pytest.approx(force * slope, abs=1e-6 * np.abs(force * slope).max())
+
+
+def test_beyond_float_the_valve_leaves_the_cam_and_comes_back_hard():
+    chosen = train()
+    chosen = replace(chosen, rpm=1.1 * chosen.floats_at())
+    run = chosen.free()
+    gap = chosen.gap(run)
+    assert run.certificate.passed and gap.max() > 1e-4
+    assert run.force("contact").force[:, 2].max() > 1.5 * chosen.held().effort("cam").max()
+    # off the cam nothing but the spring acts
+    up = run.acceleration("valve")[:, 2]
+    height = run.position("valve")[:, 2] - BASE
+    off = gap > 1e-6
+    assert up[off] == pytest.approx(-(chosen.preload + chosen.rate * height[off]) / chosen.mass, rel=1e-9)
+
+
+def test_a_spring_of_pieces_surges_at_its_frequencies():
+    chosen = train(pieces=6, loss=0.0)
+    bodies, (bearing, _, guide, *guides), forces = chosen.parts
+    still = SlideDriver(guide, 0.0, name="closed")
+    system = System(bodies, [bearing, guide, *guides, still], forces, gravity=(0, 0, 0))
+    found = np.unique(np.abs(linearize(system).eigenvalues.imag).round(6))
+    assert found[found > 1.0] == pytest.approx(cams.surge(chosen.coils, chosen.rate, 6), rel=1e-6)
+    continuous = np.pi * np.sqrt(chosen.rate / chosen.coils)
+    assert cams.surge(chosen.coils, chosen.rate, 400)[0] == pytest.approx(continuous, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda: cam("cycloidal", LIFT, HALF, 0.012), "a cusp; give a base above"),
+        (lambda: cam("flat", LIFT, HALF, BASE), "there are cycloidal"),
+        (lambda: cam("harmonic", -LIFT, HALF, BASE), "cam: lift"),
+        (lambda: cam("harmonic", LIFT, 4.0, BASE), "half a turn"),
+        (lambda: Cam(np.zeros(5), BASE), "8 or more"),
+        (lambda: Cam(np.full(20, np.nan), BASE), "finite"),
+        (lambda: train(rpm=0.0), "valve: rpm"),
+        (lambda: train(damping=-0.1), "valve: damping"),
+        (lambda: train(pieces=1.5), "whole number"),
+    ],
+)
+def test_cams_and_valves_that_cannot_be_are_refused(call, text):
+    with pytest.raises(ValueError, match=text):
+        call()
+
+
+def test_the_base_that_an_error_asks_for_is_enough():
+    with pytest.raises(ValueError, match="above") as error:
+        cam("cycloidal", LIFT, HALF, 0.012)
+    base = 1e-3 * float(str(error.value).split("above ")[1].split()[0])
+    assert cam("cycloidal", LIFT, HALF, base + 1e-5).radius.min() > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS)
+def test_the_command_shows_what_floats(law, tmp_path):
+    found = CliRunner().invoke(nvh, ["--valve", law, "--page", str(tmp_path)])
+    assert found.exit_code == 0, found.output
+    assert "floats from" in found.output and (tmp_path / f"valve-{law}.html").stat().st_size > 1e4

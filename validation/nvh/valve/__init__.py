@@ -1,0 +1,1 @@
+"""Valve trains: cams with flat followers, float, bounce and the surge of springs."""

@@ -1,0 +1,38 @@
+"""Laws of cams in closed form: lift over the angle from the nose, its derivatives, and the speed of float."""
+
+import numpy as np
+
+
+def cycloidal(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(s, ds, dds) over an angle from the nose [rad]: ``s = h (x - sin(2 pi x) / 2 pi)``, x = 1 - |angle| / half."""
+    x = np.clip(1 - np.abs(angle) / half, 0.0, 1.0)
+    way = -np.sign(angle) * lift / half
+    return (
+        lift * (x - np.sin(2 * np.pi * x) / (2 * np.pi)),
+        way * (1 - np.cos(2 * np.pi * x)),
+        2 * np.pi * lift / half**2 * np.sin(2 * np.pi * x),
+    )
+
+
+def harmonic(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(s, ds, dds) of ``s = h (1 - cos(pi x)) / 2``: the acceleration jumps where the lift begins."""
+    x = np.clip(1 - np.abs(angle) / half, 0.0, 1.0)
+    way = -np.sign(angle) * np.pi * lift / (2 * half)
+    inside = np.abs(angle) < half
+    return (
+        lift / 2 * (1 - np.cos(np.pi * x)),
+        way * np.sin(np.pi * x),
+        np.where(inside, np.pi**2 * lift / (2 * half**2) * np.cos(np.pi * x), 0.0),
+    )
+
+
+def float_rate(mass: float, rate: float, preload: float, s: np.ndarray, dds: np.ndarray) -> float:
+    """w [rad/s] of the cam from which a spring no longer holds a follower on it: least of (F + k s) / (-m s'')."""
+    slow = dds < -1e-6 * np.abs(dds).max()
+    return float(np.sqrt(np.min((preload + rate * s[slow]) / (-mass * dds[slow]))))
+
+
+def surge(mass: float, rate: float, count: int) -> np.ndarray:
+    """(count,) w [rad/s] of a spring held at both ends as ``count`` masses, near ``j pi sqrt(k / m)`` of a spring."""
+    j = np.arange(1, count + 1)
+    return 2 * np.sqrt((count + 1) * rate * count / mass) * np.sin(j * np.pi / (2 * (count + 1)))
