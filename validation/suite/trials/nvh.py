@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from validation import theory
 from validation.engine_balance import planar_sum
 from validation.nvh.engine import presets
 from validation.nvh.engine.loads import Source
