@@ -9,8 +9,12 @@ from mbsd3d.extend import can_view, ready_folder
 
 DIFFER = 1  # exit code
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
-TAKES = {"LAYOUT": ("rpm", "load", "shafts", "sound", "page"), "--road": ("speed", "page"), "--valve": ("rpm", "page"),
-         "--planes": ()}  # fmt: skip
+TAKES = {
+    "LAYOUT": ("rpm", "load", "shafts", "active", "sound", "page"),
+    "--road": ("speed", "page"),
+    "--valve": ("rpm", "page"),
+    "--planes": (),
+}
 """What goes with what is studied."""
 
 
@@ -20,6 +24,7 @@ TAKES = {"LAYOUT": ("rpm", "load", "shafts", "sound", "page"), "--road": ("speed
 @click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
+@click.option("--active", is_flag=True, help="An active mount: skyhook, and feed-forward on the largest order.")
 @click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
 @click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
@@ -76,6 +81,7 @@ def in_car(
     rpm: float | None = None,
     load: float = 1.0,
     shafts: str | None = None,
+    active: bool = False,
     sound: str | None = None,
     page: str | None = None,
 ) -> None:
@@ -99,6 +105,10 @@ def in_car(
     show("modes on the mounts", tables.modes(study))
     show("mounts", tables.mounts(study))
     show("handed on to the car", tables.handed_on(study))
+    if active:
+        from validation.nvh.active.report import ActiveMount
+
+        show("active mount", ActiveMount(study).rows)
     if study.cabin is not None:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])

@@ -1,0 +1,125 @@
+"""Active mounts: limits in closed form, poles against the general model step by step."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from mbsd3d import GROUND, Body, Prismatic, SpringDamper, System
+from validation.nvh.active.cancel import Cancel, Path
+from validation.nvh.active.report import RATE, ActiveMount
+from validation.nvh.active.skyhook import Skyhook, growth, limit, on_mounts
+from validation.nvh.cli import nvh
+from validation.nvh.engine import presets
+from validation.nvh.held import mounts
+from validation.nvh.study import Study
+from validation.theory import active
+
+
+@pytest.fixture(scope="module")
+def cancel():
+    study = Study(presets.preset("inline_4"), mounts.car("compact"), 2700.0, 0.8)
+    return Cancel(study.on_mounts, study.source, 2700.0, 1, 2.0, 1500.0)
+
+
+@pytest.mark.parametrize(("corner", "share"), [(370.0, 0.6), (90.0, 0.3)])
+def test_a_skyhook_with_a_slow_actuator_is_unstable_from_where_routh_says(corner, share):
+    mass, rate, damping = 178.0, 2.3e5, 640.0
+
+    def build(gain: float) -> System:
+        body = Body("body", mass, (1, 2, 3), com=(0.1, -0.2, 0.3))
+        slide = Prismatic(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+        below = (0, 0, -0.3)
+        spring = SpringDamper(GROUND, body, at_a=below, at_b=(0, 0, 0), stiffness=rate, damping=damping)
+        hook = Skyhook((0.2, 0.1, 0.0), gain, corner, share)
+        return System([body], [slide], [spring, hook.force(body)], gravity=(0, 0, 0))
+
+    known = active.skyhook_limit(mass, damping, rate, corner, share)
+    assert limit(build) == pytest.approx(known, rel=1e-8)
+    assert growth(build(0.9 * known)) < 0 < growth(build(1.1 * known))
+
+
+def test_a_skyhook_damps_the_bounce(cancel):
+    found = ActiveMount(Study(presets.preset("inline_4"), mounts.car("compact"), 2700.0, 0.8))
+    most, before, after = found.hook
+    assert after > 1.5 * before
+    body, placed = cancel.held.body.rigid, cancel.held.placed
+    assert growth(on_mounts(body, placed, Skyhook(found.cancel.mount.at, 1.05 * most))) > 0
+
+
+def test_a_path_that_is_a_gain_alone_has_the_limit_of_theory():
+    path = Path(np.zeros((0, 0)), np.zeros(0), np.zeros(0), -1.7, 1e-3)
+    assert path.gain(300.0) == pytest.approx(-1.7)
+    assert path.limit(300.0) == pytest.approx(active.step_limit(-1.7), rel=1e-9)
+
+
+def test_the_sampled_path_is_that_of_the_mount(cancel):
+    """At many samples a period the held path is the continuous one: force of mount and actuator on the car."""
+    fine = replace(cancel, rate=4e5)
+    held, W = fine.held, fine.W
+    x = np.linalg.solve(1j * W * np.eye(12) - held.turning(fine.turning), held.pushed)[:6]
+    D = held.feet(fine.turning, np.array([W]))[0]
+    at = 3 * fine.which + 2
+    # force at the car per force on the head: Z Y - 1 = - D / Z for a mount whose axes are those of the car
+    Z = fine.mount.rates[2] + 1j * W * fine.mount.damping[2]
+    assert x.shape == (6, 6)
+    assert fine.path.gain(W) == pytest.approx(-D[at, at] / Z, rel=2e-3)  # half a sample late: W T / 2
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5])
+def test_poles_say_what_the_general_model_does(cancel, share):
+    step, count = share * cancel.path.limit(cancel.W), 300
+    known = cancel.predicted(step, count)
+    # second order of a roll by half a degree
+    assert np.abs(cancel.run(step, count) - known).max() < 5e-3 * abs(cancel.force)
+
+
+def test_beyond_the_limit_the_force_grows(cancel):
+    step = 2.0 * cancel.path.limit(cancel.W)
+    size = np.abs(np.linalg.eigvals(cancel.path.loop(cancel.W, step))).max()
+    found = np.abs(cancel.run(step, 600))
+    early, late = found[200:300].max(), found[500:600].max()
+    # 300 samples later, in a growth that beats with the order
+    assert np.log(late / early) == pytest.approx(300 * np.log(size), rel=0.1)
+
+
+def test_the_order_goes_and_the_actuator_gives_what_is_said(cancel):
+    step = 0.2 * cancel.path.limit(cancel.W)
+    count = int(8 * cancel.path.time(cancel.W, step) * cancel.rate)
+    left = cancel.predicted(step, count)
+    assert np.abs(left[-60:]).max() < 2e-3 * abs(cancel.force)
+    size, power = cancel.actuator
+    # at the end the mount's force and the actuator's cancel: |f + G u| = 0
+    assert size == pytest.approx(abs(cancel.force / cancel.path.gain(cancel.W)))
+    assert abs(power) < size * 1.0  # a head moves by less than 1 m/s
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (dict(which=7), "there are 0 to 2"),
+        (dict(order=0.3), "a half or a whole one"),
+        (dict(rate=200.0), "give 360 Hz or more"),
+        (dict(rpm=-1.0), "rpm"),
+    ],
+)
+def test_controllers_that_cannot_be_are_refused(cancel, change, text):
+    with pytest.raises(ValueError, match=text):
+        replace(cancel, **change)
+
+
+def test_inclined_mounts_and_undamped_ones_are_refused():
+    study = Study(presets.preset("v8_cross"), mounts.car("saloon"), 2000.0)
+    with pytest.raises(ValueError, match="stands askew"):
+        Cancel(study.on_mounts, study.source, 2000.0, 0, 2.0, RATE)
+    bare = [replace(mount, damping=(0.0, 0.0, 0.0)) for mount in study.placed]
+    with pytest.raises(ValueError, match="give mounts with dampers"):
+        limit(lambda gain: on_mounts(study.body.rigid, bare, Skyhook((0, 0, 0), gain)))
+
+
+@pytest.mark.slow
+def test_the_command_shows_an_active_mount():
+    found = CliRunner().invoke(nvh, ["inline_4", "--active"])
+    assert found.exit_code == 0, found.output
+    assert "feed-forward" in found.output and "stable up to" in found.output
