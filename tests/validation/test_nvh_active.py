@@ -110,7 +110,7 @@ def test_controllers_that_cannot_be_are_refused(cancel, change, text):
 
 
 def test_inclined_mounts_and_undamped_ones_are_refused():
-    study = Study(presets.preset("v8_cross"), mounts.car("saloon"), 2000.0)
+    study = Study(presets.preset("boxer_4"), mounts.car("saloon"), 2000.0)
     with pytest.raises(ValueError, match="stands askew"):
         Cancel(study.on_mounts, study.source, 2000.0, 0, 2.0, RATE)
     bare = [replace(mount, damping=(0.0, 0.0, 0.0)) for mount in study.placed]

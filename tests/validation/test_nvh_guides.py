@@ -103,6 +103,7 @@ def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
         assert found[:, column] == pytest.approx(known, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_linked_car_over_the_road():
     ride = Ride(Vehicle("linked", mounts.car("compact").ride), Road("B", 190.0, seed=2), 35.0)
     assert ride.run.certificate.passed

@@ -96,7 +96,7 @@ def test_mean_torque_and_mounts_balance():
     assert np.linalg.norm(rest[3:]) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(("engine", "car"), [("inline_4", "compact"), ("v8_cross", "saloon")])
+@pytest.mark.parametrize(("engine", "car"), [("inline_4", "compact"), ("boxer_4", "saloon")])
 def test_sag_is_weight_over_stiffness(engine, car):
     body, placed = placed_of(engine, car)
     shift, turn = sag(body.rigid, placed)

@@ -83,7 +83,7 @@ def test_a_symmetric_half_car_bounces_and_pitches_as_two_quarter_cars():
         assert np.sort(np.abs(both - value))[:2] == pytest.approx(0.0, abs=1e-9 * abs(value))
 
 
-@pytest.mark.parametrize(("kind", "limit"), [("quarter", 1e-4), ("half", 0.01)])
+@pytest.mark.parametrize(("kind", "limit"), [("quarter", 1e-4), pytest.param("half", 0.01, marks=pytest.mark.slow)])
 def test_full_motion_over_the_road_is_that_of_small_motions(kind, limit):
     ride = Ride(vehicle(kind), Road("B", 190.0, seed=2), 35.0)
     assert ride.run.certificate.passed
