@@ -76,6 +76,16 @@ def test_linear_map_and_full_motion_agree(engine, car, rpm, load):
     assert study.difference < 3e-3
 
 
+def test_a_sweep_is_the_full_motion_at_each_speed():
+    study = Study(presets.preset("single"), mounts.car("motorcycle"), 5200.0, 0.0)
+    found = study.sweep(3)
+    assert found.map.rpm == pytest.approx(np.linspace(study.preset.idle, study.preset.redline, 3))
+    last = replace(study, rpm=study.preset.redline)
+    assert np.array_equal(found.full[-1], last.run_force)
+    assert found.off[1:].max() < 5e-3
+    assert found.off[-1] == pytest.approx(last.difference)
+
+
 def test_without_the_spin_of_the_crank_the_map_misses_the_full_motion():
     """A light block with a heavy flywheel: the full run is nearer to the map with the gyroscopic terms."""
     study = Study(replace(presets.preset("inline_3"), flywheel=0.6), mounts.car("compact"), 2000.0, 0.0)
@@ -141,6 +151,7 @@ def test_a_decoupled_powertrain_turns_about_its_torque_roll_axis_alone():
         (lambda: mounts.car("tank"), "car 'tank' is unknown; there are compact"),
         (lambda: Study(presets.preset("single"), mounts.car("bench"), 9001.0), "beyond the redline"),
         (lambda: Study(presets.preset("single"), mounts.car("bench"), 0.0), "rpm"),
+        (lambda: Study(presets.preset("single"), mounts.car("bench"), 900.0).sweep(1), "give 2 or more"),
         (lambda: Study(presets.preset("single"), mounts.car("bench"), 3000.0, 1.5), "load 1.5"),
         (lambda: decouple(checks.mounted([]).bodies[0], [], reach=0.0), "reach"),
         (lambda: decouple(checks.mounted([]).bodies[0], [], factor=1.0), "leaves the rates as they are"),

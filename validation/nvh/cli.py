@@ -10,7 +10,7 @@ from mbsd3d.extend import can_view, ready_folder
 DIFFER = 1  # exit code
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
 TAKES = {
-    "LAYOUT": ("rpm", "load", "shafts", "active", "sound", "page"),
+    "LAYOUT": ("rpm", "load", "shafts", "sweep", "active", "sound", "page"),
     "--road": ("speed", "page"),
     "--valve": ("rpm", "page"),
     "--planes": (),
@@ -24,6 +24,7 @@ TAKES = {
 @click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
+@click.option("--sweep", type=int, metavar="N", help="Full motions at N speeds from idle to redline.")
 @click.option("--active", is_flag=True, help="An active mount: skyhook, and feed-forward on the largest order.")
 @click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
 @click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
@@ -81,6 +82,7 @@ def in_car(
     rpm: float | None = None,
     load: float = 1.0,
     shafts: str | None = None,
+    sweep: int | None = None,
     active: bool = False,
     sound: str | None = None,
     page: str | None = None,
@@ -105,10 +107,14 @@ def in_car(
     show("modes on the mounts", tables.modes(study))
     show("mounts", tables.mounts(study))
     show("handed on to the car", tables.handed_on(study))
+    if sweep is not None:
+        show("over the speed", tables.sweep(study.sweep(sweep)))
+    rows = None
     if active:
         from validation.nvh.active.report import ActiveMount
 
-        show("active mount", ActiveMount(study).rows)
+        rows = ActiveMount(study).rows
+        show("active mount", rows)
     if study.cabin is not None:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
@@ -120,7 +126,7 @@ def in_car(
     if page is not None:
         from validation.nvh.page import write_page
 
-        click.echo(write_page(study, page))
+        click.echo(write_page(study, page, rows))
     if study.difference > AGREES:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
         raise click.exceptions.Exit(DIFFER)

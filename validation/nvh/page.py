@@ -13,8 +13,10 @@ from validation.nvh.study import AGREES, Study
 PERIOD = 4.0  # s that a cycle takes to watch
 
 
-def write_page(study: Study, folder: str | Path) -> Path:
-    """Write ``ENGINE-CAR.html`` and its view into a folder that exists; where the page is."""
+def write_page(study: Study, folder: str | Path, active: tables.Rows | None = None) -> Path:
+    """Write ``ENGINE-CAR.html`` and its view into a folder that exists, with a table of an active mount if given; where
+    the page is.
+    """
     folder, name = Path(folder), f"{study.preset.name}-{study.car.name}"
     view = f"{name}-view.html"
     write_atomically(folder / view, playing(shown(study)).encode())
@@ -31,7 +33,7 @@ def write_page(study: Study, folder: str | Path) -> Path:
         study=study, view=view, lines=tables.facts(study), agrees=study.difference <= AGREES, digits=digits,
         figures={key: Markup(inline_svg(made, f"{key}-")) for key, made in drawn.items()}, loads=tables.loads(study),
         modes=tables.modes(study), mounts=tables.mounts(study), handed=tables.handed_on(study),
-        felt=felt, most=most, paths=paths, bearings=tables.bearings(study),
+        felt=felt, most=most, active=active, paths=paths, bearings=tables.bearings(study),
         timing=tables.timing(study) if study.source.fitted else None,
     )  # fmt: skip
     return write_atomically(folder / f"{name}.html", page.encode())

@@ -1,5 +1,6 @@
 """An engine in a car at a speed: what is computed of it, each part when it is asked for."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,7 +24,22 @@ from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
 SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
 IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
+THREADS = 2  # of a sweep: the compiled time loop leaves the others running
 SETTLE = 0.5  # s: the run starts from the state of the linear answer
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N]."""
+
+    map: Map
+    full: np.ndarray
+
+    @property
+    def off(self) -> np.ndarray:
+        """(s,) largest difference of any mount and order, over the largest force at that speed."""
+        size = np.abs(self.map.force[:, 1:]).max(axis=(1, 2, 3))
+        return np.abs(self.full - self.map.force)[:, 1:].max(axis=(1, 2, 3)) / size
 
 
 @dataclass(frozen=True)
@@ -124,6 +140,23 @@ class Study:
         """Largest difference of full run and map in any order, over the largest order."""
         size, off = self.differences
         return float(off.max() / size.max())
+
+    def sweep(self, count: int, cycles: int = 4) -> "Sweep":
+        """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
+
+        ValueError for a count below 2 or no cycle.
+        """
+        if count < 2 or cycles < 1:
+            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles; give 2 or more, 1 or more")
+        held = self.on_mounts
+        found = held.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
+
+        def full(rpm: float) -> np.ndarray:
+            run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles)
+            return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
+
+        with ThreadPoolExecutor(THREADS) as pool:
+            return Sweep(found, np.array(list(pool.map(full, found.rpm))))
 
     @cached_property
     def cabin(self) -> Cabin | None:

@@ -5,7 +5,7 @@ import numpy as np
 from validation.nvh.cabin.seat import rms
 from validation.nvh.engine import balance_shafts
 from validation.nvh.held.rigid_modes import DIRECTIONS
-from validation.nvh.study import Study
+from validation.nvh.study import Study, Sweep
 
 Rows = list[list[str]]
 LEAST = 1e-3  # of the largest: smaller orders are left out
@@ -69,6 +69,17 @@ def handed_on(study: Study) -> Rows:
             ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > LEAST * engine.max(initial=1.0) else "moment only"
             forces = figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
+    return rows
+
+
+def sweep(found: Sweep) -> Rows:
+    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart."""
+    rows = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]]
+    for s, rpm in enumerate(found.map.rpm):
+        linear, full = (np.abs(part[s, 1:]).max(axis=(1, 2)) for part in (found.map.force, found.full))
+        k = int(linear.argmax())
+        forces = figure(linear[k]), figure(full[k])
+        rows.append([f"{rpm:.0f}", f"{found.map.orders[1:][k]:g}x", *forces, f"{100 * found.off[s]:.2g}"])
     return rows
 
 
