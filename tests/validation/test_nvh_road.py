@@ -122,6 +122,9 @@ def test_roads_and_cars_that_cannot_be_are_refused(call, text):
         (["single", "--road", "C"], "give one of LAYOUT, --road"),
         (["single", "--speed", "3"], "--speed does not go with LAYOUT"),
         (["--road", "C", "--rpm", "3000"], "--rpm does not go with --road"),
+        (["--valve", "harmonic", "--car", "saloon"], "--car does not go with --valve"),
+        (["single", "--rpm", "0"], "rpm"),
+        (["single", "--sweep", "0", "--car", "bench"], "sweep of 0 speeds"),
         (["--planes", "--page", "x"], "--page does not go with --planes"),
         (["--valve", "flat"], "cam 'flat' is unknown; there are cycloidal"),
         (["--valve", "harmonic", "--rpm", "-5"], "rpm"),
@@ -138,4 +141,4 @@ def test_the_command_writes_a_page_of_a_ride(tmp_path):
     assert found.exit_code == 0, found.output
     assert all(kind in found.output for kind in KINDS)
     page = (tmp_path / "ride-compact.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 1 and "ride-compact-view.html" in page
+    assert page.count("<svg") == 2 and "ride-compact-view.html" in page

@@ -1,5 +1,6 @@
 """``mbsd3d nvh``: an engine in a car, from its gas and inertia to what the car gets; and the car on a rough road."""
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -7,20 +8,20 @@ import click
 from mbsd3d.errors import InputError
 from mbsd3d.extend import can_view, ready_folder
 
-DIFFER = 1  # exit code
+DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
 TAKES = {
-    "LAYOUT": ("rpm", "load", "shafts", "sweep", "active", "sound", "page"),
-    "--road": ("speed", "page"),
+    "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "active", "sound", "page"),
+    "--road": ("car", "speed", "page"),
     "--valve": ("rpm", "page"),
-    "--planes": (),
+    "--planes": ("car",),
 }
 """What goes with what is studied."""
 
 
 @click.command()
-@click.argument("engine", metavar="LAYOUT", required=False)
-@click.option("--car", "car_name", default="compact", show_default=True, help="Where it is mounted; see --list.")
+@click.argument("engine", metavar="[LAYOUT]", required=False)
+@click.option("--car", help="Where it is mounted; see --list.  [default: compact]")
 @click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
@@ -33,7 +34,7 @@ TAKES = {
 @click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
 @click.option("--planes", is_flag=True, help="What a plane says of all this: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
-def nvh(engine: str | None, car_name: str, only_list: bool, **options: Any) -> None:
+def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
     """What an engine does to its bearings, its mounts and the car it is in.
 
     LAYOUT is an engine with real dimensions, such as inline_4. Orders of forces and moments on the block, loads of the
@@ -52,7 +53,7 @@ def nvh(engine: str | None, car_name: str, only_list: bool, **options: Any) -> N
         listed += [(name, mounts.car(name).title) for name in mounts.names()]
         click.echo("\n".join(f"{name:12} {title}" for name, title in listed))
         return
-    given = {name: value for name, value in options.items() if value not in (None, False)}
+    given = {name: value for name, value in options.items() if value is not None and value is not False}
     subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in TAKES]
     if len(subjects) != 1:
         raise InputError(f"nvh: give one of {', '.join(TAKES)}; engines are {', '.join(presets.names())}")
@@ -63,7 +64,9 @@ def nvh(engine: str | None, car_name: str, only_list: bool, **options: Any) -> N
     if "page" in given:
         can_view(needed=True)
         ready_folder(given["page"], "--page")
-    car = mounts.car(car_name)
+    if "sound" in given:
+        ready_folder(str(Path(given["sound"]).parent), "--sound")
+    car = mounts.car(given.pop("car", CAR))
     if subject == "LAYOUT":
         in_car(presets.preset(engine), car, **given)
     elif subject == "--road":
@@ -73,7 +76,7 @@ def nvh(engine: str | None, car_name: str, only_list: bool, **options: Any) -> N
     else:
         from validation.nvh.planes import table
 
-        show(f"what a plane says, {car_name}", table(car))
+        show(f"what a plane says, {car.name}", table(car))
 
 
 def in_car(
