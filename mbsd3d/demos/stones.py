@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .form import require
 from .quadrature import cross, dot, motion
 
 Numbers = Sequence[float]
@@ -68,6 +69,7 @@ def slid(
         m (v' + w x v) = F - m g n,  I w' = -w x I w + s x F,  F = N (n - mu V / sqrt(V'V + creep^2))
         N = k d + c d' >= 0 where d = -(z + n.s) > 0,  V = (1 - n n')(v + w x s)
     """
+    require(creep > 0, f"friction has no direction at rest: give creep above 0, not {creep}")
     D = [r * r for r in radii]
 
     def rate(_: float, y: np.ndarray) -> list[float]:

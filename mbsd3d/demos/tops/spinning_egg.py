@@ -62,6 +62,7 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
 
     Where the gyroscopic moments balance, L = A W along the vertical, and L times the height stays: A W h = C W_1 a.
     """
+    require(a > b > 0, f"an egg is longer than it is broad: give a above b = {b}, not {a}")
     found, (A, _, C) = seen(mu, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t), moments(m, a, b)
     require(found["axis_height_cos"] > 0.9, f"the egg does not stand after {t} s: give a greater spin, mu or t")
     return {**found, "stands_at_rad_s": A * spin * height(a, b, np.radians(tilt_deg)) / (C * a)}
