@@ -65,7 +65,8 @@ precision: $(READY)
 
 # Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
 figures: pictures precision
-	$(BIN)/python -m validation.benchmark.texts out/benchmark/precision.json
+	$(BIN)/python -m validation.benchmark --part speed --out out/benchmark
+	$(BIN)/python -m validation.benchmark.texts out/benchmark
 
 lint: $(READY)
 	$(BIN)/ruff check .
