@@ -16,7 +16,7 @@ from validation.cases.examples import JOINTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SLOW = {  # films, sweeps, other engines, compiled functions: a second or more
-    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md",
+    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md", "engines.md",
     "coming_from/mujoco.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md", "how/own_method.md",
     "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
 }  # fmt: skip
