@@ -29,7 +29,7 @@ class Ground:
     def __reduce__(self) -> str:
         return "GROUND"
 
-    def local_point(self, point: np.ndarray) -> np.ndarray:
+    def local_point(self, point: ArrayLike) -> np.ndarray:
         """The point itself: ground axes are world axes."""
         return np.asarray(point, float)
 
@@ -116,7 +116,7 @@ class Body(Frozen, metaclass=Explained):
         centre.setflags(write=False)
         return centre
 
-    def local_point(self, point: np.ndarray) -> np.ndarray:
+    def local_point(self, point: ArrayLike) -> np.ndarray:
         """R'(p - r): a world point at the reference pose in body axes from O [m]."""
         return self.axes.T @ (np.asarray(point, float) - self.position)
 

@@ -51,7 +51,7 @@ class Poses:
             return np.broadcast_to(axis, (self.t.size, 3))
         return self.rotation(body) @ body.local_axis(axis)
 
-    def body_point(self, body: Body | Ground, point: np.ndarray) -> np.ndarray:
+    def body_point(self, body: Body | Ground, point: ArrayLike) -> np.ndarray:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
         if body is GROUND:
             return np.broadcast_to(point, (self.t.size, 3))
