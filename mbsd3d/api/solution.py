@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining_methods
 from ..base.style import html_text
 from ..mechanism.state import State
 from ..results.certificate import Certificate
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..report.page import Report
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(RunResult, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from .checks import check_choice
+
 DELAY, LINES = 2.0, 5.0  # s before a bar appears, and between lines
 
 
@@ -59,6 +61,7 @@ class Progress:
 
     def __init__(self, title: str, start: float, end: float, show: bool | str | None = None) -> None:
         self.title, self.start, self.end = title, start, end
+        check_choice(show, (None, True, False, "lines"), "progress")
         piped = "lines" if Heartbeat.on is not None else False
         self.show = (sys.stderr.isatty() or piped) if show is None else show
         self.said = 0.0

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
+from ..base.checks import number
 from ..base.errors import InputError
 from .dh import built, closed_angles, table
 from .links import Links
@@ -105,6 +106,7 @@ def bricard(
     ValueError
         If the loop has no pose with this angle, or the length is not positive.
     """
+    length, angle = number(length, "bricard: length"), number(angle, "bricard: angle")
     if not length > 0.0 or not np.cos(angle) > -0.5:
         raise InputError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
                          "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
@@ -139,10 +141,8 @@ def schatz(
     ValueError
         If the length is not positive or the angle not finite.
     """
-    if not length > 0.0 or not np.isfinite([angle, offset]).all():
-        raise InputError(
-            f"schatz: length {length:g} m, angle {angle:g}, offset {offset:g} m; give finite numbers, a > 0"
-        )
+    length = number(length, "schatz: length", positive=True)
+    angle, offset = number(angle, "schatz: angle"), number(offset, "schatz: offset")
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
     numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
     square = 3.0 * np.cos(angle) ** 2
