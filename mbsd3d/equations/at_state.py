@@ -99,7 +99,7 @@ def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tu
         return None
     rates = v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)
     speed = max(1.0, float(np.abs(rates).max(initial=0.0)))
-    slip = block_rows(compiled.model, data).sparse() @ v - row["b"]
+    slip = block_rows(compiled.model, data).times(v) - row["b"]
     checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
     for residual, unit, limit in checks:
         if np.abs(residual * scale).max() > limit:

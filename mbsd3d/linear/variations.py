@@ -156,7 +156,8 @@ def solve(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray) -> None
     """Fill ``data`` at a complex state."""
     kinematics(model, data, y)
     rows(model, data, t)
-    if factor(model, data, tree) != SOLVED or accelerate(model, data, tree, t) != SOLVED:
+    factor(model, data, tree)
+    if accelerate(model, data, tree, t) != SOLVED:
         raise AssemblyError(
             "linearize: the equations of motion have no solution", time=t,
             advice="see system.check(); give massless bodies joints that determine their motion",
