@@ -168,7 +168,7 @@ class MeshFile(Solid):
         except TypeError:
             raise InputError(f"{what}: path is {shown(self.path)}; give the name of a file") from None
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise InputError(f"{what}: path {shown(path)} is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
+            raise InputError(f"{what}: path {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
 
     def origin(self, body: Shaped) -> np.ndarray:
