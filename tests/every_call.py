@@ -1,6 +1,6 @@
 """A right call of every public name, and the same with one argument that people and programs give by mistake."""
 
-from math import sin
+from math import pi, sin
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,8 @@ HINGE = m.Revolute(GROUND, BAR, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
 SLIDER = m.Prismatic(GROUND, BLOCK, at=(1, 0, 0), axis=(1, 0, 0.2), name="slider")
 MOTOR = m.SpeedDriver(SLIDER, 0.1, name="motor")
 SPRING = m.SpringDamper(BAR, BLOCK, at_a=(0.5, 0, 0), at_b=(1.2, 0, 0), stiffness=10.0, name="spring")
+BALL = m.Contact(GROUND, LOOSE, shapes.Sphere(0.3), stiffness=1e3)
+RIGHT = pi / 2
 SYSTEM = m.System([BAR, BLOCK, LOOSE], [HINGE, SLIDER, MOTOR], [SPRING], name="machine")
 SWING = m.System([BAR], [HINGE])
 
@@ -95,6 +97,19 @@ def parts():
         "stiffness": 3.0, "turning_stiffness": 1.0, "damping": 0.1, "turning_damping": 0.1, "axes": (1, 0, 0, 0)
     } | name  # fmt: skip
     yield m.AeroDrag, {"body": BAR, "drag_area": 0.3, "density": 1.2, "wind": (1, 0, 0)} | here | name
+    floor = {"plane": ((0, 0, -1), (0, 0, 1))}
+    yield m.Rolling, pair | {"surface": shapes.Sphere(0.3)} | floor | name
+    yield m.Contact, pair | floor | name | {
+        "surface": shapes.Sphere(0.3), "stiffness": 1e3, "exponent": 1.5, "damping": 1.0, "loss": 0.1, "friction": 0.3,
+        "rolling": 0.01, "spinning": 0.01, "grip": 2e3, "grip_damping": 3.0,
+    }  # fmt: skip
+    yield m.Contact, pair | {"surface": shapes.Sphere(0.3), "stiffness": 1e3, "friction": 0.3, "creep": 0.01}
+    yield m.Tyre, pair | along | name | {
+        "radius": 0.3, "crown": 0.05, "stiffness": 1e5, "damping": 400.0, "cornering": 14.0, "longitudinal": 20.0,
+        "camber": 0.1, "relaxation": 0.1, "relaxation_x": 0.05, "mu": 0.9, "trail": 0.02, "twisting": 0.01,
+        "rolling_resistance": 0.01, "nominal_load": 800.0, "grip_sensitivity": 0.1, "stiffness_sensitivity": 0.1,
+        "standing_damping": 0.1, "standing_speed": 0.1, "camber_lag": True, "centre": (0.4, 0.1, 0),
+    }  # fmt: skip
     yield m.StateFeedback, {
         "measures": [measures.angle(HINGE)], "gains": [1.0], "on": HINGE, "reference": (0.1,), "time_constant": 0.1
     } | name  # fmt: skip
@@ -148,6 +163,13 @@ def parts():
     yield linkages.myard, twist | {"b": b} | turn
     yield linkages.bricard, {"length": 0.3} | turn
     yield linkages.schatz, {"length": 0.3, "offset": 0.1} | turn
+    yield linkages.hinge_loop, {
+        "lengths": [0.7] * 6, "twists": [RIGHT, -RIGHT] * 3, "offsets": [0.0] * 6, "angles": [RIGHT] * 6
+    }  # fmt: skip
+    six = {"lengths": [0.7] * 3, "twists": [RIGHT, -RIGHT, RIGHT], "angle": RIGHT}
+    yield linkages.bricard_plane, six | {"offsets": [0.0] * 2, "near": [RIGHT] * 3}
+    general = {"lengths": [1.0, 1.3, 0.8], "twists": [0.9, 1.4, -1.1], "angle": 0.8}
+    yield linkages.bricard_line, general | {"offsets": [0.2, 0.1, -0.3], "near": None}
     yield linkages.rssr, {
         "crank": 0.2, "rod": 0.6, "rocker": 0.6, "distance": 0.5, "twist": 1.0, "offsets": (0, 0), "branch": 1,
         "spin": False,
@@ -181,6 +203,8 @@ def measured():
     for measure in (measures.turn, measures.turn_rate):
         yield measure, pair | {"about": (1, 0, 0)}
     yield measures.angle_between, pair | {"axis_a": (1, 0, 0), "axis_b": (0, 1, 0), "about": (0, 0, 1)}
+    for measure in (measures.clearance, measures.leaves, measures.normal_force, measures.touches):
+        yield measure, {"contact": BALL}
     yield measures.length, {"spring": SPRING}
     yield measures.state, {"force": next(make(**given) for make, given in parts() if make is m.StateFeedback)}
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
-from ..base.checks import number
+from ..base.checks import number, sequence
 from ..base.errors import InputError
 from .dh import built, closed_angles, table
 from .links import Links
@@ -39,6 +39,7 @@ def bricard_line(
     ValueError
         If the loop has no pose with this angle.
     """
+    angle = number(angle, "bricard_line: angle")
     numbers = np.vstack(2 * [table(lengths, twists, offsets, "bricard_line")])
     _six("bricard_line", numbers)
     angles = closed_angles("bricard_line", numbers, lambda x: np.array([angle, *x, angle, *x]), 2, near)
@@ -74,7 +75,8 @@ def bricard_plane(
     ValueError
         If the loop has no pose with this angle.
     """
-    half = table(lengths, twists, (0.0, *offsets), "bricard_plane")
+    angle = number(angle, "bricard_plane: angle")
+    half = table(lengths, twists, (0.0, *sequence(offsets, "bricard_plane: offsets")), "bricard_plane")
     a, alpha, d = half.T
     numbers = np.c_[np.r_[a, a[::-1]], np.r_[alpha, -alpha[::-1]], np.r_[d, 0.0, -d[2], -d[1]]]
     _six("bricard_plane", numbers)
