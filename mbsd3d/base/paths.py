@@ -6,7 +6,6 @@ import uuid
 from contextlib import suppress
 from pathlib import Path
 
-from .checks import shown
 from .errors import InputError
 from .version import __version__
 
@@ -20,7 +19,7 @@ def as_path(path: str | Path, example: str) -> Path:
         with suppress(UnicodeEncodeError):
             if found.name and "\0" not in str(found) and len(os.fsencode(found.name)) <= LONGEST:
                 return found
-    raise InputError(f"path = {shown(path)} names no file; give a name such as '{example}'")
+    raise InputError(f"path = {path!r:.80} names no file; give a name such as '{example}'")
 
 
 def with_suffix(path: str | Path, suffix: str) -> Path:

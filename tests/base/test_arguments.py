@@ -99,7 +99,7 @@ def test_wrong_calls(call, message):
         (lambda: linkages.bennett(0.3, None, 0.4, 1.2, 0.7), "bennett: .*: expected a number, got None"),
         (lambda: load("a\0b"), "path = 'a.x00b' names no file; give a name such as 'result.npz'"),
         (lambda: load(None), "path = None names no file; give a name such as 'result.npz'"),
-        (lambda: simulate(SWING, 1.0, progress="bar"), "progress 'bar' is unknown; give None or True or False or"),
+        (lambda: simulate(SWING, 1.0, progress="bar"), "progress = bar; give True, False, 'lines' or None"),
         (lambda: SWING.part("bob", "body"), "part: kind 'body' is unknown; give 'bodies' or 'joints' or 'forces'"),
         (lambda: State("x", [0, 0, 0, 1, 0, 0, 0], [0] * 6), "State: t: expected a number, got 'x'"),
         (lambda: samples({"a": (0, 1)}, 10**18, method="random"), "count 1000000000000000000; give a whole number"),
