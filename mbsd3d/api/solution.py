@@ -78,7 +78,7 @@ class Solution(RunResult, Viewable):
 
     def plot(
         self,
-        quantity: "str | Wanted" = "energy",
+        quantity: "str | Wanted | None" = None,
         *parts: "Part",
         against: str | tuple | None = None,
         degrees: bool = False,
@@ -89,10 +89,11 @@ class Solution(RunResult, Viewable):
 
         Parameters
         ----------
-        quantity : str, or sequence of str and (str, part, ...)
+        quantity : str, sequence of str and (str, part, ...), or None
             "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
             "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of
-            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
+            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the
+            other; None = the most telling ones, as on a page: what moves, energies, efforts of drivers, reactions.
         *parts : Body, Joint, ForceElement or str
             Whose; none = all that have it. Components of one part share a panel; several parts are compared component
             by component (reactions: by magnitude).

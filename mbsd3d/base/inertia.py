@@ -78,7 +78,5 @@ def _axial(along: float, across: float, axis: str, what: str) -> np.ndarray:
 def _letter(axis: str, what: str) -> str:
     """The axis, if it is one of the three letters."""
     if not isinstance(axis, str) or axis not in AXES:
-        raise InputError(
-            f"{what}: axis is {shown(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)"
-        )
+        raise InputError(f"{what}: axis is {shown(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)")
     return axis

@@ -21,6 +21,7 @@ from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
 from ..results.run_result import RunResult
 from .panels import Panel, Part, Wanted, panels_of
+from .telling import seen_panels, telling
 
 DASHES = ("-", "--", ":", "-.")
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
@@ -30,7 +31,7 @@ DECADE = -18  # smallest residual shown; what is below is chance
 
 def plot_quantity(
     solution: RunResult,
-    quantity: str | Wanted = "energy",
+    quantity: str | Wanted | None = None,
     *parts: Part,
     against: str | tuple | None = None,
     degrees: bool = False,
@@ -38,7 +39,9 @@ def plot_quantity(
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
     """See `Solution.plot`."""
-    panels = panels_of(solution, quantity, parts)
+    if quantity is None and parts:
+        raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
+    panels = seen_panels(solution, telling(solution)) if quantity is None else panels_of(solution, quantity, parts)
     if degrees:
         panels = [panel.in_degrees() for panel in panels]
     across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
@@ -75,7 +78,7 @@ def new_axes(count: int) -> np.ndarray:
 
 
 def panel_across(
-    solution: RunResult, against: str | tuple, quantity: str | Wanted, parts: tuple[Part, ...], degrees: bool
+    solution: RunResult, against: str | tuple, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
 ) -> Panel:
     """What is on the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):

@@ -10,9 +10,9 @@ from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.drivers import Driver
 from ...mechanism.mechanism import Mechanism
-from ...plotting.panels import Panel, Wanted, panels_of
+from ...plotting.panels import Panel, Wanted
+from ...plotting.telling import seen_panels, telling
 from ...results.body_motion import Poses
 from ...results.certificate import scales_of
 from ...results.every_reaction import every_reaction
@@ -20,9 +20,8 @@ from ...results.run_result import RunResult
 from .drawing import ARROWS
 from .frames import Between, Frames, between
 
-TRACES, LINES = 12, 6  # traces, and lines of one curve, at most, unless asked for
+TRACES = 12  # at most, unless asked for
 NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
-STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
 Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
 
 
@@ -175,18 +174,7 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
         raise InputError(f"curves = {shown(wanted)}; give a list of quantities or (quantity, part, ...)")
-    scale = scales_of(motion)
-    least = {
-        "[N]": scale.force,
-        "[N m]": scale.moment,
-        "[kg m/s]": scale.momentum,
-        "[kg m²/s]": scale.angular_momentum,
-    }
-    panels: list[Panel] = []
-    for entry in telling(motion) if wanted is None else wanted:
-        found = panels_of(motion, [entry])
-        seen = [x for x in found if max(np.abs(y).max() for _, y in x.lines) > STILL * least.get(x.unit, 0.0)]
-        panels += seen or found[:1]
+    panels = seen_panels(motion, telling(motion) if wanted is None else wanted)
     return [curve(motion.t, frames.t, panel) for panel in panels]
 
 
@@ -195,15 +183,3 @@ def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
     label = f"{panel.label} ({' '.join(panel.note.split())})" if panel.note else panel.label
     lines = [(name, np.interp(t, samples, values)) for name, values in panel.lines]
     return Curve(label, panel.unit.strip("[]"), lines)
-
-
-def telling(run: RunResult) -> list:
-    """The curves that are shown if none are asked for."""
-    system, first = run.system, ("omega_body", run.system.bodies[0])
-    for kind in ("slide", "angle"):
-        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
-        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
-            first = (kind, *moving[:LINES])
-    held = [joint for joint in system.joints if not isinstance(joint, Driver)]
-    efforts = ["effort"] if run.compiled.drives else []
-    return [first, "energy", *efforts, *([("reaction", *held[:LINES])] if held else [])]
