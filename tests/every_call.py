@@ -108,7 +108,7 @@ def parts():
         "radius": 0.3, "crown": 0.05, "stiffness": 1e5, "damping": 400.0, "cornering": 14.0, "longitudinal": 20.0,
         "camber": 0.1, "relaxation": 0.1, "relaxation_x": 0.05, "mu": 0.9, "trail": 0.02, "twisting": 0.01,
         "rolling_resistance": 0.01, "nominal_load": 800.0, "grip_sensitivity": 0.1, "stiffness_sensitivity": 0.1,
-        "standing_damping": 0.1, "standing_speed": 0.1, "camber_lag": True, "centre": (0.4, 0.1, 0),
+        "standing_damping": 0.1, "standing_speed": 0.1, "centre": (0.4, 0.1, 0),
     }  # fmt: skip
     yield m.StateFeedback, {
         "measures": [measures.angle(HINGE)], "gains": [1.0], "on": HINGE, "reference": (0.1,), "time_constant": 0.1

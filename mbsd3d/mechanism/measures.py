@@ -224,7 +224,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
 def of_contact(contact: ForceElement, kind: str, unit_of: str) -> Measure:
     """A measure of a `Contact`, or a ValueError."""
     if not isinstance(contact, Contact):
-        raise InputError(f"measures.{kind.replace(' ', '_')}: {contact!r} is not a contact; give a Contact")
+        raise InputError(f"measures.{kind.replace(' ', '_')}: {shown(contact)} is not a contact; give a Contact")
     return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
 
 
