@@ -202,7 +202,7 @@ def test_traces_follow_the_centres_that_move(solution, frames):
         ([3], "trace 3 is no body and no pair; give a body, or"),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
-        (7, "traces = 7; give a list"),
+        (7, "traces: 7 is no sequence; give a list"),
     ],
 )
 def test_wrong_traces_are_named(solution, frames, points, message):

@@ -141,8 +141,9 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
     system = motion.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
     if points is not None:
-        given = (points,) if isinstance(points, str) else listed(points, "traces", "a list of (body, (x, y, z))")
-        found = [trace_point(system, entry) for entry in given]
+        if isinstance(points, str):
+            raise InputError(f"traces = {points!r:.80}; give a list of (body, (x, y, z))")
+        found = [trace_point(system, entry) for entry in listed(points, "traces", "a list of (body, (x, y, z))")]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
