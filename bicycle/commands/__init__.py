@@ -64,6 +64,10 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
 
 
+WORDS = {"none": None, "true": True, "false": False}
+"""What stands for something else than a number in ``--tyre KEY=VALUE``."""
+
+
 def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
     """``[--tyres] [--tyre KEY=VALUE]``: the command gets ``fittings``, arguments of `whipple`; empty = ideal wheels."""
 
@@ -86,11 +90,11 @@ def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
     return usual(several(with_fittings))
 
 
-def tyre_number(text: str) -> tuple[str, float | None]:
-    """``cornering=12`` as a pair; ``mu=none`` is a tyre that never slides."""
+def tyre_number(text: str) -> tuple[str, float | bool | None]:
+    """``cornering=12`` as a pair; ``mu=none``: no limit of grip; ``camber_lag=false``: a camber force at once."""
     key, _, right = text.partition("=")
     try:
-        return key, None if right == "none" else float(right)
+        return key, WORDS[right] if right in WORDS else float(right)
     except ValueError:
         raise ValueError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 

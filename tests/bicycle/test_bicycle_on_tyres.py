@@ -138,6 +138,10 @@ def test_study_figure_and_command(tmp_path):
     weave = found.mode("weave", 5.0).eigenvalue
     every = complexes(TRUTHS["straight_running"]["rows"][3]["eigenvalues"]["5.0"])
     assert min(abs(weave - s) for s in every) < 1e-9 and abs(abs(weave.imag) - 4.1) < 0.01
+    between = found.mode("capsize", 5.3).eigenvalue  # at the speed asked for, not at one of the grid
+    assert between == pytest.approx(min(on_tyres.eigenvalues(found.build, P, [5.3])[0], key=abs), abs=1e-9)
+    with pytest.raises(ValueError, match="from 3 to 8 m/s"):
+        found.mode("weave", 9.0)
     out = ["--from", "3", "--to", "8", "--count", "4", "--tyre", "trail=0", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "stability", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "4.25414 ... 5.95697 m/s" in done.output
@@ -145,7 +149,8 @@ def test_study_figure_and_command(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("tyres", "text"), [({"grip": 1.0}, "grip unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")]
+    ("tyres", "text"),
+    [({"grip": 1.0, "law": 2}, "grip, law unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")],
 )
 def test_errors(tyres, text):
     with pytest.raises(ValueError, match=text):
