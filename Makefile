@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow timing warm lint pictures precision clean
+.PHONY: demo gallery test slow timing warm lint pictures precision figures docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -50,9 +50,18 @@ test-perturbed: $(READY)
 
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures
+	$(BIN)/python docs/make_joint_pictures.py docs/pictures/joints
+
+# The pages of docs/ as a site that needs no network: out/docs/index.html.
+docs: $(READY)
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
 
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
+
+# Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
+figures: pictures precision
+	$(BIN)/python -m validation.benchmark.texts out/benchmark/precision.json
 
 lint: $(READY)
 	$(BIN)/ruff check .

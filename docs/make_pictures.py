@@ -12,8 +12,8 @@ from mbsd3d import Body, Solution, System, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.base.style import COLOURS
-from mbsd3d.demos.shafts.cardan import one_turn, shaft_pair
-from mbsd3d.demos.tops.heavy_top import falling_top
+from mbsd3d.demos.shafts import cardan
+from mbsd3d.demos.tops import heavy_top
 from mbsd3d.mechanism.shapes import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
 
@@ -42,8 +42,8 @@ def png(figure: Figure) -> bytes:
 def make(folder: Path) -> list[Path]:
     """Write the three pictures into a folder that exists."""
     flip = np.linspace(0.6, 2.76, 10)
-    handle, top = t_handle(), simulate(falling_top(), 1.53, output=601)
-    joint = one_turn(shaft_pair(np.radians(40.0)))
+    handle, top = t_handle(), simulate(heavy_top.mechanism(), 1.53, output=601)
+    joint = cardan.one_turn(cardan.mechanism(bend_deg=40.0), 10.0)
     tip = [("T-handle", (0.0, 0.0, 0.09))]
     strip = handle.picture(flip, traces=tip, size=(9.0, 2.6), view=(-70, 14), hidden=BARE)
     arrows = ["reaction force", "reaction moment"]

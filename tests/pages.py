@@ -15,6 +15,25 @@ SETTLED = """async () => {
   do { await picture(); } while (__viserMutable.messageQueue.length);
   for (let i = 0; i < 3; i++) { __viserMutable.requestRender(); await picture(); }
 }"""
+# Names of what reaches out of the picture: corners of every body, link and path, by the camera's own projection
+OUTSIDE = """() => {
+  const {nodeRefFromName, camera} = __viserMutable, outside = [];
+  for (const [name, node] of Object.entries(nodeRefFromName)) {
+    if (!node || !/^.(bodies|links|traces)/.test(name)) continue;
+    node.updateWorldMatrix(true, false);
+    node.traverse((part) => {
+      const points = part.geometry?.attributes;
+      if (!part.visible || !points || part.isInstancedMesh) return;
+      const corners = points.instanceStart ? [points.instanceStart, points.instanceEnd] : [points.position];
+      const at = new node.position.constructor();
+      for (const list of corners) for (let i = 0; i < list.count; i++) {
+        at.fromBufferAttribute(list, i).applyMatrix4(part.matrixWorld).project(camera);
+        if (Math.max(Math.abs(at.x), Math.abs(at.y)) > 1) return outside.push(name);
+      }
+    });
+  }
+  return outside;
+}"""
 
 
 @contextmanager
@@ -25,6 +44,17 @@ def opened(browser, path, **options):
         seen.run(SETTLED)
         yield seen
         assert seen.complaints == []
+
+
+@contextmanager
+def shown(seen, path):
+    """Another page in a window that is open already, which saves the start of a browser; as `opened`."""
+    seen.errors.clear(), seen.refused.clear(), seen.failed.clear()
+    seen.page.goto(f"{path.resolve().as_uri()}?fixedDpr=1")
+    seen.wait(READY)
+    seen.run(SETTLED)
+    yield seen
+    assert seen.complaints == []
 
 
 def seek(seen, t):

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from mbsd3d import GROUND, Body, Force, Revolute, System
-from mbsd3d.demos.shafts.cardan import RATE, shaft_pair
+from mbsd3d.demos.shafts.cardan import mechanism
 
 RUN = {"t_end": 0.4, "rtol": 1e-6, "output": 33}
 
 
 def shafts(bend, turns):
     """The Cardan demo over a number of turns of its input."""
-    return shaft_pair(bend), {"t_end": 2 * np.pi / RATE * turns}
+    return mechanism(bend_deg=np.degrees(bend)), {"t_end": 2 * np.pi / 10.0 * turns}
 
 
 def ratio(solution):

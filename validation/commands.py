@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, load_system, ready_folder, write_atomically
 
 if TYPE_CHECKING:
@@ -37,7 +38,13 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
     help="MODEL: leave out what cannot be imported (.xml, .urdf), e.g. contact.",
 )
 @click.option("--quick", is_flag=True, help="Cases: the short list, in less than a minute.")
-@click.option("--case", "names", multiple=True, metavar="NAME", help="Cases: only this one; may be repeated.")
+@click.option(
+    "--case",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="Cases: only this one (or a pattern); may be repeated.",
+)
 @click.option("--list", "only_list", is_flag=True, help="Cases: name them and end.")
 @click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")
 @click.option("--out", help="Cases: folder for the report, made if missing.  [default: out/validation]")
@@ -57,7 +64,7 @@ def validate(model: str | None, **options: Any) -> None:
     wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
     if wrong:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
-        raise ValueError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
+        raise InputError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
     if model is None:
         validate_all(**given)
     else:
@@ -75,7 +82,7 @@ def validate_model(
         if target is not None:
             ready_folder(str(Path(target).parent), option)
             if Path(target).is_dir():
-                raise ValueError(f"{option} '{target}' is a folder; give a file in it")
+                raise InputError(f"{option} '{target}' is a folder; give a file in it")
     check = cross_check(load_system(model, drop), t_end, **settings)
     click.echo(check.table())
     if json_file:

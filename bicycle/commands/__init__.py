@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mbsd3d.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -96,7 +98,7 @@ def tyre_number(text: str) -> tuple[str, float | bool | None]:
     try:
         return key, WORDS[right] if right in WORDS else float(right)
     except ValueError:
-        raise ValueError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
+        raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 
 
 def saved(figure: "Figure", target: Path) -> list[Path]:

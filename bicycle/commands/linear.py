@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
 
 from . import bicycle_argument, dark_option, out_option, report, saved, unphysical_option
@@ -103,7 +104,7 @@ def once(pairs: Iterable[tuple[str, Any]], what: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ValueError(f"{what} {key} is given twice; give it once")
+            raise InputError(f"{what} {key} is given twice; give it once")
         found[key] = value
     return found
 
@@ -113,7 +114,7 @@ def grid_of(text: str) -> tuple[str, np.ndarray]:
     key, _, right = text.partition("=")
     parts = right.split(":")
     if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
-        raise ValueError(f"--map '{text}': write SYMBOL=FROM:TO:COUNT with at least 2 values, e.g. c=0:0.2:81")
+        raise InputError(f"--map '{text}': write SYMBOL=FROM:TO:COUNT with at least 2 values, e.g. c=0:0.2:81")
     return key, np.linspace(number_of(parts[0], f"--map {key}"), number_of(parts[1], f"--map {key}"), int(parts[2]))
 
 
@@ -122,7 +123,7 @@ def number_of(text: str, what: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"{what}: '{text}' is not a number; write e.g. 0.08 (SI units)") from None
+        raise InputError(f"{what}: '{text}' is not a number; write e.g. 0.08 (SI units)") from None
 
 
 def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str, float]:

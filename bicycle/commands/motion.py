@@ -7,6 +7,7 @@ import click
 import numpy as np
 
 from mbsd3d import IntegrationError
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
 
 from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
@@ -57,7 +58,7 @@ def ride(
     given = {"speed": speed, "t_end": t_end}
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
-        raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
+        raise InputError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
     name = "_".join(
         [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *["tyres"] * bool(fittings)]
     )

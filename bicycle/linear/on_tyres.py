@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, linear_sum_assignment
 
 from mbsd3d import Mode, System, linearize, measures
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, Measure, dress
 
 from ..model.mechanism import outputs
@@ -66,9 +67,9 @@ class TyreStability:
     def mode(self, name: str, speed: float) -> Mode:
         """A mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
         if name not in self.names:
-            raise ValueError(f"mode '{name}' is unknown; give one of {', '.join(self.names)}")
+            raise InputError(f"mode '{name}' is unknown; give one of {', '.join(self.names)}")
         if not self.speeds[0] <= speed <= self.speeds[-1]:
-            raise ValueError(
+            raise InputError(
                 f"mode '{name}' is known from {self.speeds[0]:g} to {self.speeds[-1]:g} m/s; give a speed between"
             )
         wanted = np.interp(speed, self.speeds, self.values[:, self.names.index(name)])
@@ -119,7 +120,7 @@ def matrix(system: System, speed: float) -> np.ndarray:
     A = np.linalg.solve(turned, A @ turned)
     left = float(np.abs(A[:-1, -1]).max())
     if left > CLOSED * np.abs(A).max():
-        raise ValueError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
+        raise InputError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
     return A[:-1, :-1]
 
 
@@ -133,7 +134,7 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     """Follow the sideways modes over rising speeds [m/s]; see `bicycle.stability.study`."""
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
-        raise ValueError("stability on tyres: give at least two different speeds, between which limits are sought")
+        raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
     found = [np.linalg.eig(matrix(build(parameters, speed=v), v)) for v in speeds.tolist()]
     values, names = followed(found)
     return TyreStability(build, parameters, speeds, values, limits(parameters, speeds, values, build), names)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 from ..parameters import Parameters
@@ -128,7 +129,7 @@ def peaked(parameters: Parameters, speed: float, inner: list[float], brackets: t
     values = np.array([excess(gain) for gain in tried])
     crossed = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if not crossed.size:
-        raise ValueError(
+        raise InputError(
             f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count - 1]} loop makes a peak of "
             f"{PEAK:g} dB; give this gain"
         )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, Theme, dress
 
 from ..model.mechanism import whipple
@@ -74,7 +75,7 @@ class Stability:
 def check_mode(name: str) -> None:
     """A name of a mode, or a ValueError."""
     if name not in MODES:
-        raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
+        raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
 def study(

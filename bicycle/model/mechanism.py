@@ -24,6 +24,7 @@ from mbsd3d import (
     measures,
     shapes,
 )
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal
 
 from ..parameters import Parameters
@@ -96,7 +97,7 @@ def whipple(
     (7, 3)
     """
     if not isinstance(parameters, Parameters):
-        raise ValueError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
+        raise InputError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
     place = pose_of(parameters, lean, steer)
     motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it

@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import Any
 
 from mbsd3d import GROUND, Body, Tyre
+from mbsd3d.errors import InputError
 
 from ..parameters import Parameters
 from .kinematics import hubs
@@ -25,13 +26,13 @@ def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
     """(rear, front), or a ValueError."""
     given = (tyres, tyres) if isinstance(tyres, Mapping) else tuple(tyres)
     if len(given) != 2 or not all(isinstance(one, Mapping) for one in given):
-        raise ValueError(
+        raise InputError(
             f"tyres = {tyres!r}; give the arguments of mbsd3d.Tyre in a dict, or two of them: (rear, front)"
         )
     for one in given:
         unknown = [key for key in one if key not in ARGUMENTS]
         if unknown:
-            raise ValueError(f"tyres: {', '.join(unknown)} unknown; give some of {', '.join(ARGUMENTS)}")
+            raise InputError(f"tyres: {', '.join(unknown)} unknown; give some of {', '.join(ARGUMENTS)}")
     return given
 
 

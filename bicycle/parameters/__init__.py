@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
+
 from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
 from .files import is_file, read_values
 
@@ -66,7 +68,7 @@ def entry_of(name: str) -> dict[str, Any]:
     near = [lower[text] for text in get_close_matches(str(name).lower(), lower, 3, 0.6)]
     known = "mbsd3d bicycle compare --list shows all, and parameter files end in .txt, .yml or .yaml"
     hint = f"did you mean {', '.join(near)}?" if near else known
-    raise ValueError(f"there is no bicycle '{name}'; {hint}")
+    raise InputError(f"there is no bicycle '{name}'; {hint}")
 
 
 def named(name: str, *, unphysical: bool = False) -> Parameters:

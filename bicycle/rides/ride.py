@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d import Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal, number
 
 from ..model.mechanism import Bicycle, steer_torque, whipple
@@ -85,7 +86,7 @@ def run(
     """
     limit = number(fallen, "ride: fallen", positive=True)
     if limit >= 0.5 * np.pi:
-        raise ValueError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
+        raise InputError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
     begin = {"speed": speed, "lean": lean, "steer": steer, "lean_rate": lean_rate, "steer_rate": steer_rate}
     system = ridden(parameters, torque, push, drive, brake, tyres=tyres, steer_damping=steer_damping, **begin)
     held_down = held_down or on_tyres(system)
@@ -160,14 +161,14 @@ def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bo
     """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
     what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
     if tilt >= limit:
-        raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
+        raise InputError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
     for wheel, load in loads(start.solution).items():
         if load[0] <= 0.0 < parameters.g and not held_down:
             share = parameters.front_load
             remedy = f"it tips even at rest, with {100.0 * share:.4g} % of its weight on the front wheel; give "
             if 0.0 < share < 1.0:
                 remedy = "give a slower or more upright start, or "
-            raise ValueError(
+            raise InputError(
                 f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); {remedy}"
                 "held_down=True (--held-down) for a ground that can pull"
             )

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import root
 
 from mbsd3d import Solution, State, accelerations
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, as_quaternion, as_signal, cross, dress, number
 
 from ..model.kinematics import X, Y, Z, placed, pose_of, rotation_about, steer_axis
@@ -173,7 +174,7 @@ def turn(
     found = root(lambda x: balance(SIZES * x), start / SIZES, tol=1e-14)
     left = float(np.abs(found.fun).max())
     if not left < STEADY:
-        raise ValueError(
+        raise InputError(
             f"{what}: none at {speed:g} m/s and a lean of {lean:.4g} rad ({left:.2g} m/s^2 are left over); give a "
             "smaller lean, or a turn near it"
         )

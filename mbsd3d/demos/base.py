@@ -1,6 +1,5 @@
 """What a demo gives: rows of computed numbers beside theory, a figure, runs and views."""
 
-import inspect
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -80,33 +79,3 @@ class Outcome:
     def passed(self) -> bool:
         """True if every row is within its tolerance."""
         return all(row.passed for row in self.rows)
-
-
-@dataclass(frozen=True, eq=False)
-class Exhibit:
-    """A demo with a table and a figure of its own; without changes every row of ``make(**changes)`` passes."""
-
-    name: str  # for the command line and the files
-    title: str  # a few words
-    why: str  # one sentence: why the effect exists only in space
-    source: str  # of the theory
-    make: Callable[..., Outcome]
-    ablation: Mapping[str, object] = field(default_factory=dict)  # changes that put a row off by 100 tolerances
-    family: str = "Of other packages"
-    parameters: Mapping[str, object] = field(default_factory=dict)
-
-    @property
-    def question(self) -> str:
-        """What stands in a list."""
-        return self.title
-
-    def run(self, without: str | None = None, /, **changes: object) -> Outcome:
-        """The whole effect, or with the changes of its ablation."""
-        for name in changes:
-            if name not in inspect.signature(self.make).parameters:
-                raise ValueError(
-                    f"demo '{self.name}' has no parameter '{name}'; it has a table of its own and no numbers to set"
-                )
-        if without not in (None, *self.ablation):
-            raise ValueError(f"demo '{self.name}' has no term '{without}'; there are {', '.join(self.ablation)}")
-        return self.make(**({without: self.ablation[without]} if without else {}), **changes)

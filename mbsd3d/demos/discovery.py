@@ -5,32 +5,32 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module, metadata
 from types import ModuleType
 
+from ..base.errors import InputError
 from ..base.version import load_entry
-from .base import Exhibit, Outcome
+from .base import Outcome
 from .form import Demo
 from .parameters import listed
 
 GROUP = "mbsd3d.demos"
-Known = Demo | Exhibit
 
 
-class Demos(dict[str, Known]):
+class Demos(dict[str, Demo]):
     """Demos by name; ``broken`` says of each entry point that could not be loaded why not."""
 
-    def __init__(self, demos: Mapping[str, Known], broken: Mapping[str, str]) -> None:
+    def __init__(self, demos: Mapping[str, Demo], broken: Mapping[str, str]) -> None:
         super().__init__(demos)
         self.broken = dict(broken)
 
-    def find(self, name: str) -> Known:
+    def find(self, name: str) -> Demo:
         """A demo by its name, with - or _ between the words."""
         key = name.replace("-", "_")
         if key not in self:
-            raise ValueError(f"there is no demo '{name}'; {listed(key, list(self))}")
+            raise InputError(f"there is no demo '{name}'; {listed(key, list(self))}")
         return self[key]
 
-    def families(self) -> dict[str, list[Known]]:
+    def families(self) -> dict[str, list[Demo]]:
         """The demos by family."""
-        found: dict[str, list[Known]] = {}
+        found: dict[str, list[Demo]] = {}
         for demo in self.values():
             found.setdefault(demo.family, []).append(demo)
         return found
@@ -44,29 +44,29 @@ def discover() -> Demos:
     found, broken = own_demos(), {}
     for entry in metadata.entry_points(group=GROUP):
         try:
-            loaded = load_entry(entry, Demo, Exhibit, ModuleType)
+            loaded = load_entry(entry, Demo, ModuleType)
             for demo in walk(loaded) if isinstance(loaded, ModuleType) else [loaded]:
                 if demo.name in found:
-                    raise ValueError(f"a demo is already named '{demo.name}'; rename one")
+                    raise InputError(f"a demo is already named '{demo.name}'; rename one")
                 found[demo.name] = demo
         except ValueError as error:
             broken[entry.name] = str(error)
     return Demos(found, broken)
 
 
-def own_demos() -> dict[str, Known]:
+def own_demos() -> dict[str, Demo]:
     """The demos of this folder: families in the order of their PLACE, each in the order of its names."""
     return {demo.name: demo for demo in walk(import_module(__name__.rpartition(".")[0]))}
 
 
-def walk(package: ModuleType) -> Iterator[Known]:
+def walk(package: ModuleType) -> Iterator[Demo]:
     """Every ``demo`` of the modules of a package and of the packages in it."""
     names = sorted(found.name for found in pkgutil.iter_modules(package.__path__))
     modules = [import_module(f"{package.__name__}.{name}") for name in names]
     for module in sorted(modules, key=lambda found: getattr(found, "PLACE", 0)):
         if hasattr(module, "__path__"):
             yield from walk(module)
-        elif isinstance(getattr(module, "demo", None), Known):
+        elif isinstance(getattr(module, "demo", None), Demo):
             yield module.demo
 
 

@@ -44,16 +44,17 @@ def legend_below(axes: Axes, columns: int, twin: Axes | None = None) -> None:
     axes.legend(handles, labels, ncols=columns, labelcolor=LIGHT.ink, **style)
 
 
-def sphere_net(axes: Axes3D, lowest: float = -1.0, highest: float = 1.0) -> None:
-    """Parallels and meridians of the unit sphere between two heights."""
-    turn = np.linspace(0, 2 * np.pi, 73)
+def sphere_net(lowest: float = -1.0, highest: float = 1.0) -> list[np.ndarray]:
+    """Parallels and meridians of the unit sphere between two heights, (points, 3) each."""
+    turn, lines = np.linspace(0, 2 * np.pi, 73), []
     for z in np.sin(np.radians(np.arange(-60, 61, 30))):
         if lowest <= z <= highest:
             radius = np.sqrt(1 - z * z)
-            axes.plot(radius * np.cos(turn), radius * np.sin(turn), z, color=LIGHT.grid, linewidth=0.7)
+            lines.append(np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=1))
     rise = np.linspace(np.arcsin(lowest), np.arcsin(highest), 37)
     for phi in np.arange(0, 2 * np.pi, np.pi / 6):
-        axes.plot(np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise), color=LIGHT.grid, linewidth=0.7)
+        lines.append(np.stack([np.cos(rise) * np.cos(phi), np.cos(rise) * np.sin(phi), np.sin(rise)], axis=1))
+    return lines
 
 
 def space(axes: Axes3D, labels: Sequence[str], box: Sequence[float] = (1, 1, 1)) -> None:
@@ -65,6 +66,23 @@ def space(axes: Axes3D, labels: Sequence[str], box: Sequence[float] = (1, 1, 1))
         axis.labelpad = -4
         axis.pane.set_visible(False)
     axes.grid(False)
+
+
+def seen_side(axes: Axes3D, path: ArrayLike) -> np.ndarray:
+    """A path (n, 3) on the unit sphere with the far side left out."""
+    up, turn = np.radians(axes.elev), np.radians(axes.azim)
+    view = np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])  # towards the eye
+    return np.where((np.asarray(path) @ view > -1e-9)[:, None], path, np.nan)
+
+
+def rim(elev: float = 25.0, azim: float = 55.0) -> np.ndarray:
+    """(73, 3) outline of the unit sphere seen from an elevation and an azimuth [deg]."""
+    up, around, turn = np.radians(elev), np.radians(azim), np.linspace(0, 2 * np.pi, 73)
+    side, top = (
+        (-np.sin(around), np.cos(around), 0.0),
+        (-np.sin(up) * np.cos(around), -np.sin(up) * np.sin(around), np.cos(up)),
+    )
+    return np.outer(np.cos(turn), side) + np.outer(np.sin(turn), top)
 
 
 def every(count: int, wanted: int) -> np.ndarray:

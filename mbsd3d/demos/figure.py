@@ -1,66 +1,207 @@
 """The figure of a demo from what it declares: computed lines, theory as dots, the ablation dashed."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS
-from .drawing import every, legend_below, new_figure, theory_dots
-
-if TYPE_CHECKING:
-    from .form import Curve
+from ..base.style import COLOURS, GREY, LIGHT
+from .drawing import every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
 
 MOST = 3  # panels side by side
 FAR = 6  # times the computed range, beyond which an ablation leaves the picture
 
 
-class Panel(NamedTuple):
-    """A curve, the same one under the ablation, and computed points where the curve is theory."""
+class Line(NamedTuple):
+    """One more line of a panel, with theory as dots."""
 
-    curve: "Curve"
-    other: "Curve | None"
-    label: str  # of the other curve
-    computed: Sequence = ()
+    name: str
+    y: ArrayLike
+    x: ArrayLike | None = None  # None: that of the curve
+    theory: tuple[ArrayLike, ArrayLike] | None = None
+
+
+class Curve(NamedTuple):
+    """A computed line with theory as dots; labels have units in brackets, e.g. "time [s]"."""
+
+    label: str
+    x: ArrayLike
+    y: ArrayLike
+    theory: tuple[ArrayLike, ArrayLike] | None = None
+    along: str = "time [s]"
+    title: str = ""
+    scale: float = 0.0  # the axis reaches as far as this to both sides of zero
+    name: str = "computed"
+    more: Sequence[Line] = ()
+    logarithmic: bool = False
+
+    def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
+        """The lines, those of the ablation that differ, and theory."""
+        lines, label = [Line(self.name, self.y, self.x, self.theory), *self.more], "theory"
+        others = [Line("", other.y, other.x), *other.more] if other else []
+        for k, line in enumerate(lines):
+            x = self.x if line.x is None else line.x
+            axes.plot(x, line.y, color=COLOURS[k], label=line.name)
+            if k < len(others) and not alike(line.y, others[k].y):
+                found, tint = others[k].x if others[k].x is not None else other.x, COLOURS[k if self.more else 1]
+                axes.plot(found, others[k].y, "--", color=tint, label=None if self.more else ablated)
+            if line.theory is not None:
+                x, y = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
+                dots = every(x.size, 25)
+                theory_dots(axes, x[dots], y[dots], label)
+                label = None
+        if self.more and other is not None:
+            axes.plot([], [], "--", color=GREY, label=ablated)
+        if self.logarithmic:
+            axes.set_yscale("log")
+            plain_decades(axes, ":.0e")
+        limit(axes, self, other)
+        axes.set(xlabel=self.along, ylabel=self.label)
+        legend_below(axes, 2 if self.more else 3)
+
+
+class Bars(NamedTuple):
+    """Amplitudes ``y`` at multiples ``x`` of a frequency, with theory on them, on a logarithmic axis."""
+
+    label: str
+    x: Sequence[int]
+    y: ArrayLike
+    theory: ArrayLike
+    along: str = "multiple of the shaft speed [-]"
+    title: str = ""
+
+    def draw(self, axes: Axes, other: "Bars | None", ablated: str) -> None:
+        """The bars, and those of the ablation beside them where they stand on the axis."""
+        low, high = 0.3 * np.min(self.y), 3 * np.max(self.y)
+        beside = [(ablated, other.y)] if other and np.min(other.y) > low else []
+        spectrum_bars(axes, self.x, [("computed", self.y), *beside], self.theory)
+        axes.set(xlabel=self.along, ylabel=self.label, ylim=(low, high))
+        legend_below(axes, 3)
+
+
+class Path(NamedTuple):
+    """Paths of points (n, 3) in space: the first one ``y``, ``more`` of them, and a ``net`` behind them in grey."""
+
+    labels: Sequence[str]  # of the three axes, with their unit
+    y: ArrayLike
+    title: str = ""
+    name: str = "computed"
+    more: Sequence[Line] = ()
+    net: Sequence[np.ndarray] = ()
+    box: Sequence[float] = (1.0, 1.0, 1.0)
+    heights: tuple[float, float] = (-1.0, 1.0)  # least and greatest third coordinate
+    globe: bool = False  # on the unit sphere, whose far side is not seen
+
+    def draw(self, axes: Axes3D, other: "Path | None", ablated: str) -> None:
+        """The paths with a dot at the start of each."""
+        axes.view_init(elev=25, azim=55 if self.globe else -60)
+
+        def shown(path: ArrayLike) -> np.ndarray:
+            return seen_side(axes, path) if self.globe else np.asarray(path)
+
+        for line in self.net:
+            axes.plot(*shown(line).T, color=LIGHT.grid, linewidth=0.8)
+        for k, line in enumerate([Line(self.name, self.y), *self.more]):
+            axes.plot(*shown(line.y).T, color=COLOURS[k], linewidth=1.8, label=line.name)
+            axes.plot(*np.asarray(line.y)[:1].T, "o", color=COLOURS[k])
+        if other is not None:
+            axes.plot(*shown(other.y).T, "--", color=COLOURS[len(self.more) + 1], label=ablated)
+        space(axes, self.labels, self.box)
+        axes.set(zlim=self.heights, zticks=self.heights)
+        legend_below(axes, 2)
+
+
+class Table(NamedTuple):
+    """Numbers ``y`` of rows by columns; those not ``good`` stand out."""
+
+    label: str
+    rows: Sequence[str]
+    columns: Sequence[str]
+    y: ArrayLike
+    good: ArrayLike
+    title: str = ""
+
+    def draw(self, axes: Axes, other: "Table | None", ablated: str) -> None:
+        """One tinted cell a number."""
+        for (i, j), value in np.ndenumerate(np.asarray(self.y)):
+            good = self.good[i][j]
+            tint, weight = (LIGHT.good, "normal") if good else (LIGHT.bad, "bold")
+            axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
+            axes.text(j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight)
+        axes.set(xlim=(0, len(self.columns)), ylim=(len(self.rows), 0), xlabel=self.label)
+        axes.set_xticks(np.arange(len(self.columns)) + 0.5, self.columns, rotation=35, ha="right", fontsize=9)
+        axes.set_yticks(np.arange(len(self.rows)) + 0.5, self.rows, fontsize=9)
+        axes.tick_params(length=0)
+        axes.grid(False)
+        axes.spines[:].set_visible(False)
+
+
+Drawn = Curve | Bars | Path | Table
+
+
+class Points(NamedTuple):
+    """Theory as a line over a parameter, with computed points and the one of this run."""
+
+    curve: Curve
+    computed: tuple[ArrayLike, ArrayLike]
+    here: tuple[float, float]
+
+    def draw(self, axes: Axes, *_: object) -> None:
+        """Theory as a line here, as every point costs a run."""
+        axes.plot(self.curve.x, self.curve.y, color=COLOURS[0], label="theory")
+        theory_dots(axes, *self.computed, label="computed")
+        axes.plot(*self.here, "o", color=COLOURS[1], label="computed here")
+        axes.set(xlabel=self.curve.along, ylabel=self.curve.label)
+        legend_below(axes, 3)
+
+
+class Panel(NamedTuple):
+    """What is drawn, the same under the ablation, and the label of that."""
+
+    drawn: Drawn | Points
+    other: Drawn | None = None
+    ablated: str = ""
 
 
 def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     """Panels side by side."""
     panels = panels[:MOST]
-    figure, axes = new_figure(title, [panel.curve.title for panel in panels])
+    titles = [getattr(panel.drawn, "title", "") for panel in panels]
+    solid = [isinstance(panel.drawn, Path) for panel in panels]
+    widths = [1.5 if isinstance(panel.drawn, Table) else 1.0 for panel in panels]
+    figure, axes = new_figure(
+        title, [("3d:" * three) + text for text, three in zip(titles, solid, strict=True)], widths
+    )
     for place, panel in zip(axes, panels, strict=True):
-        draw(place, panel)
+        panel.drawn.draw(place, panel.other, panel.ablated)
     return figure
 
 
-def limit(axes: Axes, panel: Panel) -> None:
+def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
     """What is computed fills the axis: an ablation that leaves it far behind, or rounding, does not set its scale."""
-    curve, other = panel.curve, panel.other
-    y = np.asarray(curve.y, float)
+    if curve.logarithmic:
+        return
+    y = np.concatenate([np.ravel(np.asarray(line, float)) for line in (curve.y, *(more.y for more in curve.more))])
     y = np.concatenate([y[np.isfinite(y)], [-curve.scale, curve.scale] if curve.scale else []])
     span = np.ptp(y)
     if curve.scale or (other is not None and np.ptp(np.asarray(other.y, float)) > FAR * span > 0.0):
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
 
 
-def draw(axes: Axes, panel: Panel) -> None:
-    """One panel."""
-    curve = panel.curve
-    if panel.computed:
-        axes.plot(curve.x, curve.y, color=COLOURS[0], label="theory")
-        (some, values), (here, value) = panel.computed
-        theory_dots(axes, some, values, label="computed")
-        axes.plot(here, value, "o", color=COLOURS[1], label="computed here")
-    else:
-        axes.plot(curve.x, curve.y, color=COLOURS[0], label="computed")
-        if panel.other is not None:
-            axes.plot(panel.other.x, panel.other.y, "--", color=COLOURS[1], label=panel.label)
-        if curve.theory is not None:
-            x, y = (np.atleast_1d(np.asarray(values, float)) for values in curve.theory)
-            dots = every(x.size, 25)
-            theory_dots(axes, x[dots], y[dots])
-        limit(axes, panel)
-    axes.set(xlabel=curve.along, ylabel=curve.label)
-    legend_below(axes, 3)
+def alike(one: ArrayLike, other: ArrayLike) -> bool:
+    """Whether two lines are one to the eye."""
+    y, z = np.asarray(one, float), np.asarray(other, float)
+    return y.shape == z.shape and bool(np.allclose(y, z, rtol=1e-4, atol=1e-4 * np.abs(y).max(initial=0.0)))
+
+
+def same(one: Drawn, other: Drawn) -> bool:
+    """Whether two panels look the same."""
+    lines, others = (
+        [one.y, *(x.y for x in getattr(one, "more", ()))],
+        [other.y, *(x.y for x in getattr(other, "more", ()))],
+    )
+    return len(lines) == len(others) and all(map(alike, lines, others))

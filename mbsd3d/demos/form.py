@@ -8,12 +8,12 @@ from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..api.solution import Solution
 from ..api.system import System
+from ..base.errors import InputError
 from .base import Outcome, Row, Show
-from .figure import Panel, figure_of
+from .figure import Curve, Drawn, Panel, Points, figure_of, same
 from .parameters import checked, listed
 
 SWITCHES = ("gyroscopic", "centripetal", "gamma")
@@ -34,18 +34,6 @@ class Quantity:
         return max(self.absolute, self.relative * abs(theory))
 
 
-class Curve(NamedTuple):
-    """A computed line with theory as dots; labels have units in brackets, e.g. "time [s]"."""
-
-    label: str
-    x: ArrayLike
-    y: ArrayLike
-    theory: tuple[ArrayLike, ArrayLike] | None = None
-    along: str = "time [s]"
-    title: str = ""
-    scale: float = 0.0  # the axis reaches as far as this to both sides of zero
-
-
 class Against(NamedTuple):
     """A figure of the first quantity over a parameter: theory as a line, some values computed."""
 
@@ -62,7 +50,11 @@ class Measured:
 
     values: Numbers
     solutions: Sequence[Solution] = ()
-    curves: Sequence[Curve] = ()
+    curves: Sequence[Drawn] = ()
+    views: Mapping[str, Show] = field(
+        default_factory=dict
+    )  # beside that of the first run, by what they add to its name
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +152,7 @@ class Demo:
             return {**values, **self.ablation.change}, {}
         terms = dict.fromkeys((self.ablation.term, *SWITCHES))
         if term not in terms:
-            raise ValueError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
+            raise InputError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
         return dict(values), {term: False}
 
     def expected_without(self, values: Mapping[str, object]) -> Numbers:
@@ -181,7 +173,8 @@ class Demo:
         stems = [stem, *(f"{stem}_{k + 2}" for k in range(len(found.solutions)))]
         solutions = dict(zip(stems, found.solutions, strict=False))
         views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
-        notes = (f"without {self.ablation.term}: {self.ablation.then}",)
+        views |= {f"{stem}_{name}": view for name, view in found.views.items()}
+        notes = (*found.notes, f"without {self.ablation.term}: {self.ablation.then}")
         drawn = partial(self.figure, values, found, without)
         return Outcome(rows, drawn, solutions, notes, views, values)
 
@@ -213,7 +206,7 @@ class Demo:
         here = values[name]
         few_values = sampled(lambda changed: self.computed(changed, {}).values, few)
         line = Curve(label, fine, sampled(self.expected, fine), None, along)
-        return Panel(line, None, "", [(few, few_values), ([here], [found.values[key]])])
+        return Panel(Points(line, (few, few_values), (here, found.values[key])))
 
 
 class Builder(NamedTuple):
@@ -238,12 +231,6 @@ def plain(value: object) -> object:
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def same(one: Curve, other: Curve) -> bool:
-    """Whether two curves are one to the eye."""
-    y, z = np.asarray(one.y, float), np.asarray(other.y, float)
-    return y.shape == z.shape and bool(np.allclose(y, z, rtol=1e-4, atol=1e-4 * np.abs(y).max(initial=0.0)))
-
-
 def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: str) -> float:
     """A quantity, or no number where it does not exist."""
     try:
@@ -255,4 +242,4 @@ def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: s
 def require(condition: bool, what: str) -> None:
     """ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
     if not condition:
-        raise ValueError(what)
+        raise InputError(what)

@@ -17,7 +17,8 @@ from ..base.templates import FOLDER, page_template
 from ..report.exhibits import inline_svg
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
-from .discovery import Known, discover
+from .discovery import discover
+from .form import Demo
 from .report import to_json
 
 VIEWER = "viewer.js"
@@ -39,7 +40,7 @@ def page(name: str, folder: Path) -> bool:
         term, ablated = taken
         players.append((f"without {term}", player(ablated, f"without {term}", folder / f"{name}_without.html")))
     next_one = known[(known.index(demo) + 1) % len(known)]
-    texts = {label: getattr(demo, label, "") for label in ("question", "why", "equation", "source")}
+    texts = {label: getattr(demo, label) for label in ("question", "why", "equation", "source")}
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, rows=[cells(row) for row in outcome.rows],
         figure=inline_svg(outcome.figure, f"{name}-"), players=[found for found in players if found[1]],
@@ -68,11 +69,10 @@ def front(names: Iterable[str], folder: Path) -> Path:
     return write_atomically(folder / "index.html", html.encode("utf-8"))
 
 
-def without(demo: Known) -> tuple[str, Outcome] | None:
+def without(demo: Demo) -> tuple[str, Outcome] | None:
     """The demo's own ablation, if it has one that runs."""
-    term = getattr(demo.ablation, "term", None) or next(iter(demo.ablation), None)
     try:
-        return term, demo.run(term)
+        return demo.ablation.term, demo.run(demo.ablation.term)
     except ValueError:
         return None
 
@@ -122,17 +122,17 @@ def cells(row: Row) -> Sequence[str]:
     return row.quantity + unit, f"{row.computed:.10g}", f"{row.theory:.10g}", f"{row.error:.1e}"
 
 
-def source_of(demo: Known) -> str:
+def source_of(demo: Demo) -> str:
     """The text of the file a demo stands in."""
     return inspect.getsource(module_of(demo))
 
 
-def module_of(demo: Known) -> object:
+def module_of(demo: Demo) -> object:
     """The module a demo stands in."""
-    return sys.modules[demo.module if hasattr(demo, "module") else demo.make.__module__]
+    return sys.modules[demo.module]
 
 
-def digest(demo: Known) -> str:
+def digest(demo: Demo) -> str:
     """Of everything a page depends on: the package without the other demos, the templates, the demo's own file."""
     return hashlib.sha256((package_digest() + source_of(demo)).encode()).hexdigest()
 

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from ..plotting.plots import save_figure
 from .base import Outcome, Row
-from .discovery import Known, discover
+from .discovery import discover
+from .form import Demo
 
 WIDTH = 100
 HEAD = ("quantity", "computed", "theory", "error")
 
 
-def contents(families: Mapping[str, Sequence[Known]]) -> str:
+def contents(families: Mapping[str, Sequence[Demo]]) -> str:
     """Demos by family, each with its question."""
     width = max((len(demo.name) for demos in families.values() for demo in demos), default=0)
     blocks = [
@@ -56,20 +57,18 @@ def run_and_write(name: str, folder: Path, pages: bool) -> tuple[str, tuple[Row,
     return f"{report(demo, outcome)}\n{written}\n", outcome.rows
 
 
-def report(demo: Known, outcome: Outcome, without: str | None = None) -> str:
+def report(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
     """Question, why, equation, source, table and notes of a demo."""
     lines = [f"{demo.name}: {demo.title}" + (f" (without {without})" if without else "")]
-    texts = {label: getattr(demo, label, "") for label in ("question", "why", "equation", "source")}
-    for label, text in texts.items():
-        if text and text != demo.title:
-            lines += textwrap.wrap(text, WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12)
+    for label in ("question", "why", "equation", "source"):
+        lines += textwrap.wrap(getattr(demo, label), WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12)
     lines += ["", table(outcome.rows)]
     for note in outcome.notes:
         lines += textwrap.wrap(note, WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 
 
-def to_json(demo: Known, outcome: Outcome, without: str | None = None) -> str:
+def to_json(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
     """One object: name, parameters, and of each quantity computed, theory and error; null for what is no number."""
     quantities = {
         name: {key: finite(getattr(row, key)) for key in ("computed", "theory", "error")}
@@ -84,7 +83,7 @@ def finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def write(demo: Known, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None) -> list[Path]:
+def write(demo: Demo, outcome: Outcome, folder: Path, *, pages: bool = True, without: str | None = None) -> list[Path]:
     """Write the figure as <demo>.png and <demo>.svg, every run as <run>.npz and <run>.csv, every view as <view>.html.
 
     The views, written if ``pages``, need the package viser.

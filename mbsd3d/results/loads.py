@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.loads import loads
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
@@ -80,7 +82,7 @@ def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground
     system = solution.system
     part = system.part(force, "forces")
     if isinstance(part, SavedForce):
-        raise ValueError(
+        raise InputError(
             f"solution.force: the function of '{system.name(part)}' was not saved with the solution, so its force is "
             "not known; read it before saving, or run the model again"
         )
@@ -110,13 +112,15 @@ def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | s
             return body
     names = ", ".join(f"'{body.name}'" for body in bodies)
     shown = getattr(on, "name", on)
-    raise ValueError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
+    raise InputError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
 
 
 def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Ground) -> np.ndarray:
     """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
     if part.record().coordinate is not None:
         return part.partners()[0].reaction_points(solution)
+    if isinstance(part, Contact):
+        return part.acting_points(solution)
     return solution.body_point(*part.acts_at(body))
 
 

@@ -41,7 +41,7 @@ def test_the_list_holds_everything():
     found = [trial.name for trial in everything]
     assert len(found) == len(set(found))
     assert set(cases.names()) <= set(found)
-    shown = {name.removeprefix("demo_").removeprefix("gallery_") for name in found}
+    shown = {name.removeprefix("gallery_") for name in found}
     assert set(discover()) <= shown
     assert {f"engine_{name}" for name in names()} <= set(found)
     assert sum(trial.group == "random mechanisms" for trial in everything) == families.MANY == 200

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from browser import executable, launch, visit
 from moving import ARM, BEAD, CRANK, PINK, TAIL
-from pages import COUNT, END, HINGE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
+from pages import COUNT, END, HINGE, OUTSIDE, SETTLED, TITLE, covered, differing, opened, scene, seek, tick
 
 from mbsd3d import GROUND, Body, Spherical, System, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.demos.discovery import own_demos
-from mbsd3d.demos.report import write
 from mbsd3d.view.page.content import LENGTH, TURN
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import frame_camera
@@ -135,26 +133,6 @@ def test_the_first_view_is_the_camera_that_was_computed(page, motion):
     assert np.allclose(position, camera.position, atol=1e-4 * camera.distance)  # the client keeps float32 numbers
 
 
-OUTSIDE = """() => {
-  const {nodeRefFromName, camera} = __viserMutable, outside = [];
-  for (const [name, node] of Object.entries(nodeRefFromName)) {
-    if (!node || !/^.(bodies|links|traces)/.test(name)) continue;
-    node.updateWorldMatrix(true, false);
-    node.traverse((part) => {
-      const points = part.geometry?.attributes;
-      if (!part.visible || !points || part.isInstancedMesh) return;
-      const corners = points.instanceStart ? [points.instanceStart, points.instanceEnd] : [points.position];
-      const at = new node.position.constructor();
-      for (const list of corners) for (let i = 0; i < list.count; i++) {
-        at.fromBufferAttribute(list, i).applyMatrix4(part.matrixWorld).project(camera);
-        if (Math.max(Math.abs(at.x), Math.abs(at.y)) > 1) return outside.push(name);
-      }
-    });
-  }
-  return outside;
-}"""
-
-
 @pytest.mark.parametrize("width, height", [(800, 460), (360, 640)])
 def test_the_camera_holds_the_whole_motion(page, motion, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
@@ -261,28 +239,3 @@ def test_ten_bodies_and_a_thousand_frames(chromium, folder):
         r = np.array(seen.run("__viserMutable.nodePoseData['/bodies/9'].position")) / seen.run("mbsd3d.data.scale")
         near = run.position("link 9")[k - 1 : k + 1]
         assert (np.abs(r - near).min(axis=0) <= np.ptp(near, axis=0) + LENGTH * draw_system(run.system).size).all()
-
-
-@pytest.mark.parametrize("name", own_demos())
-def test_every_demo_is_seen_moving(chromium, name, tmp_path):
-    demo = own_demos()[name]
-    still = "nothing moves" in getattr(demo, "alone", "")
-    done = demo.run()
-    ground = f"/bodies/{max(len(run.system.bodies) for run in done.solutions.values())}"
-    write(demo, done, tmp_path)
-    pages = sorted(tmp_path.glob("*.html"))
-    assert pages
-    for path in pages:
-        with opened(chromium, path, width=800, height=460) as seen:
-            first = scene(seen)
-            assert covered(first)[0] > 0.03
-            times = seen.run("mbsd3d.data.times")
-            length = times["step"] * (times["count"] - 1)
-            changes = []
-            for share in np.linspace(0.07, 1.0, 5):
-                seek(seen, times["first"] + share * length)
-                changes.append(differing(first, scene(seen)))
-                outside = [name for name in seen.run(OUTSIDE) if name.count("/") > 2]
-                # where the camera goes along, ground and paths run out of the picture
-                assert [name for name in outside if not name.startswith(("/traces", f"{ground}/"))] == []
-            assert still or min(changes[:-1]) > 200  # the end may be the pose of the start again

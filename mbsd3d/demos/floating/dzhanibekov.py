@@ -1,183 +1,133 @@
 """A free body spun about its middle axis turns over, again and again, at the interval the elliptic integral gives."""
 
-from functools import partial
-
 import numpy as np
-from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d import Axes3D
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
 
-from mbsd3d import Body, Solution, System, rotation, simulate
+from mbsd3d import Body, System, rotation, shapes, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.base.style import COLOURS, GREY, LIGHT
-from mbsd3d.mechanism import shapes
 
-from ..base import Exhibit, Outcome, Row, Show
-from ..drawing import legend_below, new_figure, space
+from ..drawing import rim
+from ..figure import Line, Path
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-MOMENTS = (1.0, 2.0, 3.0)  # kg m^2
-SPIN, OFF_AXIS = 5.0, 1e-3  # rad/s
-MASS, SPEED = 1.5, (1.0, 2.0, 3.0)  # kg, m/s: flying along changes nothing
-DURATION, SAMPLES = 30.0, 1501
-BESIDE = np.array([2.7, 1.7, 0.0])  # m, from one body to the next in the view: across it
+NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
+UPRIGHT = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
+MIDDLE = NAMES[1]
 
 
-def spins(axis: int) -> np.ndarray:
-    """Angular velocity at the start, body axes [rad/s]: ``SPIN`` about an axis, ``OFF_AXIS`` about the others."""
-    return np.where(np.arange(3) == axis, SPIN, OFF_AXIS)
+def spins(axis: int, spin: float, off: float) -> np.ndarray:
+    """Angular velocity at the start, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
+    return np.where(np.arange(3) == axis, spin, off)
 
 
-def flip_interval() -> float:
-    """2 K(m) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - m = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
+def mechanism(*, m=1.5, I=(1.0, 2.0, 3.0), spin=5.0, off=1e-3) -> System:
+    """Three equal handles with moments I [kg m^2] side by side, spun [rad/s] each about another axis, which is upright,
+    and a little about the others."""
+    bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
+    bodies = [
+        Body(name, m, I, position=(2.7 * k, 1.7 * k, 0), orientation=turned, velocity=(0, 0, 0),
+             omega=matrix(turned) @ spins(k, spin, off), shape=(bar, stem))
+        for k, (name, turned) in enumerate(zip(NAMES, UPRIGHT, strict=True))
+    ]  # fmt: skip
+    return System(bodies, gravity=(0, 0, 0))
+
+
+def flip_interval(i: np.ndarray, w: np.ndarray) -> float:
+    """2 K(k) / p [s] for I1 < I2 < I3 and L^2 > 2 T I2, with 1 - k = (I3 - I1) D / ((I3 - I2)(L^2 - 2 T I1)).
 
     p^2 = (I3 - I2)(L^2 - 2 T I1) / (I1 I2 I3); D = L^2 - 2 T I2 = sum of I (I - I2) w^2, written so because the
-    difference of the two large numbers has no digits left.
+    difference of the two large numbers has no digits left. For D < 0 the least and the greatest axis change roles.
     """
-    i = np.array(MOMENTS)
-    w = spins(1)
-    twice_energy, momentum_squared = i @ w**2, i**2 @ w**2
     excess = (i * (i - i[1])) @ w**2
-    wide = (i[2] - i[1]) * (momentum_squared - twice_energy * i[0])
+    if excess < 0:
+        i, w = i[::-1], w[::-1]
+    wide = (i[2] - i[1]) * (i**2 @ w**2 - i @ w**2 * i[0])
     return 2 * ellipkm1((i[2] - i[0]) * excess / wide) / np.sqrt(wide / i.prod())
 
 
-def thrown(axis: int) -> System:
-    """The body without forces, spun about one of its axes."""
-    body = Body("body", MASS, MOMENTS, velocity=SPEED, omega=spins(axis))
-    return System([body], gravity=(0, 0, 0))
+def theory(*, I, spin, off, t):
+    """Euler's equations by elliptic functions; energy and angular momentum stay."""
+    require(I[0] < I[1] < I[2], f"demo 'dzhanibekov': I = {I}: give three moments that grow")
+    require(abs(spin) > 3 * abs(off) > 0, f"demo 'dzhanibekov': off = {off:g}: give a small rate that is not 0")
+    i, w = np.array(I), spins(1, spin, off)
+    interval, L = flip_interval(i, w), matrix(UPRIGHT[1]) @ (i * w)
+    require(
+        t > 2.5 * interval, f"demo 'dzhanibekov': t = {t:g} s holds no two flips; give more than {2.5 * interval:g}"
+    )
+    named = {f"L{axis}_Nms": value for axis, value in zip("xyz", L, strict=True)}
+    return {"flip_interval_s": interval, "energy_J": 0.5 * i @ w**2, **named}
 
 
-def flips(solution: Solution) -> np.ndarray:
-    """Times at which the spin about the body's middle axis changes its sign [s]."""
+def flips(run):
+    """Times at which the spin of the middle handle about its middle axis changes its sign [s]."""
 
-    def spin(t: float) -> float:
-        state = solution.at(t)
-        return float(matrix(state.q[3:7])[:, 1] @ state.v[3:6])
+    def spin(t):
+        state = run.at(t)
+        return float(matrix(state.q[10:14])[:, 1] @ state.v[9:12])
 
-    t, w = solution.t, solution.omega_body("body")[:, 1]
-    found = np.flatnonzero(w[:-1] * w[1:] < 0.0)
-    return np.array([brentq(spin, t[k], t[k + 1], xtol=1e-12) for k in found])
-
-
-def angular_momentum(solution: Solution) -> np.ndarray:
-    """(samples, 3) about the centre of mass, world axes [kg m^2/s]."""
-    return np.einsum("tij,tj->ti", solution.rotation("body"), solution.omega_body("body") * MOMENTS)
+    w = run.omega_body(MIDDLE)[:, 1]
+    return np.array([brentq(spin, *run.t[k : k + 2], xtol=1e-12) for k in np.flatnonzero(w[:-1] * w[1:] < 0.0)])
 
 
-def tilt(solution: Solution, axis: int) -> np.ndarray:
-    """Angle between a body axis and the angular momentum [degrees]."""
-    L = angular_momentum(solution)
-    cosine = np.einsum("ti,ti->t", solution.rotation("body")[:, :, axis], L) / np.linalg.norm(L, axis=1)
-    return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-
-
-def run(*, gyroscopic: bool = True) -> Outcome:
-    """30 s of the body spun about each of its axes."""
-    runs = [simulate(thrown(k), DURATION, rtol=1e-12, output=SAMPLES, gyroscopic=gyroscopic) for k in range(3)]
-    middle = runs[1]
-    times, L, energy = flips(middle), angular_momentum(middle), middle.energy().kinetic
-    interval = np.diff(times).mean() if times.size > 1 else np.inf
-    w = spins(1)
-    rows = [
-        Row("interval between flips", interval, flip_interval(), 1e-7, "s"),
-        Row("energy at 30 s", energy[-1], 0.5 * (MOMENTS @ w**2 + MASS * np.dot(SPEED, SPEED)), 1e-10, "J"),
-    ]
-    rows += [
-        Row(f"angular momentum {axis} at 30 s", value, theory, 1e-10, "kg m^2/s")
-        for axis, value, theory in zip("xyz", L[-1], MOMENTS * w, strict=True)
-    ]
-    files = {f"dzhanibekov_{name}": run for name, run in zip(("least", "", "greatest"), runs, strict=True)}
-    files = {name.rstrip("_"): run for name, run in sorted(files.items(), key=lambda item: item[0] != "dzhanibekov_")}
-    return Outcome(tuple(rows), partial(draw, runs, times), files, views={"dzhanibekov": in_space()})
-
-
-def in_space() -> Show:
-    """Three handles side by side, each spun about another axis, which is upright, at rest on the whole."""
-    bar, stem = shapes.Capsule(0.16, 2.4, "x"), shapes.Capsule(0.16, 1.1, "y", at=(0, 0.75, 0))
-    upright = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
-    bodies = [
-        Body(
-            f"{name} moment", MASS, MOMENTS, position=k * BESIDE, orientation=turned, omega=matrix(turned) @ spins(k),
-            shape=(bar, stem),
-        )
-        for k, (name, turned) in enumerate(zip(("least", "middle", "greatest"), upright, strict=True))
-    ]  # fmt: skip
-    solution = simulate(System(bodies, gravity=(0, 0, 0)), DURATION, rtol=1e-10, output=SAMPLES)
-    curves = [("omega_body", body) for body in bodies]
-    return Show(solution, {"curves": curves, "traces": [], "shown": ["angular momentum"]})
-
-
-def polhodes() -> list[np.ndarray]:
+def polhodes(I):
     """Paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
-    i, turn, paths = 1 / np.array(MOMENTS), np.linspace(0, 2 * np.pi, 121), []
+    i, turn, paths = 1 / np.array(I), np.linspace(0, 2 * np.pi, 121), []
     for share in (0.03, 0.25, 0.6, 0.999):
         for around, sign in ((0, 1), (0, -1), (2, 1), (2, -1)):
-            other = 2 - around
-            c = i[around] + share * (i[1] - i[around])
-            path = np.zeros((turn.size, 3))
+            c, path = i[around] + share * (i[1] - i[around]), np.zeros((turn.size, 3))
             path[:, 1] = np.sqrt((c - i[around]) / (i[1] - i[around])) * np.cos(turn)
-            path[:, other] = np.sqrt((c - i[around]) / (i[other] - i[around])) * np.sin(turn)
-            path[:, around] = sign * np.sqrt(1 - path[:, 1] ** 2 - path[:, other] ** 2)
+            path[:, 2 - around] = np.sqrt((c - i[around]) / (i[2 - around] - i[around])) * np.sin(turn)
+            path[:, around] = sign * np.sqrt(1 - path[:, 1] ** 2 - path[:, 2 - around] ** 2)
             paths.append(path)
     return paths
 
 
-def view_of(axes: Axes3D) -> np.ndarray:
-    """Unit vector towards the eye."""
-    up, turn = np.radians(axes.elev), np.radians(axes.azim)
-    return np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
+def measure(build, terms, *, m, I, spin, off, t=30.0) -> Measured:
+    """Mean interval of the flips, energy and angular momentum of the middle handle at t."""
+    run = simulate(build(), t, rtol=1e-12, output=SAMPLES, **terms)
+    times, rates = flips(run), [run.omega_body(name) for name in NAMES]
+    local = [w * np.array(I) for w in rates]
+    L = run.rotation(MIDDLE)[-1] @ local[1][-1]
+    seen = [momentum / np.linalg.norm(momentum, axis=1)[:, None] for momentum in local]
+    tilts = [np.degrees(np.arccos(np.clip(path[:, k], -1, 1))) for k, path in enumerate(seen)]
+    interval = np.diff(times).mean() if times.size > 1 else np.inf
+    values = {"flip_interval_s": interval, "energy_J": 0.5 * rates[1][-1] @ local[1][-1]}
+    values |= dict(zip(("Lx_Nms", "Ly_Nms", "Lz_Nms"), L, strict=True))
+    known = times[:1] + build.theory["flip_interval_s"] * np.arange(int(t / interval) if times.size > 1 else 0)
+    known = known[known < t]
+    spins_of = [Line(f"about axis {k + 1}", rates[1][:, k]) for k in (0, 2)]
+    curves = [
+        Curve("angular velocity, body axes [rad/s]", run.t, rates[1][:, 1], (known, 0 * known) if known.size else None,
+              title="spun about the middle axis; theory: when it flips", name="about axis 2", more=spins_of),
+        Path([f"L{k} / L [-]" for k in (1, 2, 3)], seen[1], "angular momentum seen from the body", "axis 2",
+             [Line("axis 1", seen[0]), Line("axis 3", seen[2])], [rim(), *polhodes(I)], globe=True),
+        Curve("spin axis to angular momentum [deg]", run.t, tilts[1], title="only the middle axis turns over",
+              name="middle moment", more=[Line("least moment", tilts[0]), Line("greatest moment", tilts[2])]),
+    ]  # fmt: skip
+    return Measured(values, [run], curves)
 
 
-def in_front(axes: Axes3D, path: np.ndarray) -> np.ndarray:
-    """The path with the far side of the sphere left out."""
-    return np.where((path @ view_of(axes) > 0.0)[:, None], path, np.nan)
-
-
-def rim(axes: Axes3D) -> np.ndarray:
-    """(73, 3) the sphere's outline."""
-    view, turn = view_of(axes), np.linspace(0, 2 * np.pi, 73)
-    side = np.cross([0.0, 0.0, 1.0], view) / np.hypot(*view[:2])
-    return np.outer(np.cos(turn), side) + np.outer(np.sin(turn), np.cross(view, side))
-
-
-def draw(runs: list[Solution], times: np.ndarray) -> Figure:
-    """Angular velocity, its path on the sphere of constant angular momentum, and the tilt for all three axes."""
-    titles = ("spun about the middle axis", "3d:angular momentum seen from the body", "only the middle axis turns over")
-    figure, (spin, sphere, tilts) = new_figure("Dzhanibekov effect: a free body, no torque at all", titles)
-    middle = runs[1]
-    for k, values in enumerate(middle.omega_body("body").T):
-        spin.plot(middle.t, values, color=COLOURS[k], label=f"about axis {k + 1}", linewidth=1.5)
-    for k in range(4 if times.size else 0):
-        label = None if k else "flips in theory"
-        spin.axvline(times[0] + k * flip_interval(), color=GREY, linewidth=1.0, linestyle=":", label=label)
-    spin.set(xlabel="time [s]", ylabel="angular velocity, body axes [rad/s]")
-    sphere.view_init(elev=25, azim=55)
-    sphere.plot(*rim(sphere).T, color=GREY, linewidth=0.7)
-    for path in polhodes():
-        sphere.plot(*in_front(sphere, path).T, color=LIGHT.grid, linewidth=0.9)
-    names = ("least", "middle", "greatest")
-    for k, (solution, name, line) in enumerate(zip(runs, names, ("-", "-", "--"), strict=True)):
-        L = solution.omega_body("body") * MOMENTS
-        path = in_front(sphere, L / np.linalg.norm(L, axis=1, keepdims=True))
-        sphere.plot(*path.T, color=COLOURS[k], linewidth=1.8)
-        sphere.plot(*path[:1].T, "o", color=COLOURS[k])
-        sphere.text(*path[0], f"   axis {k + 1}", color=COLOURS[k], fontsize=9)
-        tilts.plot(solution.t, tilt(solution, k), line, color=COLOURS[k], label=f"{name} moment", linewidth=1.5)
-    space(sphere, [f"L{k} / L [-]" for k in (1, 2, 3)])
-    tilts.set(xlabel="time [s]", ylabel="spin axis to angular momentum [°]", yticks=np.arange(0, 181, 45))
-    legend_below(spin, 2)
-    legend_below(tilts, 2)
-    return figure
-
-
-demo = Exhibit(
-    name="dzhanibekov",
+demo = Demo(
+    __name__,
     title="Dzhanibekov effect: the tumbling of the middle axis",
-    why="In a plane w and I w are parallel, so a free body spins on for ever; in space they are not, w x I w moves the "
-    "spin through the body, and about the middle axis the smallest error grows.",
+    question="Why does a wing nut in space turn over again and again?",
+    why="In a plane w and I w are parallel, so a free body spins on for ever. In space they are not, and w x I w moves "
+    "the spin through the body. About the axes of least and greatest moment it stays near; about the middle axis the "
+    "smallest error grows until the body has turned over, and then again. No torque is at work: energy and angular "
+    "momentum stay as they are.",
+    equation="I w_dot = -w x I w; interval = 2 K(k) / p, p^2 = (I_3 - I_2)(L^2 - 2 T I_1) / (I_1 I_2 I_3)",
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
-    make=run,
-    family="Bodies that float",
-    ablation={"gyroscopic": False},
-)
+    quantities={
+        "flip_interval_s": Quantity("interval between flips", "s", 1e-8, 1e-7),
+        "energy_J": Quantity("energy of the middle one at t", "J", 1e-11, 1e-10),
+        **{f"L{axis}_Nms": Quantity(f"its angular momentum {axis} at t", "N m s", 1e-11, 1e-10) for axis in "xyz"},
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("gyroscopic", "no axis turns over, and the angular momentum does not stay",
+                      values=lambda: {"flip_interval_s": np.inf}),
+    show={"curves": [("omega_body", name) for name in NAMES], "traces": [], "shown": ["angular momentum"]},
+    ranges={"I": [(1.0, 1.2), (1.9, 2.1), (2.7, 2.9)]},
+)  # fmt: skip

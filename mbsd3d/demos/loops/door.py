@@ -1,132 +1,124 @@
 """A door on two hinges: ten rows of rank five, a motion that is certain and shares of the load that are not."""
 
-from functools import partial
-
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.special import ellipj, ellipk
 
-from mbsd3d import GROUND, Body, PointOnLine, Revolute, Solution, Spherical, System, rotation, simulate
-from mbsd3d.base import inertia
+from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, inertia, rotation, shapes, simulate
 from mbsd3d.base.rotations import matrix
-from mbsd3d.base.style import COLOURS, GREY
-from mbsd3d.mechanism import shapes
+from mbsd3d.base.style import GREY
 
-from ..base import Exhibit, Outcome, Row, Show
-from ..drawing import every, legend_below, new_figure, theory_dots
+from ..figure import Line
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
-MASS, WIDTH, THICKNESS, HEIGHT = 20.0, 0.9, 0.04, 2.0  # kg, m
-LEAN, START = np.radians(5.0), np.radians(60.0)  # of the hinge axis from the vertical; of the door from its rest
-HINGES = 0.7  # distance of each hinge from the middle [m]
-GRAVITY, DURATION, SAMPLES = 9.81, 6.0, 301
-LEVER = WIDTH / 2  # of the centre of mass about the hinge axis [m]
-ABOUT_HINGES = MASS * (WIDTH**2 / 3 + THICKNESS**2 / 12)  # kg m^2
-FREQUENCY = np.sqrt(MASS * GRAVITY * np.sin(LEAN) * LEVER / ABOUT_HINGES)  # of small swings [rad/s]
-SHAPE = (
-    shapes.Box((WIDTH, THICKNESS, HEIGHT)),
-    shapes.Cylinder(0.015, 0.2, "y", at=(0.93 * WIDTH, 0, 0), colour=GREY),
-)
-AXIS = np.array([np.sin(LEAN), 0.0, np.cos(LEAN)])
+G, SAMPLES = 9.81, 301
 
 
-def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angle from the rest [rad] and rate [rad/s] after a release at START: sin(angle/2) = k cd(p t | k^2)."""
-    k = np.sin(START / 2)
-    sn, cn, dn, _ = ellipj(FREQUENCY * np.asarray(t, float) + ellipk(k * k), k * k)
-    return 2 * np.arcsin(k * sn), 2 * k * FREQUENCY * cn
+def mechanism(*, m=20.0, width=0.9, thickness=0.04, height=2.0, lean_deg=5.0, start_deg=60.0, hinges=0.7,
+              fit="two hinges") -> System:  # fmt: skip
+    """A door of m [kg] and a size [m], its hinge axis leaning towards x, open by an angle, hinges at +- ``hinges`` [m].
 
-
-def net_force(t: np.ndarray) -> np.ndarray:
-    """(samples, 3) force of both hinges together [N]: m (a - g), a on the circle of the centre of mass."""
-    angle, rate = swing(t)
-    out = np.outer(np.cos(angle), [np.cos(LEAN), 0, -np.sin(LEAN)]) + np.outer(np.sin(angle), [0, 1, 0])
-    turning = -(FREQUENCY**2) * np.sin(angle)
-    a = LEVER * (turning[:, None] * np.cross(AXIS, out) - (rate**2)[:, None] * out)
-    return MASS * (a + [0, 0, GRAVITY])
-
-
-def door(lean: float, *, cured: bool = False) -> System:
-    """The door, its hinge axis tilted towards x, open by START; reference point on the hinge axis.
-
-    Two revolute hinges, or (``cured``) a ball above and a point on a line below.
+    Two revolute hinges, or (``fit`` = "cured") a ball above and a point on a line below. Reference point on the axis.
     """
+    require(fit in ("two hinges", "cured"), f"demo 'door': fit = {fit!r}; give 'two hinges' or 'cured'")
+    lean = np.radians(lean_deg)
     axis = np.array([np.sin(lean), 0.0, np.cos(lean)])
-    tilted = matrix(rotation("y", lean)) @ matrix(rotation("z", START))
-    moments = inertia.box(MASS, (WIDTH, THICKNESS, HEIGHT))
-    leaf = Body("door", MASS, moments, com=(LEVER, 0, 0), orientation=tilted, shape=SHAPE)
-    top, bottom = {"at": HINGES * axis, "name": "top"}, {"at": -HINGES * axis, "axis": axis, "name": "bottom"}
-    if cured:
-        return System([leaf], [Spherical(GROUND, leaf, **top), PointOnLine(GROUND, leaf, **bottom)])
-    return System([leaf], [Revolute(GROUND, leaf, axis=axis, **top), Revolute(GROUND, leaf, **bottom)])
+    turned = matrix(rotation("y", lean)) @ matrix(rotation("z", np.radians(start_deg)))
+    size = (width, thickness, height)
+    form = shapes.Box(size), shapes.Cylinder(0.015, 0.2, "y", at=(0.93 * width, 0, 0), colour=GREY)
+    leaf = Body("door", m, inertia.box(m, size), com=(width / 2, 0, 0), orientation=turned, shape=form)
+    top, bottom = {"at": hinges * axis, "name": "top"}, {"at": -hinges * axis, "axis": axis, "name": "bottom"}
+    if fit == "cured":
+        return System([leaf], [Spherical(GROUND, leaf, **top), PointOnLine(GROUND, leaf, **bottom)], gravity=(0, 0, -G))
+    joints = [Revolute(GROUND, leaf, axis=axis, **top), Revolute(GROUND, leaf, **bottom)]
+    return System([leaf], joints, gravity=(0, 0, -G))
 
 
-def along_axis(solution: Solution, joint: str) -> np.ndarray:
-    """What a hinge carries along the axis [N]."""
-    return solution.reaction(joint).force @ AXIS
+def swing(t, *, m, width, thickness, lean_deg, start_deg):
+    """Angle from the rest [rad] after the release, sin(angle/2) = k cd(p t | k^2), and (times, 3) force of both hinges
+    together [N]: m (a - g), a on the circle of the centre of mass."""
+    lean, lever, k = np.radians(lean_deg), width / 2, np.sin(np.radians(start_deg) / 2)
+    p2 = G * np.sin(lean) * lever / (width**2 / 3 + thickness**2 / 12)
+    sn, cn, dn, _ = ellipj(np.sqrt(p2) * np.asarray(t, float) + ellipk(k * k), k * k)
+    angle, rate2 = 2 * np.arcsin(k * sn), 4 * k**2 * p2 * cn**2
+    out = np.outer(np.cos(angle), [np.cos(lean), 0, -np.sin(lean)]) + np.outer(np.sin(angle), [0, 1, 0])
+    around = np.cross([np.sin(lean), 0, np.cos(lean)], out)
+    a = lever * (-(p2 * np.sin(angle))[:, None] * around - rate2[:, None] * out)
+    return angle, m * (a + [0, 0, G])
 
 
-def run(*, lean_factor: float = 1.0) -> Outcome:
-    """Six seconds of the door as built and as cured; ``lean_factor`` tilts the axis more than theory knows."""
-    system = door(lean_factor * LEAN)
-    built = simulate(system, DURATION, rtol=1e-11, output=SAMPLES)
-    cured = simulate(door(lean_factor * LEAN, cured=True), DURATION, rtol=1e-11, output=SAMPLES)
-    found, fixed = system.check(), cured.system.check()
-    net, sample = built.reaction("top", "bottom"), int(np.searchsorted(built.t, 2.0 - 1e-9))
-    rows = [
-        Row("rows of the joints", found.rows, 10, 0),
-        Row("rank: independent rows", found.rank, 5, 0),
-        Row("Gruebler's count 6 - 10", found.gruebler, -4, 0),
-        Row("mobility 6 - 5", found.mobility, 1, 0),
-        Row("redundant rows with the cure", fixed.redundant, 0, 0),
-        Row("angle at 6 s", built.angle("top")[-1] + START, swing(DURATION)[0], 1e-9, "rad"),
-    ]
-    rows += [
-        Row(f"both hinges together, force {axis} at 2 s", value, theory, 1e-8, "N")
-        for axis, value, theory in zip("xyz", net.force[sample], net_force(built.t)[sample], strict=True)
-    ]
-    carried = along_axis(cured, "top")
-    rows.append(Row("cured: top hinge, along the axis", carried[-1], MASS * GRAVITY * np.cos(LEAN), 1e-8, "N"))
-    rows.append(Row("the net force is unique (1: yes)", net.unique, 1, 0))
-    rows.append(Row("the share of one hinge is unique (1: yes)", built.reaction("top").unique, 0, 0))
-    notes = (f"verdict: {found.verdict}", *(f"cure: {cure.text}" for cure in found.cures))
-    solutions = {"door": built, "door_cured": cured}
-    curves, shown = [("angle", "top"), ("reaction", "top", "bottom")], ["reaction force"]
-    views = {"door": Show(built, {"curves": curves, "shown": shown, "traces": []})}
-    return Outcome(tuple(rows), partial(draw, built, cured), solutions, notes, views)
+def theory(*, m, width, thickness, lean_deg, start_deg, t):
+    """Counting and rank of ten rows; a physical pendulum for the motion, Newton's second law for the net force."""
+    require(0 < abs(start_deg) < 180 and 0 < lean_deg < 90, "demo 'door': give 0 < lean_deg < 90 and an angle to swing")
+    angle, force = swing([t / 3, t], m=m, width=width, thickness=thickness, lean_deg=lean_deg, start_deg=start_deg)
+    named = {f"net_force_{axis}_N": value for axis, value in zip("xyz", force[0], strict=True)}
+    counts = {"rows": 10, "rank": 5, "gruebler": -4, "mobility": 1, "net_unique": 1, "share_unique": 0}
+    carried = m * G * np.cos(np.radians(lean_deg))
+    return {**counts, "cured_redundant": 0, "angle_rad": angle[1], **named, "cured_top_along_N": carried}
 
 
-def draw(built: Solution, cured: Solution) -> Figure:
-    """Swing, net force of the hinges, and who carries the weight."""
-    titles = ("the motion is certain", "so is the force of both hinges together", "what one hinge carries is not")
-    figure, (motion, force, shares) = new_figure("A door on two hinges: 10 rows of rank 5", titles)
-    t, dots = built.t, every(built.t.size, 25)
-    motion.plot(t, np.degrees(built.angle("top") + START), color=COLOURS[0], label="computed")
-    theory_dots(motion, t[dots], np.degrees(swing(t[dots])[0]), "theory (elliptic functions)")
-    motion.set(ylabel="angle from the rest [°]", yticks=np.arange(-60, 61, 30))
-    net = built.reaction("top", "bottom").force
-    weight = np.array([0.0, 0.0, MASS * GRAVITY])
-    for k, axis in enumerate(("x", "y", "z, less the weight")):
-        force.plot(t, (net - weight)[:, k], color=COLOURS[k], label=axis)
-        theory_dots(force, t[dots], (net_force(t[dots]) - weight)[:, k], "theory" if k == 2 else None)
-    force.set(ylabel="force of both hinges on the door [N]")
-    for solution, line, name in ((built, "-", "two hinges"), (cured, "--", "cured")):
-        outwards = np.einsum("ti,ti->t", solution.reaction("top").force, solution.rotation("door")[:, :, 0])
-        shares.plot(t, along_axis(solution, "top"), line, color=COLOURS[0], label=f"along the axis, {name}")
-        shares.plot(t, outwards, line, color=COLOURS[1], label=f"outwards, {name}")
-    shares.set(ylabel="force of the top hinge on the door [N]")
-    for axes, columns in ((motion, 2), (force, 2), (shares, 2)):
-        axes.set_xlabel("time [s]")
-        legend_below(axes, columns)
-    return figure
+def angle_of(run, lean):
+    """Angle from the rest [rad]."""
+    out = run.rotation("door")[:, :, 0]
+    return np.arctan2(out[:, 1], out @ [np.cos(lean), 0, -np.sin(lean)])
 
 
-demo = Exhibit(
-    name="door",
-    title="two-hinge door: redundant, and still certain",
-    why="In a plane a hinge takes two freedoms of three and a second one locks the door; in space five of six, and a "
-    "second hinge on the same axis takes the same five again, so counting says -4 where the door turns.",
+def measure(build, terms, *, m, width, thickness, lean_deg, start_deg, t=6.0) -> Measured:
+    """The door as built and as cured: what `check` finds, angle at t, forces at t/3."""
+    built, cured = (simulate(s, t, rtol=1e-11, output=SAMPLES, **terms) for s in (build(), build(fit="cured")))
+    found, net, third = built.system.check(), built.reaction("top", "bottom"), (SAMPLES - 1) // 3
+    lean = np.radians(lean_deg)
+    along = built.reaction("top").force @ [np.sin(lean), 0, np.cos(lean)]
+    kept = cured.reaction("top").force @ [np.sin(lean), 0, np.cos(lean)]
+    values = {
+        "rows": found.rows, "rank": found.rank, "gruebler": found.gruebler, "mobility": found.mobility,
+        "net_unique": float(net.unique), "share_unique": float(built.reaction("top").unique),
+        "cured_redundant": cured.system.check().redundant, "angle_rad": angle_of(built, lean)[-1],
+        **{f"net_force_{axis}_N": net.force[third, k] for k, axis in enumerate("xyz")}, "cured_top_along_N": kept[-1],
+    }  # fmt: skip
+    known, force = swing(built.t, m=m, width=width, thickness=thickness, lean_deg=lean_deg, start_deg=start_deg)
+    bare, known_bare = net.force - [0, 0, m * G], force - [0, 0, m * G]
+    lines = [Line(name, bare[:, k], theory=(built.t, known_bare[:, k]))
+             for k, name in enumerate(("x", "y", "z, less the weight"))]  # fmt: skip
+    outwards = np.einsum("ti,ti->t", built.reaction("top").force, built.rotation("door")[:, :, 0])
+    curves = [
+        Curve("angle from the rest [deg]", built.t, np.degrees(angle_of(built, lean)),
+              (built.t, np.degrees(known)), title="the motion is certain"),
+        Curve("force of both hinges on the door [N]", built.t, lines[0].y, lines[0].theory, name="x", more=lines[1:],
+              title="so is the force of both hinges together"),
+        Curve("force of the top hinge on the door [N]", built.t, along, name="along the axis",
+              title="what one hinge carries is not", more=[Line("outwards", outwards)]),
+    ]  # fmt: skip
+    notes = [f"verdict: {found.verdict}", *(f"cure: {cure.text}" for cure in found.cures)]
+    return Measured(values, [built, cured], curves, notes=notes)
+
+
+demo = Demo(
+    __name__,
+    title="Two-hinge door: redundant, and still certain",
+    question="Why does a door turn on two hinges although counting says it cannot?",
+    why="In a plane a hinge takes two freedoms of three and a second one locks the door. In space five of six go, "
+    "and a second hinge on the same axis takes the same five again, so counting says 6 - 10 = -4 where the door turns. "
+    "Its motion is certain, and so is the force of both hinges together. What each of them carries is not: it depends "
+    "on how they were fitted. A ball above and a point on a line below hold the door without doubt.",
+    equation="6 - 10 = -4 by counting, 6 - rank = 1; sin(a/2) = k cd(p t, k^2); F = m (a - g)",
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
-    make=run,
-    family="Loops that should not move",
-    ablation={"lean_factor": 1.01},
-)
+    quantities={
+        "rows": Quantity("rows of the joints"),
+        "rank": Quantity("rank: independent rows"),
+        "gruebler": Quantity("Gruebler's count 6 - rows"),
+        "mobility": Quantity("mobility 6 - rank"),
+        "cured_redundant": Quantity("redundant rows with the cure"),
+        "angle_rad": Quantity("angle from the rest at t", "rad"),
+        **{f"net_force_{axis}_N": Quantity(f"both hinges together, force {axis} at t/3", "N", absolute=1e-8)
+           for axis in "xyz"},
+        "cured_top_along_N": Quantity("cured: top hinge, along the axis", "N", absolute=1e-8),
+        "net_unique": Quantity("the net force is unique (1: yes)"),
+        "share_unique": Quantity("the share of one hinge is unique (1: yes)"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("redundancy", "counting is right, and every share is certain", {"fit": "cured"},
+                      lambda: {"rows": 5, "rank": 5, "gruebler": 1, "mobility": 1, "net_unique": 1, "share_unique": 1}),
+    show={"curves": [("angle", "top"), ("reaction", "top", "bottom")], "shown": ["reaction force"], "traces": []},
+)  # fmt: skip

@@ -1,9 +1,6 @@
 """Two shafts at an angle: the driven one runs unevenly, and a second joint takes it back."""
 
-from functools import partial
-
 import numpy as np
-from matplotlib.figure import Figure
 
 from mbsd3d import (
     GROUND,
@@ -17,17 +14,42 @@ from mbsd3d import (
     Universal,
     rotation,
     simulate,
-)
-from mbsd3d.base.style import COLOURS, GREY
-from mbsd3d.mechanism import shapes
+)  # fmt: skip
 
-from ..base import Exhibit, Outcome, Row, Show
-from ..drawing import every, legend_below, new_figure, spectrum_bars, theory_dots
+from ..base import Show
+from ..figure import Bars, Line
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from .shaft_pair import forked
 
-BEND, RATE = np.radians(30.0), 10.0  # rad, rad/s
-INERTIA = (0.2, 1.0, 1.0)  # kg m^2, the shafts lie along the body's x
-SAMPLES = 256  # of one turn: greatest and least rate are among them
 ORDERS = np.array([2, 4, 6])
+SAMPLES = 256  # of one turn: greatest and least rate are among them
+
+
+def mechanism(*, bend_deg=30.0, rate=10.0, J=0.2, joints=1) -> System:
+    """Input along x at ``rate`` [rad/s], output of moment J [kg m^2] bent by the angle; or with a second joint,
+    whose yokes are aligned, parallel to the input beyond a middle shaft."""
+    require(joints in (1, 2), f"demo 'cardan': joints = {joints}; give 1, or 2 for the double joint")
+    bend = np.radians(bend_deg)
+    along, moments = np.array([np.cos(bend), np.sin(bend), 0.0]), (J, 1.0, 1.0)
+    drive = Body("drive", 1.0, moments, position=(-0.5, 0, 0), shape=forked(-0.5, (0.5, "y")))
+    parts = [
+        Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing"),
+        SpeedDriver(GROUND, drive, axis=(1, 0, 0), speed=rate, name="motor"),
+    ]
+    shape = forked(0.5, (-0.5, "z")) if joints == 1 else forked(None, (-0.5, "z"), (0.5, "z"))
+    name = "driven" if joints == 1 else "middle"
+    bent = Body(name, 1.0, moments, position=0.5 * along, orientation=rotation("z", bend), shape=shape)
+    parts.append(Universal(drive, bent, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross"))
+    if joints == 1:  # a bearing at its end would be redundant
+        return System(
+            [drive, bent], [*parts, PointOnLine(GROUND, bent, at=along, axis=along, name="support")], gravity=(0, 0, 0)
+        )
+    driven = Body("driven", 1.0, moments, position=along + (0.5, 0, 0), shape=forked(0.5, (-0.5, "y")))
+    parts += [
+        Universal(bent, driven, at=along, axis_a=(0, 0, 1), axis_b=(0, 1, 0), name="cross 2"),
+        Cylindrical(GROUND, driven, at=along + (1, 0, 0), axis=(1, 0, 0), name="support"),
+    ]
+    return System([drive, bent, driven], parts, gravity=(0, 0, 0))
 
 
 def ratio(angle: np.ndarray, bend: float) -> np.ndarray:
@@ -35,146 +57,76 @@ def ratio(angle: np.ndarray, bend: float) -> np.ndarray:
     return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
 
 
+def motor_torque(angle: np.ndarray, bend: float, rate: float, J: float) -> np.ndarray:
+    """J times output acceleration times ratio [N m]: all power goes into the driven shaft."""
+    n = ratio(angle, bend)
+    return J * rate**2 * n * -(np.sin(bend) ** 2) * np.sin(2 * angle) * n**2 / np.cos(bend)
+
+
 def harmonics(bend: float) -> np.ndarray:
     """Amplitudes over the mean at 2, 4, 6 times shaft speed: 2 tan^(2k)(b/2), the Poisson kernel of `ratio`."""
     return 2 * np.tan(bend / 2) ** ORDERS
 
 
-def motor_torque(angle: np.ndarray, bend: float) -> np.ndarray:
-    """J2 times output acceleration times ratio [N m]: all power goes into the driven shaft."""
-    n = ratio(angle, bend)
-    slope = -(np.sin(bend) ** 2) * np.sin(2 * angle) * n**2 / np.cos(bend)
-    return INERTIA[0] * RATE**2 * n * slope
+def theory(*, bend_deg, rate, J):
+    """1/cos^2 b between fastest and slowest, `harmonics`, the greatest `motor_torque` of the samples; 1 for two."""
+    require(abs(bend_deg) < 90, f"demo 'cardan': bend_deg = {bend_deg:g}: a cross locks at 90; give less")
+    b = np.radians(bend_deg)
+    torque = motor_torque(2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES, b, rate, J).max()
+    amplitudes = dict(zip(("amplitude_2x", "amplitude_4x", "amplitude_6x"), harmonics(b), strict=True))
+    even = {"double_greatest_ratio": 1.0, "double_least_ratio": 1.0}
+    return {"greatest_over_least": 1 / np.cos(b) ** 2, **amplitudes, "motor_torque_Nm": torque, **even}
 
 
-def shaft(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]:
-    """Shape of a shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
-    ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
-    ends += [-ends[0]] if len(ends) == 1 else []
-    made: list[shapes.Shape] = [
-        shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))
-    ]
-    if outer is not None:
-        made.append(shapes.Disc(0.18, 0.04, "x", at=(outer, 0, 0)))
-    for end, pin in forks:
-        across = np.array([0.0, pin == "y", pin == "z"])
-        inner = end - np.sign(end) * 0.16
-        made.append(shapes.Box(np.array([0.04, 0.06, 0.06]) + 0.2 * across, at=(inner, 0, 0)))
-        for side in (-0.115, 0.115):
-            place = side * across + [0.5 * (inner + end) + 0.01 * np.sign(end), 0, 0]
-            made.append(shapes.Box(np.array([0.22, 0.06, 0.06]) - 0.03 * across, at=place))
-        made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour=GREY))
-    return made
-
-
-def direction(angle: float) -> np.ndarray:
-    """Unit vector in the xy plane."""
-    return np.array([np.cos(angle), np.sin(angle), 0.0])
-
-
-def input_shaft() -> tuple[Body, list[shapes.Shape]]:
-    """The driven input along x, ending at the origin."""
-    drive = Body("drive", 1.0, INERTIA, position=(-0.5, 0, 0), shape=shaft(-0.5, (0.5, "y")))
-    bearing = Revolute(GROUND, drive, at=(-0.5, 0, 0), axis=(1, 0, 0), name="bearing")
-    return drive, [bearing, SpeedDriver(GROUND, drive, axis=(1, 0, 0), speed=RATE, name="motor")]
-
-
-def shaft_pair(bend: float) -> System:
-    """Two shafts in the xy plane that meet at the origin."""
-    drive, joints = input_shaft()
-    along = direction(bend)
-    shape, turned = shaft(0.5, (-0.5, "z")), rotation("z", bend)
-    driven = Body("driven", 1.0, INERTIA, position=0.5 * along, orientation=turned, shape=shape)
-    joints += [
-        Universal(drive, driven, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross"),
-        PointOnLine(GROUND, driven, at=along, axis=along, name="support"),  # a bearing here would be redundant
-    ]
-    return System([drive, driven], joints, gravity=(0, 0, 0))
-
-
-def double_joint(bend: float) -> System:
-    """Input and output parallel, a middle shaft at the angle ``bend`` with aligned yokes."""
-    drive, joints = input_shaft()
-    along = direction(bend)
-    shape, turned = shaft(None, (-0.5, "z"), (0.5, "z")), rotation("z", bend)
-    middle = Body("middle", 1.0, INERTIA, position=0.5 * along, orientation=turned, shape=shape)
-    driven = Body("driven", 1.0, INERTIA, position=along + (0.5, 0, 0), shape=shaft(0.5, (-0.5, "y")))
-    joints += [
-        Universal(drive, middle, at=(0, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1), name="cross 1"),
-        Universal(middle, driven, at=along, axis_a=(0, 0, 1), axis_b=(0, 1, 0), name="cross 2"),
-        Cylindrical(GROUND, driven, at=along + (1, 0, 0), axis=(1, 0, 0), name="support"),
-    ]
-    return System([drive, middle, driven], joints, gravity=(0, 0, 0))
-
-
-def one_turn(system: System) -> Solution:
+def one_turn(system: System, rate: float, **terms: bool) -> Solution:
     """One turn of the input."""
-    return simulate(system, 2 * np.pi / RATE, rtol=1e-12, output=SAMPLES + 1)
+    return simulate(system, 2 * np.pi / abs(rate), rtol=1e-12, output=SAMPLES + 1, **terms)
 
 
-def output_ratio(solution: Solution) -> np.ndarray:
-    """Output over input rate at the samples."""
-    return solution.omega_body("driven")[:, 0] / RATE
+def measure(build, terms, *, bend_deg, rate, J) -> Measured:
+    """Ratio of the rates, its harmonics and the motor's torque during one turn, with one joint and with two."""
+    single, double = (one_turn(build(joints=count), rate, **terms) for count in (1, 2))
+    found, even = (run.omega_body("driven")[:, 0] / rate for run in (single, double))
+    spectrum = np.abs(np.fft.rfft(found[:-1]))
+    amplitudes = 2 * spectrum[ORDERS] / spectrum[0]
+    torques, b = [run.effort("motor") for run in (single, double)], np.radians(bend_deg)
+    names = ("greatest_over_least", "amplitude_2x", "amplitude_4x", "amplitude_6x", "motor_torque_Nm",
+             "double_greatest_ratio", "double_least_ratio")  # fmt: skip
+    values = (found.max() / found.min(), *amplitudes, torques[0].max(), even.max(), even.min())
+    angle, degrees, along = rate * single.t, np.degrees(rate * single.t), "input angle [deg]"
+    curves = [
+        Curve("output rate / input rate [-]", degrees, found, (degrees, ratio(angle, b)), along, "it runs unevenly",
+              name="one joint", more=[Line("two joints", even)]),
+        Bars("amplitude / mean rate [-]", ORDERS, amplitudes, harmonics(b), title="harmonics of the output rate"),
+        Curve("motor torque [N m]", degrees, torques[0], (degrees, motor_torque(angle, b, rate, J)), along,
+              "torque that an even input takes", name="one joint", more=[Line("two joints", torques[1])]),
+    ]  # fmt: skip
+    options = {**demo.show, "title": "two Cardan joints: an even ratio again"}
+    return Measured(dict(zip(names, values, strict=True)), [single, double], curves, {"double": Show(double, options)})
 
 
-def amplitudes(solution: Solution) -> np.ndarray:
-    """Harmonics of the output rate over its mean."""
-    spectrum = np.abs(np.fft.rfft(output_ratio(solution)[:-1]))
-    return 2 * spectrum[ORDERS] / spectrum[0]
-
-
-def run(*, bend_factor: float = 1.0) -> Outcome:
-    """One turn of the single and of the double joint; ``bend_factor`` bends the shafts more than theory knows."""
-    bend = bend_factor * BEND
-    single, double = one_turn(shaft_pair(bend)), one_turn(double_joint(bend))
-    found, even = output_ratio(single), output_ratio(double)
-    rows = [Row("greatest over least output rate", found.max() / found.min(), 1 / np.cos(BEND) ** 2, 1e-10)]
-    rows += [
-        Row(f"{order}x amplitude over the mean rate", value, theory, 1e-10)
-        for order, value, theory in zip(ORDERS, amplitudes(single), harmonics(BEND), strict=True)
-    ]
-    torque = motor_torque(RATE * single.t, BEND)
-    rows.append(Row("greatest motor torque", single.effort("motor").max(), torque.max(), 1e-8, "N m"))
-    rows.append(Row("double joint: greatest output/input rate", even.max(), 1.0, 1e-10))
-    rows.append(Row("double joint: least output/input rate", even.min(), 1.0, 1e-10))
-    solutions = {"cardan": single, "cardan_double": double}
-    options = {"curves": [("omega_body", "driven"), ("effort", "motor")], "traces": []}
-    even = {"title": "two Cardan joints: an even ratio again", **options}
-    views = {"cardan": Show(single, options), "cardan_double": Show(double, even)}
-    return Outcome(tuple(rows), partial(draw, single, double), solutions, views=views)
-
-
-def draw(single: Solution, double: Solution) -> Figure:
-    """Ratio over one turn, harmonics, motor torque."""
-    titles = ("the output runs unevenly", "harmonics of the output rate", "torque that an even input takes")
-    figure, (rate, bars, torque) = new_figure("Cardan joint, shafts at 30°", titles)
-    angle = RATE * single.t
-    degrees, dots = np.degrees(angle), every(angle.size, 25)
-    rate.plot(degrees, output_ratio(single), color=COLOURS[0], label="one joint")
-    rate.plot(degrees, output_ratio(double), color=COLOURS[1], label="two joints")
-    theory_dots(rate, degrees[dots], ratio(angle[dots], BEND))
-    rate.set(ylabel="output rate / input rate [-]")
-    spectrum_bars(bars, ORDERS, [("one joint", amplitudes(single))], harmonics(BEND))
-    bars.set(xlabel="multiple of the shaft speed [-]", ylabel="amplitude / mean rate [-]", ylim=(2e-4, 0.5))
-    torque.plot(degrees, single.effort("motor"), color=COLOURS[0], label="one joint")
-    torque.plot(degrees, double.effort("motor"), "--", color=COLOURS[1], label="two joints")
-    theory_dots(torque, degrees[dots], motor_torque(angle[dots], BEND))
-    torque.set(ylabel="motor torque [N m]")
-    for axes in (rate, torque):
-        axes.set(xlabel="input angle [°]", xticks=np.arange(0, 361, 90))
-    for axes in (rate, bars, torque):
-        legend_below(axes, 3)
-    return figure
-
-
-demo = Exhibit(
-    name="cardan",
+demo = Demo(
+    __name__,
     title="Cardan joint: an uneven ratio between shafts at an angle",
-    why="In a plane all shafts are parallel and a coupling hands every angle on unchanged; two shafts that meet at an "
-    "angle need space, and a cross between them trades speed four times a turn.",
+    question="Why does a shaft behind a Cardan joint run unevenly, and what takes it back?",
+    why="In a plane all shafts are parallel and a coupling hands every angle on unchanged. Two shafts that meet at an "
+    "angle need space, and a cross between them trades speed four times a turn: its pins stand now across the bend, "
+    "now in it. An output with inertia then needs a torque that swings, even at a steady input. A second joint with "
+    "aligned yokes at the same angle takes the unevenness back.",
+    equation="n = cos b / (1 - sin^2 b cos^2 a); amplitude 2k: 2 tan^(2k)(b/2)",
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",
-    make=run,
-    family="Shafts out of line",
-    ablation={"bend_factor": 1.01},
-)
+    quantities={
+        "greatest_over_least": Quantity("greatest over least output rate", absolute=1e-10, relative=1e-10),
+        **{f"amplitude_{k}x": Quantity(f"{k}x amplitude over the mean rate", absolute=1e-10) for k in ORDERS},
+        "motor_torque_Nm": Quantity("greatest motor torque", "N m", absolute=1e-8),
+        "double_greatest_ratio": Quantity("double joint: greatest output/input rate", relative=1e-10, absolute=1e-10),
+        "double_least_ratio": Quantity("double joint: least output/input rate", relative=1e-10, absolute=1e-10),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("bend", "shafts in line turn as one", {"bend_deg": 0.0}),
+    show={"curves": [("omega_body", "driven"), ("effort", "motor")], "traces": []},
+    ranges={"joints": None},
+)  # fmt: skip

@@ -18,6 +18,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )
+from mbsd3d.base.style import GREY
 
 SAMPLES = 361  # of one turn, the quarters among them: there couples and rates have their extremes
 SPAN = 1.0  # m, from the joint to the support of the driven shaft
@@ -31,6 +32,25 @@ def shaft(sign: float) -> tuple[shapes.Shape, ...]:
         shapes.Disc(0.15, 0.05, "x", at=(sign * 0.95, 0, 0)),
         shapes.Box((0.1, 0.2, 0.06), at=(sign * 0.05, 0, 0)),
     )
+
+
+def forked(outer: float | None, *forks: tuple[float, str]) -> list[shapes.Shape]:
+    """A shaft along x about its middle: a disc at the end ``outer``, and forks (end, axis of their pin)."""
+    ends = [end - np.sign(end) * 0.16 for end, _ in forks] + ([] if outer is None else [outer])
+    made: list[shapes.Shape] = [
+        shapes.Cylinder(0.04, abs(ends[0] - ends[1]), "x", at=(0.5 * (ends[0] + ends[1]), 0, 0))
+    ]
+    if outer is not None:
+        made.append(shapes.Disc(0.18, 0.04, "x", at=(outer, 0, 0)))
+    for end, pin in forks:
+        across = np.array([0.0, pin == "y", pin == "z"])
+        inner = end - np.sign(end) * 0.16
+        made.append(shapes.Box(np.array([0.04, 0.06, 0.06]) + 0.2 * across, at=(inner, 0, 0)))
+        for side in (-0.115, 0.115):
+            place = side * across + [0.5 * (inner + end) + 0.01 * np.sign(end), 0, 0]
+            made.append(shapes.Box(np.array([0.22, 0.06, 0.06]) - 0.03 * across, at=place))
+        made.append(shapes.Cylinder(0.02, 0.28, pin, at=(end, 0, 0), colour=GREY))
+    return made
 
 
 def shaft_pair(joint: type[Joint], bend_deg: float, torque: float, **axes: object) -> System:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.directions import unit
+from ...base.errors import InputError
 from ...kernels.force_laws import push, twist
 from ...kernels.jit import merged_kernel
 from ...kernels.signals import signal
@@ -226,21 +227,21 @@ class Tyre(ForceElement):
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
         if self.b is GROUND:
-            raise ValueError(f"{what}: the ground has no tyre; give (ground, wheel)")
+            raise InputError(f"{what}: the ground has no tyre; give (ground, wheel)")
         self.set(**self.checked_numbers(what))
         if self.crown > self.radius:
-            raise ValueError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
+            raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
         if self.nominal_load is None and (self.grip_sensitivity or self.stiffness_sensitivity):
-            raise ValueError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
+            raise InputError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
         if not isinstance(self.camber_lag, bool):
-            raise ValueError(f"{what}: camber_lag = {self.camber_lag!r}; give True or False")
+            raise InputError(f"{what}: camber_lag = {self.camber_lag!r}; give True or False")
         if self.mu is not None and not isinstance(self.mu, Signal):
             number(self.mu, f"{what}: mu", positive=True)
         at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
         plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
         axis = unit(self.axis, f"{what}: axis")
         if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
-            raise ValueError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
+            raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
         self.set(
             mu=None if self.mu is None else as_signal(self.mu, f"{what}: mu"),
             axis=axis,

@@ -5,8 +5,7 @@ closed form. Nobody knows the motion of random mechanisms, so only other formula
 """
 
 from collections.abc import Iterable
-from functools import cache, partial
-from typing import Any
+from functools import partial
 
 from mbsd3d import IntegrationError, System
 from mbsd3d.extend import Demo, discover
@@ -17,47 +16,26 @@ from validation.crosscheck.ours import TIGHT
 from validation.suite.findings import FREEDOMS, THEORY, Finding, judged
 from validation.suite.trials import closed_forms
 from validation.suite.trials.references import counts, theory_of
-from validation.suite.trials.trial import STANDS, Run, Trial, run
+from validation.suite.trials.trial import Run, Trial, run
 
-WHOLE = {
-    "cardan": ("cardan", "cardan_double"),
-    "door": ("door", "door_cured"),
-    "dzhanibekov": ("dzhanibekov", "dzhanibekov_least", "dzhanibekov_greatest"),
-    "heavy_top": ("heavy_top", "heavy_top_slow", "heavy_top_fast"),
-}
-"""Demo -> its runs with all terms; of other demos the first run is one."""
-LONG = {"crank": "engine_I4", "wall": "demo_heavy_top"}
-"""Demo -> the case compared with other engines in its place when the run must be short."""
+QUICK = ("cardan", "door", "dzhanibekov", "heavy_top")
+"""Demos compared with other engines in a short run too."""
 SHORT = "in a short run a demo of the gallery is compared with its theory only"
 
 
 def demonstrations(quick: bool) -> list[Trial]:
-    """One per mechanism of a demo; the theory goes with the first one. Demos with parameters are the gallery."""
-    found = []
-    for demo in discover().values():
-        if isinstance(demo, Demo):
-            make, alone = partial(shown, demo, demo.name), SHORT if quick else demo.alone
-            found.append(Trial(f"gallery_{demo.name}", "gallery", demo.title, make, {THEORY: rows}, alone=alone))
-            continue
-        names = WHOLE.get(demo.name, (demo.name,))
-        for name in names[:1] if quick else names:
-            judges = {THEORY: rows} if name == names[0] else {}
-            title = demo.title if name == names[0] else f"{demo.title} ({name.removeprefix(demo.name + '_')})"
-            alone = STANDS.format(LONG[name]) if quick and name in LONG else ""
-            found.append(Trial(f"demo_{name}", "demos", title, partial(shown, demo, name), judges, alone=alone))
-    return found
+    """One per demo: its first run, and its theory."""
+    return [
+        Trial(f"gallery_{demo.name}", "gallery", demo.title, partial(shown, demo), {THEORY: rows},
+              alone=SHORT if quick and demo.name not in QUICK else demo.alone)
+        for demo in discover().values()
+    ]  # fmt: skip
 
 
-@cache
-def outcome(demo: Any) -> Any:
-    """Of a demo, run once."""
-    return demo.run()
-
-
-def shown(demo: Any, name: str) -> Run:
-    """A run of a demo by its name, or its first one."""
-    done = outcome(demo)
-    solution = done.solutions.get(name) or next(iter(done.solutions.values()))
+def shown(demo: Demo) -> Run:
+    """The first run of a demo."""
+    done = demo.run()
+    solution = next(iter(done.solutions.values()))
     return Run(solution.system, float(solution.t[-1]), solution, solution.state(0), done)
 
 

@@ -1,0 +1,8 @@
+"""What forgotten terms break: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import terms
+
+pytestmark = demos_of(terms)
