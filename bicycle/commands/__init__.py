@@ -71,25 +71,33 @@ WORDS = {"none": None, "true": True, "false": False}
 
 
 def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
-    """``[--tyres] [--tyre KEY=VALUE]``: the command gets ``fittings``, arguments of `whipple`; empty = ideal wheels."""
+    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``fittings`` for `whipple`; empty = ideal wheels."""
 
     @wraps(function)
-    def with_fittings(parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], **rest: Any) -> None:
+    def with_fittings(
+        parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None, **rest: Any
+    ) -> None:  # fmt: skip
         from ..model.tyres import TYPICAL, both
         from ..parameters import fittings
 
         found = fittings(parameters)
-        if changed or (on_tyres and not found):
+        if changed or ((on_tyres or head) and not found):
             changes = dict(tyre_number(text) for text in changed)
             found["tyres"] = tuple({**one, **changes} for one in both(found.get("tyres", TYPICAL)))
+        if head:
+            found |= dict(zip(("head_stiffness", "head_damping"), head, strict=True))
         function(parameters=parameters, fittings=found, **rest)
 
+    soft = click.option(
+        "--head", type=float, nargs=2, metavar="K C",
+        help="Of a head tube that yields [N m/rad] [N m s/rad], e.g. 2000 2. Includes --tyres.",
+    )  # fmt: skip
     several = click.option(
         "--tyre", "changed", multiple=True, metavar="KEY=VALUE",
         help="A number of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; several times. Includes --tyres.",
     )  # fmt: skip
     usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
-    return usual(several(with_fittings))
+    return usual(several(soft(with_fittings)))
 
 
 def tyre_number(text: str) -> tuple[str, float | bool | None]:

@@ -138,6 +138,8 @@ def run(
     gains: Gains | None = None,
     tyres: Tyres | None = None,
     steer_damping: float = 0.0,
+    head_stiffness: float | None = None,
+    head_damping: float = 0.0,
     t_end: float = 12.0,
     rtol: float = 1e-8,
     samples: int = 1201,
@@ -150,7 +152,7 @@ def run(
         At the start [m/s]; nobody pedals.
     gains : Gains or None
         None = by the rule of `bicycle.rider.gains_of`, at this speed.
-    tyres, steer_damping
+    tyres, steer_damping, head_stiffness, head_damping
         As in `bicycle.whipple`; the rule for gains knows neither.
     t_end, rtol, samples
         End [s], tolerance and number of samples of the run.
@@ -169,7 +171,9 @@ def run(
     """
     speed = number(speed, "rider: speed", positive=True)
     gains = gains_of(parameters, speed) if gains is None else gains
-    system = ridden(parameters, speed, course, gains, tyres=tyres, steer_damping=steer_damping)
+    fittings = {"tyres": tyres, "steer_damping": steer_damping}
+    fittings |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
+    system = ridden(parameters, speed, course, gains, **fittings)
     settings = {"state": system.state(), "rtol": rtol, "output": np.linspace(0.0, t_end, samples)}
     return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
 
