@@ -34,7 +34,7 @@ from mbsd3d.base.rotations import matrix
 G = 9.81  # m/s^2
 UP = np.array([0.0, 0.0, 1.0])
 WHEELS = {"front left": (1, 1), "front right": (1, -1), "rear left": (-1, 1), "rear right": (-1, -1)}
-STRUT = 1.0  # length of the springs under load [m]: they act along one line, so it does not matter
+STRUT = 0.5  # length of the springs under load [m]: they act along one line, so it does not matter
 SIZES = np.array([0.01, 0.001, 0.01, 0.1, 0.01, *[0.01] * 4, *[1.0] * 4, 100.0, *[0.01] * 8])
 """Of the unknowns of a circle: roll, pitch, height, speed to the left, steer, travels, spins, drive, deflections."""
 GROWING = np.isin(np.arange(22), [2, 9, 10, 11, 12], invert=True)  # about in proportion to the acceleration
