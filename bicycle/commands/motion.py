@@ -110,6 +110,8 @@ def circles(
     from ..rides.ride import view
     from ..turns import circles as study
 
+    if "head_stiffness" in fittings:
+        raise InputError("circles: turns are sought with a rigid head tube; leave out --head")
     if fittings:
         circles_on_tyres(parameters, speeds, fittings["tyres"], out)
         return
