@@ -15,6 +15,7 @@ from ..base.paths import write_atomically
 from ..base.style import DARK, LIGHT, house
 from ..base.templates import FOLDER, page_template
 from ..report.exhibits import inline_svg
+from ..report.mathml import mathml
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
 from .discovery import discover
@@ -40,12 +41,12 @@ def page(name: str, folder: Path) -> bool:
         term, ablated = taken
         players.append((f"without {term}", player(ablated, f"without {term}", folder / f"{name}_without.html")))
     next_one = known[(known.index(demo) + 1) % len(known)]
-    texts = {label: getattr(demo, label) for label in ("question", "why", "equation", "source")}
+    texts = {label: getattr(demo, label) for label in ("question", "why", "source")}
     html = page_template("demo.html").render(
-        title=demo.title, name=name, family=demo.family, texts=texts, rows=[cells(row) for row in outcome.rows],
-        figure=inline_svg(outcome.figure, f"{name}-"), players=[found for found in players if found[1]],
-        parameters=outcome.parameters, notes=outcome.notes, code=source_of(demo), next_one=next_one, light=LIGHT,
-        dark=DARK,
+        title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
+        rows=[cells(row) for row in outcome.rows], figure=inline_svg(outcome.figure, f"{name}-"),
+        players=[found for found in players if found[1]], parameters=outcome.parameters, notes=outcome.notes,
+        code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
     picture(outcome, folder / f"{name}.png")

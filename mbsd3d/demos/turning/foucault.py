@@ -79,7 +79,7 @@ demo = Demo(
     "turn about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. "
     "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
     "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
-    equation="r'' = g - 2 O x r' - O x (O x r) - k r; small swings turn at -O sin(lat)",
+    equation="r'' = g - 2 W x r' - W x (W x r) - k r; small swings turn at -W sin(lat)",
     source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
     quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},
     mechanism=mechanism,
