@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow timing warm lint pictures precision clean
+.PHONY: demo gallery test slow timing warm lint pictures precision docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -50,6 +50,11 @@ test-perturbed: $(READY)
 
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures
+	$(BIN)/python docs/make_joint_pictures.py docs/pictures/joints
+
+# The pages of docs/ as a site that needs no network: out/docs/index.html.
+docs: $(READY)
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
 
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures

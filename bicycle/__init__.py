@@ -12,8 +12,16 @@ _MODULES = {
     "equations": "linear.equations", "general": "linear.general", "critical": "linear.critical",
     "stability": "linear.stability", "sensitivity": "linear.sensitivity", "why": "linear.why",
     "frequency": "linear.frequency", "ride": "rides.ride", "circles": "turns.circles", "compare": "pages.compare",
+    "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "linear.rider", "assist": "linear.assist",
+    "course": "rides.course",
 }  # fmt: skip
-_HOME = {"Meijaard2007": "parameters", "Parameters": "parameters", "named": "parameters", "whipple": "models"}
+_HOME = {
+    "Meijaard2007": "parameters",
+    "Parameters": "parameters",
+    "named": "parameters",
+    "whipple": "models",
+    "TYPICAL": "tyres",
+}
 
 __all__ = [*_HOME, *_MODULES]
 

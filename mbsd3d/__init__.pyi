@@ -28,9 +28,11 @@ from .integrators.driven import Kinematic as Kinematic
 from .integrators.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .integrators.radau import RadauIIA as RadauIIA
 from .integrators.rk4 import RK4 as RK4
+from .kernels.coordinates import arctan2 as arctan2
 from .mechanism.bodies import GROUND as GROUND
 from .mechanism.bodies import Body as Body
 from .mechanism.contacts import KnifeEdge as KnifeEdge
+from .mechanism.contacts import Rolling as Rolling
 from .mechanism.contacts import RollingDisc as RollingDisc
 from .mechanism.couplings import Gear as Gear
 from .mechanism.couplings import GearMesh as GearMesh
@@ -41,6 +43,7 @@ from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
 from .mechanism.forces.bushing import Bushing as Bushing
+from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
 from .mechanism.forces.loads import AeroDrag as AeroDrag
@@ -49,6 +52,7 @@ from .mechanism.forces.loads import Torque as Torque
 from .mechanism.forces.springs import JointFriction as JointFriction
 from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
+from .mechanism.forces.tyre import Tyre as Tyre
 from .mechanism.joints import ConstantVelocity as ConstantVelocity
 from .mechanism.joints import Cylindrical as Cylindrical
 from .mechanism.joints import Distance as Distance

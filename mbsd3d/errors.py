@@ -1,5 +1,23 @@
-"""What this package raises: wrong input is a `ValueError`, failures of runs are an `MbsError`, which is one too."""
+"""What this package raises, all of it an `MbsError`: wrong input is an `InputError`, the others are failures."""
 
-from .base.errors import ArgumentError, AssemblyError, EquilibriumError, IntegrationError, MbsError, SweepError
+from .base.errors import (
+    ArgumentError,
+    AssemblyError,
+    EquilibriumError,
+    InputError,
+    IntegrationError,
+    MbsError,
+    NameMissingError,
+    SweepError,
+)
 
-__all__ = ["ArgumentError", "AssemblyError", "EquilibriumError", "IntegrationError", "MbsError", "SweepError"]
+__all__ = [
+    "ArgumentError",
+    "AssemblyError",
+    "EquilibriumError",
+    "InputError",
+    "IntegrationError",
+    "MbsError",
+    "NameMissingError",
+    "SweepError",
+]

@@ -8,15 +8,19 @@ from .mechanism.measures import (
     Condition,
     Measure,
     angle,
+    clearance,
     distance,
     lean,
     lean_rate,
+    leaves,
+    normal_force,
     omega,
     position,
     rate,
     slide,
     slide_rate,
     state,
+    touches,
     velocity,
 )
 from .mechanism.relative_measures import (
@@ -33,7 +37,7 @@ from .mechanism.relative_measures import (
 )
 
 __all__ = [
-    "Condition", "Measure", "angle", "angle_between", "between", "camber", "distance", "heading", "heading_rate",
-    "lean", "lean_rate", "length", "offset", "offset_rate", "omega", "position", "rate", "slide", "slide_rate", "state",
-    "turn", "turn_rate", "velocity",
+    "Condition", "Measure", "angle", "angle_between", "between", "camber", "clearance", "distance", "heading", "heading_rate",
+    "lean", "lean_rate", "leaves", "length", "normal_force", "offset", "offset_rate", "omega", "position", "rate", "slide", "slide_rate", "state",
+    "touches", "turn", "turn_rate", "velocity",
 ]  # fmt: skip

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import mbsd3d
-from mbsd3d import extend
+from mbsd3d import errors, extend
 
 ROOT = Path(__file__).parent.parent
 STACK = (
@@ -155,6 +155,25 @@ def test_public_names_are_listed_where_editors_look():
     assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
     assert all(getattr(extend, name) is not None for name in extend.__all__)
     assert (ROOT / "mbsd3d" / "py.typed").exists()
+
+
+OWN_ERRORS = ("mbsd3d.integrators", "validation.theory")  # compiled with the kernels; shares nothing with mbsd3d
+
+
+def test_what_is_refused_is_refused_by_one_base_class():
+    """``except MbsError`` catches all: no error of Python's own is raised for what a user gave."""
+    bare = [
+        f"{name}: line {node.lineno}"
+        for name, path in SOURCES.items()
+        if not name.startswith(OWN_ERRORS)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name)
+        if node.exc.func.id in ("ValueError", "TypeError", "KeyError", "IndexError", "RuntimeError", "Exception")
+    ]
+    assert not bare
+    public = [value for value in vars(errors).values() if isinstance(value, type)]
+    assert len(public) > 5 and all(issubclass(kind, errors.MbsError) for kind in public)
+    assert issubclass(errors.MbsError, ValueError) and issubclass(errors.ArgumentError, TypeError)
 
 
 def test_systems_and_solutions_have_types():

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, load_system, ready_folder, write_atomically
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def validate(model: str | None, **options: Any) -> None:
     wrong = [name for name in given if (name in OF_SUITE) == (model is not None)]
     if wrong:
         option = next(x.opts[0] for x in click.get_current_context().command.params if x.name == wrong[0])
-        raise ValueError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
+        raise InputError(f"{option} is for {'all cases, without' if model else 'a'} MODEL; leave out one of both")
     if model is None:
         validate_all(**given)
     else:
@@ -75,7 +76,7 @@ def validate_model(
         if target is not None:
             ready_folder(str(Path(target).parent), option)
             if Path(target).is_dir():
-                raise ValueError(f"{option} '{target}' is a folder; give a file in it")
+                raise InputError(f"{option} '{target}' is a folder; give a file in it")
     check = cross_check(load_system(model, drop), t_end, **settings)
     click.echo(check.table())
     if json_file:

@@ -8,12 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mbsd3d.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..parameters import Parameters
+
 STUDIES = {
-    "stability": "linear", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
-    "frequency": "linear", "compare": "linear",
+    "stability": "stability", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
+    "frequency": "linear", "rider": "rider", "compare": "linear",
 }  # fmt: skip
 """Study -> module here that holds its command, in the order of a course."""
 
@@ -32,7 +36,7 @@ class Studies(click.Group):
 
 @click.group(cls=Studies)
 def bicycle() -> None:
-    """Stability, sensitivity, rides and circles of bicycles with ideal wheels.
+    """Stability, sensitivity, rides and circles of bicycles, on ideal wheels or on tyres.
 
     BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml); without it the benchmark bicycle of 2007.
     """
@@ -60,6 +64,37 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
         function(parameters=find(bicycle, unphysical=unphysical), **rest)
 
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
+
+
+def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
+    """``[--tyres] [--tyre KEY=VALUE]``: the command gets ``fittings``, arguments of `whipple`; empty = ideal wheels."""
+
+    @wraps(function)
+    def with_fittings(parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], **rest: Any) -> None:
+        from ..model.tyres import TYPICAL, both
+        from ..parameters import fittings
+
+        found = fittings(parameters)
+        if changed or (on_tyres and not found):
+            changes = dict(tyre_number(text) for text in changed)
+            found["tyres"] = tuple({**one, **changes} for one in both(found.get("tyres", TYPICAL)))
+        function(parameters=parameters, fittings=found, **rest)
+
+    several = click.option(
+        "--tyre", "changed", multiple=True, metavar="KEY=VALUE",
+        help="A number of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; several times. Includes --tyres.",
+    )  # fmt: skip
+    usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
+    return usual(several(with_fittings))
+
+
+def tyre_number(text: str) -> tuple[str, float | None]:
+    """``cornering=12`` as a pair; ``mu=none`` is a tyre that never slides."""
+    key, _, right = text.partition("=")
+    try:
+        return key, None if right == "none" else float(right)
+    except ValueError:
+        raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 
 
 def saved(figure: "Figure", target: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""Commands on small motions about a straight run: stability, sensitivity, why, frequency, compare."""
+"""Commands on small motions about a straight run: sensitivity, why, frequency, compare."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,52 +7,14 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from mbsd3d.extend import INTERRUPTED, Failure, can_view, number, ready_folder
+from mbsd3d.errors import InputError
+from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
 
 from . import bicycle_argument, dark_option, out_option, report, saved, unphysical_option
 
 if TYPE_CHECKING:
     from ..linear.general import Build
     from ..parameters import Parameters
-
-
-@click.command()
-@bicycle_argument
-@click.option(
-    "--from", "first", type=float, default=0.0, show_default=True, help="Lowest speed [m/s], may be negative."
-)
-@click.option("--to", "last", type=float, default=10.0, show_default=True, help="Highest speed [m/s].")
-@click.option("--count", type=click.IntRange(2, 100_000), default=401, show_default=True, help="Number of speeds.")
-@click.option("--mode", "shown", help="Write a page (.html) too that shows this mode: weave, capsize or castering,")
-@click.option("--speed", type=float, default=5.0, show_default=True, help="at this speed [m/s].")
-@dark_option
-@out_option
-def stability(
-    parameters: "Parameters", first: float, last: float, count: int, shown: str | None, speed: float, dark: bool,
-    out: str,
-) -> None:  # fmt: skip
-    """Eigenvalues over the speed: weave, capsize, castering and the stable range.
-
-    BICYCLE is a name, e.g. Browser, or a file with parameters (.txt, .yml). Writes a figure and a table (.csv).
-    """
-    from ..linear.stability import check_mode, study
-
-    if not -np.inf < first < last < np.inf:
-        raise Failure(f"--from {first:g} is not below --to {last:g}; give two finite speeds in m/s")
-    if shown:
-        check_mode(shown)
-        number(speed, "--speed")
-        can_view(needed=True)
-    folder = ready_folder(out)
-    found = study(parameters, np.linspace(first, last, count))
-    target = folder / f"stability_{parameters.name}"
-    click.echo(f"{parameters.name}\n{found.critical}")
-    if found.closed is not None:
-        click.echo(f"general model and closed form differ by {found.difference:.1e} 1/s")
-    report(*saved(found.figure(dark=dark), target), found.to_csv(target))
-    if shown:
-        page = found.mode(shown, speed).animate(title=f"{parameters.name}: {shown} at {speed:g} m/s")
-        report(page.save(folder / f"{shown}_{parameters.name}"))
 
 
 @click.command()
@@ -142,7 +104,7 @@ def once(pairs: Iterable[tuple[str, Any]], what: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ValueError(f"{what} {key} is given twice; give it once")
+            raise InputError(f"{what} {key} is given twice; give it once")
         found[key] = value
     return found
 
@@ -152,7 +114,7 @@ def grid_of(text: str) -> tuple[str, np.ndarray]:
     key, _, right = text.partition("=")
     parts = right.split(":")
     if len(parts) != 3 or not parts[2].isdigit() or int(parts[2]) < 2:
-        raise ValueError(f"--map '{text}': write SYMBOL=FROM:TO:COUNT with at least 2 values, e.g. c=0:0.2:81")
+        raise InputError(f"--map '{text}': write SYMBOL=FROM:TO:COUNT with at least 2 values, e.g. c=0:0.2:81")
     return key, np.linspace(number_of(parts[0], f"--map {key}"), number_of(parts[1], f"--map {key}"), int(parts[2]))
 
 
@@ -161,7 +123,7 @@ def number_of(text: str, what: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"{what}: '{text}' is not a number; write e.g. 0.08 (SI units)") from None
+        raise InputError(f"{what}: '{text}' is not a number; write e.g. 0.08 (SI units)") from None
 
 
 def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str, float]:

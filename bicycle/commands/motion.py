@@ -7,12 +7,14 @@ import click
 import numpy as np
 
 from mbsd3d import IntegrationError
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
 
 from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
-from . import bicycle_argument, out_option, report, saved
+from . import bicycle_argument, out_option, report, saved, tyre_options
 
 if TYPE_CHECKING:
+    from ..model.tyres import Tyres
     from ..parameters import Parameters
 
 RATE, MOST = 100, 20_000
@@ -32,10 +34,11 @@ RATE, MOST = 100, 20_000
 )
 @click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
+@tyre_options
 @out_option
 def ride(
     parameters: "Parameters", manoeuvre: str, only_list: bool, speed: float | None, t_end: float | None, fallen: float,
-    held_down: bool, viewed: bool, out: str,
+    held_down: bool, viewed: bool, fittings: dict[str, Any], out: str,
 ) -> None:  # fmt: skip
     """Let a bicycle go without hands: nonlinear motion, forces of the ground, friction they need, and falls.
 
@@ -55,8 +58,11 @@ def ride(
     given = {"speed": speed, "t_end": t_end}
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
-        raise ValueError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
-    name = "_".join([parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down)])
+        raise InputError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
+    name = "_".join(
+        [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *["tyres"] * bool(fittings)]
+    )
+    arguments |= fittings
     target = ready_folder(out) / name
     try:
         samples = int(np.clip(RATE * arguments["t_end"], 2, MOST)) + 1
@@ -90,16 +96,23 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
     help="Of turns that a steer torque holds [m/s]; may be given several times.",
 )  # fmt: skip
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
+@tyre_options
 @out_option
-def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, out: str) -> None:
+def circles(
+    parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, fittings: dict[str, Any], out: str
+) -> None:
     """Find the circles a bicycle rides without hands, and the torque that holds it in other turns.
 
     Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
-    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns.
+    wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns. On tyres only the held
+    turns are sought, up to the limit of grip, beside those of ideal wheels.
     """
     from ..rides.ride import view
     from ..turns import circles as study
 
+    if fittings:
+        circles_on_tyres(parameters, speeds, fittings["tyres"], out)
+        return
     can_view(needed=viewed)
     target = ready_folder(out) / f"{parameters.name}_circles"
     families, held, interrupted = [], [], False
@@ -119,3 +132,22 @@ def circles(parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, o
         shown = max((turn for _, turn in first.special or [("", first.turns[0])]), key=lambda turn: turn.speed)
         title = f"{parameters.name}: a circle without hands, lean {np.degrees(shown.lean):.1f}°"
         report(view(shown.ride(output=400), target, title=title))
+
+
+def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres: "Tyres", out: str) -> None:
+    """Held turns at every speed up to the limit of grip."""
+    from ..turns import circles as study
+    from ..turns.on_tyres import figure, to_csv, turns
+
+    target = ready_folder(out) / f"{parameters.name}_circles_tyres"
+    leans, found, ideal = np.arange(0.05, 1.3, 0.05), [], []
+    for speed in speeds:
+        found.append(turns(parameters, tyres, speed, leans))
+        last = found[-1][-1]
+        click.echo(
+            f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
+            f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
+        )
+    study.held_if_possible(parameters, speeds, ideal, lambda text: None)
+    report(to_csv([turn for group in found for turn in group], target))
+    report(*saved(figure(found, ideal, f"{parameters.name}: steady turns on tyres"), target))

@@ -20,6 +20,8 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.polynomial.polynomial import polyder, polyval
 
+from mbsd3d.errors import InputError
+
 from ..model.mechanism import whipple
 from ..parameters import Parameters
 from .equations import Canonical, canonical
@@ -85,7 +87,7 @@ def polynomial(parameters: Parameters) -> Quartic:
     q = quartic(found.M, found.C1, np.asarray(found.g)[..., None, None] * found.K0, found.K2)
     masses = parameters.mR + parameters.mB + parameters.mH + parameters.mF
     if not np.all(np.real(q.a) > NO_INERTIA * np.real(found.M[..., 0, 0] * masses * parameters.w**2)):
-        raise ValueError(
+        raise InputError(
             f"bicycle '{getattr(parameters, 'name', '')}': lean or steer has no inertia, so there are fewer than two "
             "freedoms; give masses off the ground and off the steer axis"
         )

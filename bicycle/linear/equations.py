@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
+from mbsd3d.errors import InputError
+
 from ..parameters import Parameters
 
 MODES = ("weave", "capsize", "castering")
@@ -53,9 +55,9 @@ def checked_speeds(speeds: ArrayLike) -> np.ndarray:
     try:
         found = np.atleast_1d(np.asarray(speeds, dtype=float))
     except (TypeError, ValueError):
-        raise ValueError(f"speeds: {speeds!r} are not numbers; give speeds in m/s") from None
+        raise InputError(f"speeds: {speeds!r} are not numbers; give speeds in m/s") from None
     if found.ndim != 1 or not found.size or not np.isfinite(found).all():
-        raise ValueError("speeds: give one or more finite speeds in m/s")
+        raise InputError("speeds: give one or more finite speeds in m/s")
     return found
 
 
@@ -70,7 +72,7 @@ def canonical(p: Parameters) -> Canonical:
            [ 2.31941,  0.29784]])
     """
     if p.tR or p.tF:
-        raise ValueError(
+        raise InputError(
             f"bicycle '{p.name}': the closed form holds for knife-edge wheels, here tR = {p.tR}, tF = {p.tF}; "
             "use the general model, or set both to zero"
         )

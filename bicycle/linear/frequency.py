@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import System, Torque, accelerations
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, RAISED, Theme, dress
 
 from ..model.mechanism import whipple
@@ -81,7 +82,7 @@ def response(
     speeds = checked_speeds(speeds)
     omega = np.logspace(-1.0, 2.0, 301) if frequencies is None else np.atleast_1d(np.asarray(frequencies, float))
     if omega.ndim != 1 or not omega.size or not (np.isfinite(omega) & (omega > 0.0)).all():
-        raise ValueError("response: frequencies: give one or more positive ones in rad/s")
+        raise InputError("response: frequencies: give one or more positive ones in rad/s")
     found, growth = [], []
     for v in speeds:
         A, B = closed_form(parameters, v) if build is None else model(build, parameters, v)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import AssemblyError, Linearization, System, linearize
+from mbsd3d.errors import InputError
 from mbsd3d.extend import STEP, Field, compile_system, directions, eliminate, number, on_one_thread
 
 from ..model.kinematics import placed, rolling
@@ -63,7 +64,7 @@ def linear_equations(
         M is the unit matrix, g = 1; ``A``, ``eigenvalues`` as of the closed form.
     """
     if number(speed, "linear equations: speed") == 0.0:
-        raise ValueError("linear equations: speed = 0; give another one, e.g. 5 m/s")
+        raise InputError("linear equations: speed = 0; give another one, e.g. 5 m/s")
     rest, running = matrices(build, parameters, speed)
     if np.abs(rest[2:, 2:]).max() > EXACT * np.abs(running).max():  # damping at rest
         return None
@@ -80,7 +81,7 @@ def required_equations(build: Build, parameters: Parameters, speed: float = 5.0,
     """`linear_equations`, or a ValueError for a model that does not have their form."""
     found = linear_equations(build, parameters, speed, check=check)
     if found is None:
-        raise ValueError(
+        raise InputError(
             f"bicycle '{parameters.name}': a force depends on speed otherwise than through the motion, so modes and "
             "critical speeds follow from no polynomial; see stability.eigenvalues, speed by speed"
         )

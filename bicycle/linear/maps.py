@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Theme, dress
 
 from ..output import collected, new_figure, write_table
@@ -89,19 +90,19 @@ def checked_axes(
     """Two parameters with their values, every pair of which is possible."""
     what = f"stable_map of '{parameters.name}'"
     if len(axes) != 2:
-        raise ValueError(f"{what}: {len(axes)} parameters; give two, e.g. {{'c': [0.05, 0.1], 'lam': [0.2, 0.4]}}")
+        raise InputError(f"{what}: {len(axes)} parameters; give two, e.g. {{'c': [0.05, 0.1], 'lam': [0.2, 0.4]}}")
     found = {}
     for key, values in axes.items():
         if key not in MEANING:
-            raise ValueError(f"{what}: there is no parameter '{key}'; there are {', '.join(MEANING)}")
+            raise InputError(f"{what}: there is no parameter '{key}'; there are {', '.join(MEANING)}")
         found[key] = np.asarray(values, float)
         if found[key].ndim != 1 or not found[key].size or not np.isfinite(found[key]).all():
-            raise ValueError(f"{what}: values of {key}; give a list of finite numbers")
+            raise InputError(f"{what}: values of {key}; give a list of finite numbers")
     for corner in product(*({x.min(), x.max()} for x in found.values())):  # suffice: what is possible is convex
         replace(parameters, **dict(zip(found, corner, strict=True)))
     if build is None and set(found) & set(TYRES):
         known = f"the closed form has no crown radius ({', '.join(TYRES)})"
-        raise ValueError(f"{what}: {known}; give build=bicycle.whipple (--model)")
+        raise InputError(f"{what}: {known}; give build=bicycle.whipple (--model)")
     return found
 
 

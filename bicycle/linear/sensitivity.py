@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import dress
 
 from ..output import new_figure, write_table
@@ -49,7 +50,7 @@ STEP = 1e-30  # Complex step: far below rounding, so that its square vanishes
 SHOWN = 14  # parameters of a figure: those that matter most
 
 
-class NoSpeedsError(ValueError):
+class NoSpeedsError(InputError):
     """A bicycle without any critical speed."""
 
 
@@ -149,7 +150,7 @@ def neighbours(parameters: Parameters, key: str, step: float) -> tuple[list[Para
             return [replace(parameters, **{key: here + k * step}, unphysical=True) for k in places], weights
         except ValueError as error:  # e.g. a moment of inertia below zero
             refused = error
-    raise ValueError(
+    raise InputError(
         f"bicycle '{parameters.name}': {key} = {here:g} can be changed to neither side in the general model: {refused}"
     )
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, Theme, dress
 
 from ..model.mechanism import whipple
+from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
+from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of
 from .equations import MODES, NAMES, canonical, checked_speeds, follow
 from .general import Build, eigenvalues, linear_equations, linearization, required_equations
@@ -72,10 +75,17 @@ class Stability:
 def check_mode(name: str) -> None:
     """A name of a mode, or a ValueError."""
     if name not in MODES:
-        raise ValueError(f"mode '{name}' is unknown; give weave, capsize or castering")
+        raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
-def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build = whipple) -> Stability:
+def study(
+    parameters: Parameters,
+    speeds: ArrayLike | None = None,
+    build: Build = whipple,
+    *,
+    tyres: Tyres | None = None,
+    **fittings: float,
+) -> Stability | on_tyres.TyreStability:
     """Follow the modes of a bicycle over the speed.
 
     Parameters
@@ -84,6 +94,10 @@ def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build 
         [m/s], also negative; None = 0 ... 10 m/s.
     build : callable
         The model, see `eigenvalues`.
+    tyres : mapping, pair of them or None
+        As in `bicycle.whipple`; with them the modes follow from a linearisation at every speed, from 0.5 m/s on.
+    **fittings : float
+        Further arguments of `bicycle.whipple` for a bicycle on tyres, e.g. ``steer_damping``.
 
     Examples
     --------
@@ -92,6 +106,9 @@ def study(parameters: Parameters, speeds: ArrayLike | None = None, build: Build 
     >>> found.values[1].round(5).tolist()
     [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
     """
+    if tyres is not None:
+        speeds = checked_speeds(np.linspace(0.5, 10.0, 96) if speeds is None else speeds)
+        return on_tyres.study(parameters, speeds, partial(build, tyres=tyres, **fittings))
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
     linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
     values, vectors = follow(linear, speeds)

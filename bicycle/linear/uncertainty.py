@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, dress
 
 from .. import parameters as published
@@ -107,12 +108,12 @@ def checked_deviations(parameters: Parameters, given: Mapping[str, float] | None
     found = {key: float(std) for key, std in given.items() if std != 0.0}
     what = f"bicycle '{parameters.name}'"
     if not found:
-        raise ValueError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
+        raise InputError(f"{what}: no standard deviations; give them by symbol, e.g. {{'c': 0.01}}")
     for key, std in found.items():
         if key not in SYMBOLS:
-            raise ValueError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
+            raise InputError(f"{what}: deviation of '{key}': no such parameter; there are {', '.join(SYMBOLS)}")
         if not (np.isfinite(std) and std > 0.0):
-            raise ValueError(f"{what}: deviation of {key} = {std!r}; give a positive number")
+            raise InputError(f"{what}: deviation of {key} = {std!r}; give a positive number")
     return found
 
 
@@ -139,7 +140,7 @@ def monte_carlo(
     """
     known = checked_deviations(parameters, deviations)
     if n < 2:
-        raise ValueError(f"monte_carlo: n = {n} samples; give at least 2")
+        raise InputError(f"monte_carlo: n = {n} samples; give at least 2")
     keys, random = tuple(known), np.random.default_rng(seed)
     mean = np.array([getattr(parameters, key) for key in keys])
     inputs = mean + np.array(list(known.values())) * random.normal(size=(n, len(keys)))
@@ -162,7 +163,7 @@ def check_samples(parameters: Parameters, names: tuple[str, ...], x: np.ndarray)
     """Refuse samples (k, n) with lengths, masses or inertias that are impossible."""
     for key, values in zip(names, x, strict=True):
         if (key in POSITIVE and values.min() <= 0.0) or (key in NOT_NEGATIVE and values.min() < 0.0):
-            raise ValueError(
+            raise InputError(
                 f"bicycle '{parameters.name}': a sample has {key} = {values.min():.3g}, which is impossible; "
                 f"give a smaller deviation of {key}, or none"
             )
@@ -174,7 +175,7 @@ def sobol(
     """Sobol indices of the critical speeds by n (k + 2) samples, n a power of two; the rest as in `monte_carlo`."""
     known = checked_deviations(parameters, deviations)
     if n < 2 or n & (n - 1):
-        raise ValueError(f"sobol: n = {n}; give a power of two, e.g. 2048")
+        raise InputError(f"sobol: n = {n}; give a power of two, e.g. 2048")
     keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 
     def outputs(x: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from mbsd3d import AngleDriver, Constant, System, linearize, measures
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Theme, dress
 
 from ..model.mechanism import whipple
@@ -56,7 +57,7 @@ CHANGES: dict[str, Callable[[Parameters], dict[str, float]]] = {
 def on_axis(p: Parameters) -> float:
     """x_H [m] such that the common centre of mass of fork and front wheel lies on the steer axis."""
     if p.mH == 0.0:
-        raise ValueError(f"bicycle '{p.name}': the fork has no mass (mH = 0) that could be moved; give it one")
+        raise InputError(f"bicycle '{p.name}': the fork has no mass (mH = 0) that could be moved; give it one")
     mass = p.mH + p.mF
     height = (p.mF * p.rF - p.mH * p.zH) / mass
     return float((mass * (p.w + p.c - height * np.tan(p.lam)) - p.mF * p.w) / p.mH)

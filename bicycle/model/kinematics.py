@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import as_quaternion, cross, number, skew
 
 from ..parameters import Parameters
@@ -103,7 +104,7 @@ def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
     what = f"bicycle '{p.name}'"
     lean, steer = number(lean, f"{what}: lean"), number(steer, f"{what}: steer")
     if not abs(lean) < np.pi / 2:
-        raise ValueError(f"{what}: lean = {lean:.6g} rad: it lies on the ground; give one between -pi/2 and pi/2")
+        raise InputError(f"{what}: lean = {lean:.6g} rad: it lies on the ground; give one between -pi/2 and pi/2")
     if lean == steer == 0.0:
         return placed(p, 0.0, 0.0, 0.0)
 
@@ -111,7 +112,7 @@ def pose_of(p: Parameters, lean: float, steer: float) -> Pose:
     heights = height(grid)
     below = np.flatnonzero(np.diff(np.signbit(heights)))
     if not below.size:
-        raise ValueError(
+        raise InputError(
             f"{what}: at lean {lean:.6g} rad and steer {steer:.6g} rad the front wheel cannot stand on the ground "
             f"(at best {np.abs(heights).min():.3g} m off); give a smaller lean or steer"
         )
@@ -135,7 +136,7 @@ def velocities_of(p: Parameters, at: Pose, speed: float, lean_rate: float, steer
     speed, lean_rate, steer_rate = (number(x, f"{what}: {key}") for key, x in given.items())
     motion, left = rolling(p, at, speed, lean_rate, steer_rate)
     if left > 1e-9 * (abs(speed) / p.w + abs(lean_rate) + abs(steer_rate)):
-        raise ValueError(
+        raise InputError(
             f"{what}: no velocities let both wheels roll in this pose, the front wheel points sideways; give another "
             "steer angle, or zero speed, lean rate and steer rate"
         )

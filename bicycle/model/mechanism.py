@@ -1,4 +1,4 @@
-"""The Whipple bicycle as a mechanism: four bodies, three hinges, two wheels that roll without slip.
+"""The Whipple bicycle as a mechanism: four bodies, three hinges, two wheels that roll without slip or run on tyres.
 
 World axes of `mbsd3d`: x forward, y left, z up. Lean and steer are positive to the right, as in the paper, whose
 parameters have y right and z down. Reference points are the hubs: O of rear wheel and frame at the rear hub, O of fork
@@ -10,11 +10,26 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Joint, Revolute, RollingDisc, Signal, State, System, Torque, measures, shapes
+from mbsd3d import (
+    GROUND,
+    Body,
+    Joint,
+    JointFriction,
+    Revolute,
+    RollingDisc,
+    Signal,
+    State,
+    System,
+    Torque,
+    measures,
+    shapes,
+)
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal
 
 from ..parameters import Parameters
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
+from .tyres import Tyres, tyres_of
 
 NAMES = {"R": "rear wheel", "B": "frame", "H": "fork", "F": "front wheel"}
 FLIP = np.diag([1.0, -1.0, -1.0])  # From the axes of the paper to those of the model
@@ -42,11 +57,15 @@ def whipple(
     steer: float = 0.0,
     lean_rate: float = 0.0,
     steer_rate: float = 0.0,
+    *,
+    tyres: Tyres | None = None,
+    steer_damping: float = 0.0,
 ) -> Bicycle:
     """The bicycle of Whipple and Carvallo: rear wheel, frame with rider, fork with handlebar, front wheel.
 
     Bodies "rear wheel", "frame", "fork", "front wheel"; joints "rear hub", "steer", "front hub", "rear contact",
-    "front contact". The rear contact starts at the origin, heading along x.
+    "front contact". The rear contact starts at the origin, heading along x. With ``tyres`` the forces "rear tyre" and
+    "front tyre" stand in for the two contacts: nine freedoms, and the start is that of ideal wheels, without slip.
 
     Parameters
     ----------
@@ -58,6 +77,11 @@ def whipple(
         At the start, positive to the right [rad]; steer pi is the reversed front end.
     lean_rate, steer_rate : float
         [rad/s]
+    tyres : mapping, pair of them or None
+        What `mbsd3d.Tyre` takes besides geometry, for both wheels or (rear, front), e.g. `bicycle.TYPICAL`.
+        Under its weight the bicycle stands on the radii r and crowns t of its parameters.
+    steer_damping : float
+        Of a damper about the steer axis [N m s/rad].
 
     Raises
     ------
@@ -73,13 +97,20 @@ def whipple(
     (7, 3)
     """
     if not isinstance(parameters, Parameters):
-        raise ValueError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
+        raise InputError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
     place = pose_of(parameters, lean, steer)
     motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it
     bodies = bodies_of(parameters, motion if upright else np.full((4, 6), None))
-    start = State(0.0, place.q, motion.ravel(), coordinates=np.array([0.0, float(steer), 0.0]))
-    return Bicycle(bodies, joints_of(parameters, bodies), gravity=(0.0, 0.0, -parameters.g), start=start)
+    at = {"t": 0.0, "q": place.q, "v": motion.ravel(), "coordinates": np.array([0.0, float(steer), 0.0])}
+    if tyres is None:
+        joints, forces, start = joints_of(parameters, bodies), [], State(**at)
+    else:
+        joints, forces = joints_of(parameters, bodies)[:3], tyres_of(parameters, bodies, tyres)
+        start = State(**at, z=np.zeros(4))
+    if steer_damping:
+        forces.append(JointFriction(joints[1], viscous=steer_damping, name="steer damper"))
+    return Bicycle(bodies, joints, forces, gravity=(0.0, 0.0, -parameters.g), start=start)
 
 
 def bodies_of(p: Parameters, motion: np.ndarray) -> list[Body]:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup, escape
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, page_template, write_atomically
 
 from ..linear import critical, stability
@@ -65,7 +66,7 @@ def check_names(bicycles: Sequence[Parameters]) -> None:
     known: set[str] = set()
     for parameters in bicycles:
         if file_of(parameters.name).lower() in known:  # some file systems do not tell "a" from "A"
-            raise ValueError(f"compare: two bicycles are called '{parameters.name}'; rename one")
+            raise InputError(f"compare: two bicycles are called '{parameters.name}'; rename one")
         known.add(file_of(parameters.name).lower())
 
 
@@ -134,7 +135,7 @@ def write_page(
     ``left_out`` says what is missing on the page, and why. After Ctrl-C the page has the views that were finished.
     """
     if not found:
-        raise ValueError("compare: no bicycles; give at least one")
+        raise InputError("compare: no bicycles; give at least one")
     check_names([x.parameters for x in found])
     folder, cards, shown = Path(folder), [], set()
     with Progress(f"page of {len(found)} bicycles", 0, len(found) + 4 * views, progress) as bar:

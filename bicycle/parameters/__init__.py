@@ -11,12 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
+
 from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
 from .files import is_file, read_values
 
 __all__ = [
     "MEANING", "NOT_NEGATIVE", "POSITIVE", "SYMBOL", "SYMBOLS", "TYRES", "UNIT", "Meijaard2007", "Parameters",
-    "deviations", "entry_of", "find", "is_file", "library", "named", "names", "read_values",
+    "deviations", "entry_of", "find", "fittings", "is_file", "library", "machines", "named", "names", "read_values",
 ]  # fmt: skip
 
 DATA = Path(__file__).parent / "published.json"
@@ -27,6 +29,18 @@ SKATE_RADIUS = 0.1  # [m] of the massless wheels that replace skates, whose radi
 def library() -> dict[str, Any]:
     """The data file: sets, and published results to compare with."""
     return json.loads(DATA.read_text(encoding="utf-8"))
+
+
+@cache
+def machines() -> dict[str, Any]:
+    """Published machines on tyres by name: values, tyres (rear, front), damping of the steer, printed eigenvalues."""
+    return json.loads(DATA.with_name("motorcycles.json").read_text(encoding="utf-8"))
+
+
+def fittings(parameters: Parameters) -> dict[str, Any]:
+    """What a published machine has besides its `Parameters`, as `bicycle.whipple` takes it; empty for bicycles."""
+    found = machines().get(parameters.name, {})
+    return {key: found[key] for key in ("tyres", "steer_damping") if key in found}
 
 
 def Meijaard2007() -> Parameters:
@@ -50,11 +64,11 @@ def entry_of(name: str) -> dict[str, Any]:
     entries = {entry["name"]: entry for entry in library()["bicycles"]["sets"]}
     if name in entries:
         return entries[name]
-    lower = {known.lower(): known for known in ("Meijaard2007", *entries)}
+    lower = {known.lower(): known for known in ("Meijaard2007", *machines(), *entries)}
     near = [lower[text] for text in get_close_matches(str(name).lower(), lower, 3, 0.6)]
     known = "mbsd3d bicycle compare --list shows all, and parameter files end in .txt, .yml or .yaml"
     hint = f"did you mean {', '.join(near)}?" if near else known
-    raise ValueError(f"there is no bicycle '{name}'; {hint}")
+    raise InputError(f"there is no bicycle '{name}'; {hint}")
 
 
 def named(name: str, *, unphysical: bool = False) -> Parameters:
@@ -66,7 +80,7 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
     Parameters
     ----------
     name : str
-        One of `names`, or "Meijaard2007".
+        One of `names`, "Meijaard2007", or a machine on tyres: "Sharp1971".
     unphysical : bool
         Accept moments of inertia that no rigid body has; a few sets need it.
 
@@ -82,6 +96,8 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
     """
     if name == "Meijaard2007":
         return Meijaard2007()
+    if name in machines():
+        return Parameters(**machines()[name]["values"], name=name)
     values = dict(entry_of(name)["values"])
     for wheel in "RF":
         skate = not any(values[key] for key in (f"r{wheel}", f"m{wheel}", f"I{wheel}xx", f"I{wheel}yy"))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import check_inertia, number
 
 from .files import read_values
@@ -93,13 +94,13 @@ class Parameters:
             value = number(getattr(self, key), f"{what}: {meaning} {key}", positive=key in POSITIVE, minimum=minimum)
             object.__setattr__(self, key, value)
         if not abs(self.lam) < np.pi / 2:
-            raise ValueError(f"{what}: steer axis tilt lam = {self.lam} rad; give one between -pi/2 and pi/2")
+            raise InputError(f"{what}: steer axis tilt lam = {self.lam} rad; give one between -pi/2 and pi/2")
         for wheel in "RF":
             radius, crown = getattr(self, f"r{wheel}"), getattr(self, f"t{wheel}")
             if crown > radius:
-                raise ValueError(f"{what}: crown radius t{wheel} = {crown} exceeds r{wheel} = {radius}; give t <= r")
+                raise InputError(f"{what}: crown radius t{wheel} = {crown} exceeds r{wheel} = {radius}; give t <= r")
         if self.mass == 0.0:
-            raise ValueError(f"{what}: all masses are zero; give one of mR, mB, mH, mF")
+            raise InputError(f"{what}: all masses are zero; give one of mR, mB, mH, mF")
         for part, body in BODIES.items():
             check_body(self, part, f"{what}: {body} ({part})")
 
@@ -136,9 +137,9 @@ class Parameters:
         unknown = [key for key in values if key not in MEANING]
         missing = [key for key in SYMBOLS if key not in values]
         if unknown:
-            raise ValueError(f"'{path}': {', '.join(map(str, unknown))} unknown; the symbols are {' '.join(MEANING)}")
+            raise InputError(f"'{path}': {', '.join(map(str, unknown))} unknown; the symbols are {' '.join(MEANING)}")
         if missing:
-            raise ValueError(f"'{path}': {', '.join(missing)} missing; a bicycle needs all of {' '.join(SYMBOLS)}")
+            raise InputError(f"'{path}': {', '.join(missing)} missing; a bicycle needs all of {' '.join(SYMBOLS)}")
         return cls(**values, name=Path(path).stem, unphysical=unphysical)
 
 
@@ -162,4 +163,4 @@ def check_body(parameters: Parameters, part: str, what: str) -> None:
         if mass == 0.0 or np.linalg.eigvalsh(inertia)[0] < 0.0:
             raise
         if not parameters.unphysical:
-            raise ValueError(f"{error}; to compute with it all the same give unphysical=True (--unphysical)") from None
+            raise InputError(f"{error}; to compute with it all the same give unphysical=True (--unphysical)") from None

@@ -7,6 +7,8 @@ from typing import Any
 
 import yaml
 
+from mbsd3d.errors import InputError
+
 Numbers = dict[str, float]
 FORMATS = (".txt", ".yml", ".yaml")
 LARGEST = {".txt": 1_000_000, ".yml": 50_000, ".yaml": 50_000}  # bytes: a parameter file has some hundred
@@ -44,14 +46,14 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
     """
     path = Path(path)
     if not is_file(path):
-        raise ValueError(f"'{path}': parameter files end in .txt, .yml or .yaml")
+        raise InputError(f"'{path}': parameter files end in .txt, .yml or .yaml")
     if path.stat().st_size > LARGEST[path.suffix.lower()]:
         most = LARGEST[path.suffix.lower()]
-        raise ValueError(f"'{path}': larger than {most} bytes; give a parameter file of BicycleParameters")
+        raise InputError(f"'{path}': larger than {most} bytes; give a parameter file of BicycleParameters")
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
     except UnicodeDecodeError:
-        raise ValueError(f"'{path}': not a text file; give a parameter file of BicycleParameters") from None
+        raise InputError(f"'{path}': not a text file; give a parameter file of BicycleParameters") from None
     entries = text_entries if path.suffix.lower() == ".txt" else yaml_entries
     values, deviations = entries(path, text)
     values.pop("v", None)
@@ -69,11 +71,11 @@ def text_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
         key, equals, right = (part.strip() for part in content.partition("="))
         where = f"'{path}', line {i}"
         if not equals or not key:
-            raise ValueError(f"{where}: '{content}' is not of the form 'symbol = value'")
+            raise InputError(f"{where}: '{content}' is not of the form 'symbol = value'")
         if key in values:
-            raise ValueError(f"{where}: {key} is given twice; give it once")
+            raise InputError(f"{where}: {key} is given twice; give it once")
         if DECIMAL_COMMA.search(right):
-            raise ValueError(f"{where}: {key} = '{right}': write a decimal point, or a blank between two measurements")
+            raise InputError(f"{where}: {key} = '{right}': write a decimal point, or a blank between two measurements")
         pairs = [value_and_deviation(part.strip(), f"{where}: {key}") for part in right.split(",")]
         values[key] = sum(value for value, _ in pairs) / len(pairs)
         if any(spread is not None for _, spread in pairs):  # deviation of the mean of independent measurements
@@ -88,33 +90,33 @@ def value_and_deviation(text: str, what: str) -> tuple[float, float | None]:
     try:
         value, *spread = map(float, parts)
     except ValueError:
-        raise ValueError(f"{what} = '{text}' is not a number; write e.g. 0.35 or 0.35 +/- 0.01") from None
+        raise InputError(f"{what} = '{text}' is not a number; write e.g. 0.35 or 0.35 +/- 0.01") from None
     if spread and not 0.0 <= spread[0] < inf:
-        raise ValueError(f"{what} = '{text}': the deviation is not a finite number >= 0; give one, or none")
+        raise InputError(f"{what} = '{text}': the deviation is not a finite number >= 0; give one, or none")
     return value, spread[0] if spread else None
 
 
 def yaml_entries(path: Path, text: str) -> tuple[Numbers, Numbers]:
     """The mapping ``values`` of a YAML file; references are refused, since they can expand without end."""
     if NESTED.search(text):
-        raise ValueError(
+        raise InputError(
             f"'{path}': lists in lists, numbers to base 60 or without end; a parameter file has names and numbers only"
         )
     try:
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
-            raise ValueError(f"'{path}': references (*name) are not supported; write the numbers out")
+            raise InputError(f"'{path}': references (*name) are not supported; write the numbers out")
         twice = repeated(yaml.compose(text))
         content: Any = yaml.safe_load(text)
     except (yaml.YAMLError, RecursionError) as error:
-        raise ValueError(f"'{path}': not valid YAML: {error}") from None
+        raise InputError(f"'{path}': not valid YAML: {error}") from None
     except (TypeError, OverflowError) as error:  # of keys that are lists, and numbers of many digits
-        raise ValueError(f"'{path}': {error}; give names and numbers") from None
+        raise InputError(f"'{path}': {error}; give names and numbers") from None
     if twice:
-        raise ValueError(f"'{path}': {', '.join(twice)} is given twice; give it once")
+        raise InputError(f"'{path}': {', '.join(twice)} is given twice; give it once")
     kind = content.get("parameterization", "benchmark") if isinstance(content, dict) else None
     values = content.get("values") if isinstance(content, dict) else None
     if kind != "benchmark" or not isinstance(values, dict):
-        raise ValueError(f"'{path}': give 'parameterization: benchmark' and the numbers below 'values:'")
+        raise InputError(f"'{path}': give 'parameterization: benchmark' and the numbers below 'values:'")
     return {key: plain_number(value, f"'{path}': {key}") for key, value in values.items()}, {}
 
 
@@ -138,4 +140,4 @@ def plain_number(value: Any, what: str) -> float:
         number = float(str(value))
         if abs(number) < inf:
             return number
-    raise ValueError(f"{what} = {short(value)} is not a number; write e.g. 0.35")
+    raise InputError(f"{what} = {short(value)} is not a number; write e.g. 0.35")

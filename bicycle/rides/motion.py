@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mbsd3d import Solution
+from mbsd3d import Solution, System
 from mbsd3d.extend import LINE, Theme, dress
 
 from ..model.kinematics import X, Y, Z
@@ -27,6 +27,18 @@ LABELS = {
     "loads": "load of the wheel [N]",
     "friction": "friction needed [-]",
 }
+
+
+def on_tyres(system: System) -> bool:
+    """Whether the wheels run on tyres, or without slip."""
+    return any(force.name == "rear tyre" for force in system.forces)
+
+
+def ground_force(solution: Solution, wheel: str) -> tuple[np.ndarray, np.ndarray]:
+    """(contact point [m], force of the ground [N]) of a wheel, (n, 3) each."""
+    tyres = on_tyres(solution.system)
+    found = solution.force(f"{wheel} tyre") if tyres else solution.reaction(f"{wheel} contact")
+    return found.point, found.force
 
 
 class Event(NamedTuple):
@@ -135,11 +147,11 @@ class Ride:
         """Forces of the ground on the wheels "rear" and "front"."""
         found = {}
         for wheel in WHEELS:
-            reaction = self.solution.reaction(f"{wheel} contact")
+            point, force = ground_force(self.solution, wheel)
             ahead = self.ahead(self.solution.rotation(f"{wheel} wheel") @ Y)
             right = np.cross(ahead, Z)
-            along, across = (np.sum(reaction.force * way, axis=1) for way in (ahead, right))
-            found[wheel] = Contact(reaction.point, reaction.force, reaction.force[:, 2], along, across)
+            along, across = (np.sum(force * way, axis=1) for way in (ahead, right))
+            found[wheel] = Contact(point, force, force[:, 2], along, across)
         return found
 
     @property

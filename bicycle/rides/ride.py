@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import Force, IntegrationError, Signal, Solution, accelerations, measures, simulate
+from mbsd3d import Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal, number
 
 from ..model.mechanism import Bicycle, steer_torque, whipple
+from ..model.tyres import Tyres
 from ..parameters import Parameters
 from .manoeuvres import FALLEN
-from .motion import WHEELS, Event, Ride
+from .motion import WHEELS, Event, Ride, ground_force, on_tyres
 
 
 def run(
@@ -28,6 +30,10 @@ def run(
     steer_rate: float = 0.0,
     torque: Signal | float = 0.0,
     push: Signal | float = 0.0,
+    drive: Signal | float = 0.0,
+    brake: Signal | float = 0.0,
+    tyres: Tyres | None = None,
+    steer_damping: float = 0.0,
     fallen: float = FALLEN,
     held_down: bool = False,
     rtol: float = 1e-8,
@@ -46,6 +52,10 @@ def run(
         Of the rider on the handlebar [N m], to the right > 0.
     push : Signal or float
         Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
+    drive, brake : Signal or float
+        Torque on the rear wheel, ahead > 0, and on the front wheel against rolling > 0 [N m]; frame and fork bear them.
+    tyres, steer_damping
+        As in `whipple`. Tyres slide and leave the ground: only a fall ends such a ride.
     fallen : float
         Tilt of the frame that ends the ride [rad], 0 < fallen < pi/2.
     held_down : bool
@@ -76,10 +86,10 @@ def run(
     """
     limit = number(fallen, "ride: fallen", positive=True)
     if limit >= 0.5 * np.pi:
-        raise ValueError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
-    system = ridden(
-        parameters, torque, push, speed=speed, lean=lean, steer=steer, lean_rate=lean_rate, steer_rate=steer_rate
-    )
+        raise InputError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
+    begin = {"speed": speed, "lean": lean, "steer": steer, "lean_rate": lean_rate, "steer_rate": steer_rate}
+    system = ridden(parameters, torque, push, drive, brake, tyres=tyres, steer_damping=steer_damping, **begin)
+    held_down = held_down or on_tyres(system)
     start = system.state()
     check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
     settings = {"state": start, "rtol": rtol, "output": output, "progress": progress}
@@ -106,14 +116,35 @@ def ended(
     return Ride(parameters, simulate(system, event.t, **settings), event)
 
 
-def ridden(parameters: Parameters, torque: Signal | float, push: Signal | float, **start: float) -> Bicycle:
+def ridden(
+    parameters: Parameters,
+    torque: Signal | float,
+    push: Signal | float,
+    drive: Signal | float = 0.0,
+    brake: Signal | float = 0.0,
+    **start: Any,
+) -> Bicycle:
     """The bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
-    forces = steer_torque(system, parameters, torque) if torque else []
+    forces = list(system.forces)
+    if torque:
+        forces += steer_torque(system, parameters, torque)
+    if drive:
+        forces += axle_torque(system, "rear wheel", "frame", as_signal(drive, "ride: drive"), "drive")
+    if brake:
+        forces += axle_torque(system, "front wheel", "fork", -1.0 * as_signal(brake, "ride: brake"), "brake")
     if push:
         sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
         forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))
     return replace(system, forces=forces) if forces else system
+
+
+def axle_torque(system: Bicycle, wheel: str, bearer: str, torque: Signal, name: str) -> list[Torque]:
+    """A torque about the axle of a wheel, ahead > 0, and back on the body that bears the wheel [N m]."""
+    return [
+        Torque(system.part(body), (0.0, sign * torque, 0.0), frame="body", name=f"{name} torque on {body}")
+        for body, sign in ((wheel, 1.0), (bearer, -1.0))
+    ]
 
 
 def elevation(system: Bicycle) -> Measure:
@@ -123,21 +154,21 @@ def elevation(system: Bicycle) -> Measure:
 
 def loads(solution: Solution) -> dict[str, np.ndarray]:
     """(n,) upward force of the ground on each wheel [N]."""
-    return {wheel: solution.reaction(f"{wheel} contact").force[:, 2] for wheel in WHEELS}
+    return {wheel: ground_force(solution, wheel)[1][:, 2] for wheel in WHEELS}
 
 
 def check_start(parameters: Parameters, start: Ride, limit: float, held_down: bool) -> None:
     """Refuse a start at which the bicycle has fallen, or the ground would have to pull at a wheel."""
     what, tilt = f"bicycle '{parameters.name}'", np.arccos(np.clip(start.solution.rotation("frame")[0, 2, 2], -1, 1))
     if tilt >= limit:
-        raise ValueError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
+        raise InputError(f"{what}: tilted by {tilt:.4g} rad at the start, where {limit:.4g} counts as fallen")
     for wheel, load in loads(start.solution).items():
         if load[0] <= 0.0 < parameters.g and not held_down:
             share = parameters.front_load
             remedy = f"it tips even at rest, with {100.0 * share:.4g} % of its weight on the front wheel; give "
             if 0.0 < share < 1.0:
                 remedy = "give a slower or more upright start, or "
-            raise ValueError(
+            raise InputError(
                 f"{what}: the {wheel} wheel is not pressed to the ground at the start (load {load[0]:.6g} N); {remedy}"
                 "held_down=True (--held-down) for a ground that can pull"
             )
@@ -169,7 +200,8 @@ def view(found: Ride, path: str | Path | None = None, title: str | None = None) 
     """
     system = found.solution.system
     traces = [(body, body.position) for body in (system.part(f"{wheel} wheel") for wheel in WHEELS)]
-    curves = [("angle", "steer"), *(("reaction", f"{wheel} contact") for wheel in WHEELS), "energy"]
+    kind, contact = ("force", "tyre") if on_tyres(system) else ("reaction", "contact")
+    curves = [("angle", "steer"), *((kind, f"{wheel} {contact}") for wheel in WHEELS), "energy"]
     shown = found.solution.animate(
         title=title, traces=traces, curves=curves, shown="reaction force", hidden="body names", follow="frame"
     )

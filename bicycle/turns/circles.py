@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, Progress, Theme, dress, number
 
 from ..output import new_figure, write_table
@@ -59,7 +60,7 @@ def families(
         If gravity is zero: then there are no steady turns.
     """
     if parameters.g == 0.0:
-        raise ValueError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
+        raise InputError(f"bicycle '{parameters.name}': g = 0: without gravity there are no steady turns; give g > 0")
     found = [] if keep is None else keep
     with Progress("circles: families", 0.0, len(SECTIONS), progress) as bar:
         search = Search.of(parameters, longest, bar.update)
@@ -90,7 +91,7 @@ def turn(parameters: Parameters, lean: float, steer: float) -> Turn:
     """
     lean, steer = number(lean, "circles.turn: lean"), number(steer, "circles.turn: steer")
     if np.sin(steer) == 0.0:
-        raise ValueError("circles.turn: steer = 0: a straight wheel makes no turn; give a steer angle")
+        raise InputError("circles.turn: steer = 0: a straight wheel makes no turn; give a steer angle")
     return TurnSolver(parameters).turn(lean, steer)
 
 
@@ -118,7 +119,7 @@ def held(
     for lean in leans:
         side = np.sign(number(lean, "circles.held: lean"))
         if side == 0.0:
-            raise ValueError("circles.held: lean = 0: an upright bicycle goes straight; give a lean")
+            raise InputError("circles.held: lean = 0: an upright bicycle goes straight; give a lean")
 
         def excess(steer: float, lean: float = float(lean), side: float = side) -> float:
             return turner.square(lean, side * steer) - speed**2
@@ -127,7 +128,7 @@ def held(
         last = next((k for k, steer in enumerate(grid) if excess(steer) < 0.0), 0)
         steer = brentq(excess, grid[last - 1], grid[last], xtol=1e-13) if last else np.nan
         if not last or abs(excess(steer)) > 1e-6 * speed**2:  # the square changes its sign at infinity too
-            raise ValueError(
+            raise InputError(
                 f"bicycle '{parameters.name}': no steady turn of {speed:g} m/s at lean {np.degrees(lean):.4g}° with a "
                 "steer angle below 86°; give a smaller lean or another speed"
             )
@@ -160,7 +161,7 @@ def pivot(parameters: Parameters, yaw_rate: float) -> Turn:
     grid = np.radians(np.linspace(-60.0, 60.0, 25))
     change = np.flatnonzero(np.diff(np.signbit([tip(lean) for lean in grid])))
     if not change.size:
-        raise ValueError(f"circles.pivot: no lean below 60 degrees balances {rate:g} rad/s; give another rate")
+        raise InputError(f"circles.pivot: no lean below 60 degrees balances {rate:g} rad/s; give another rate")
     k = change[np.argmin(np.abs(grid[change]))]
     lean = brentq(tip, grid[k], grid[k + 1], xtol=1e-14)
     return turner.turn(lean, steer_of(lean))

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from mbsd3d.errors import InputError
+
 from ..parameters import Parameters
 from .turning import Turn, TurnSolver
 
@@ -119,7 +121,7 @@ class Curve:
         def point(share: float) -> np.ndarray:
             found = self.corrected(a + share * (b - a), along, np.linalg.norm(b - a))
             if found is None:
-                raise ValueError("no point between the neighbours")
+                raise InputError("no point between the neighbours")
             return found
 
         try:

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d import Linearization, State, accelerations, linearize, measures, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, saddle_matrix
 
 from ..model.kinematics import Height, Pose, X, Y, Z, foot, placed, pose_of, steer_axis
@@ -170,7 +171,7 @@ class TurnSolver:
             square, torque = self.balance(lean, steer).held
             system = replace(self.system, forces=steer_torque(self.system, self.p, torque))
         if square < 0.0:
-            raise ValueError(
+            raise InputError(
                 f"bicycle '{self.p.name}': at lean {lean:.6g} rad and steer {steer:.6g} rad no speed makes a steady "
                 f"turn (its square would be {square:.6g} m^2/s^2); lean more into the turn, or steer less"
             )
@@ -217,7 +218,7 @@ class Turn:
     def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
         """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
         if t_end is None and not self.yaw_rate:
-            raise ValueError(f"bicycle '{self.parameters.name}': this turn is at rest and never ends; give t_end")
+            raise InputError(f"bicycle '{self.parameters.name}': this turn is at rest and never ends; give t_end")
         end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
         return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
 

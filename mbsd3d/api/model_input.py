@@ -8,6 +8,7 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any
 
+from ..base.errors import InputError
 from .model_parameters import given_parameters, parameter_lines
 from .reading import read_mjcf, read_urdf
 from .system import System
@@ -22,15 +23,15 @@ def load_model(
     """
     suffix = Path(file).suffix.lower()
     if settings and suffix != ".py":
-        raise ValueError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
+        raise InputError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
     if suffix in (".xml", ".urdf"):
         return imported(file, suffix, drop)
     if drop:
-        raise ValueError(f"--drop applies to imported models (.xml, .urdf) only; leave it out for '{file}'")
+        raise InputError(f"--drop applies to imported models (.xml, .urdf) only; leave it out for '{file}'")
     if suffix in (".json", ".toml"):
         return System.from_file(file), []
     if suffix != ".py":
-        raise ValueError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
+        raise InputError(f"'{file}': give a model (.json, .toml, .xml, .urdf) or a Python file (.py) with build()")
     return built_by(file, settings), []
 
 
@@ -46,7 +47,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
 def parameters_of(file: str) -> list[str]:
     """A line per parameter of ``build()`` of a Python file."""
     if Path(file).suffix.lower() != ".py":
-        raise ValueError(f"'{file}' is no Python file, only build(...) of one has parameters")
+        raise InputError(f"'{file}' is no Python file, only build(...) of one has parameters")
     with builder(file) as build:
         return parameter_lines(build)
 
@@ -60,7 +61,7 @@ def built_by(file: str, settings: tuple[str, ...] = ()) -> System:
         given = given_parameters(build, settings, file)
         system = guarded(file, lambda: build(**given))
     if not isinstance(system, System):
-        raise ValueError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
+        raise InputError(f"'{file}': build() returned {type(system).__name__}, not a System; let it return a System")
     return system
 
 
@@ -71,14 +72,14 @@ def builder(file: str) -> Iterator[Callable[..., Any]]:
     try:
         source = path.read_bytes()
     except OSError as error:
-        raise ValueError(f"'{file}': {error.strerror}; give a Python file with build()") from error
+        raise InputError(f"'{file}': {error.strerror}; give a Python file with build()") from error
     module = ModuleType(f"model {path.stem}")
     module.__file__ = str(path)
     with importable(module, path.parent):
         guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
         build = getattr(module, "build", None)
         if not callable(build):
-            raise ValueError(f"'{file}' has no function build(); define build() and let it return a System")
+            raise InputError(f"'{file}' has no function build(); define build() and let it return a System")
         yield build
 
 
@@ -100,9 +101,9 @@ def guarded(file: str, function: Callable[[], Any]) -> Any:
     try:
         return function()
     except SyntaxError as error:
-        raise ValueError(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
+        raise InputError(f"'{error.filename or file}', line {error.lineno}: {error.msg}; correct the file") from error
     except (Exception, SystemExit) as error:
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == str(Path(file))]
         where = f", line {lines[-1]}" if lines else ""
         kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
-        raise ValueError(f"'{file}'{where}: {kind}{error}") from error
+        raise InputError(f"'{file}'{where}: {kind}{error}") from error

@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
+from ..base.errors import InputError
+
 WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 
 
@@ -24,17 +26,17 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name:
-            raise ValueError(f"--set {text!r}: give NAME=VALUE, e.g. --set length=0.5")
+            raise InputError(f"--set {text!r}: give NAME=VALUE, e.g. --set length=0.5")
         if name not in known:
             near = get_close_matches(name, known, 1)
             hint = f", did you mean '{near[0]}'?" if near else ""
             have = "; ".join(parameter_lines(build)) or "none"
-            raise ValueError(f"--set {name}: '{file}' has no such parameter{hint} build() takes {have}")
+            raise InputError(f"--set {name}: '{file}' has no such parameter{hint} build() takes {have}")
         found[name] = typed(value, kind_of(known[name]), f"--set {name}")
     missing = [name for name, x in known.items() if required(x) and name not in found]
     if missing:
         have = "; ".join(parameter_lines(build))
-        raise ValueError(
+        raise InputError(
             f"'{file}': build() needs {', '.join(missing)}; give --set {missing[0]}=VALUE. It takes {have}"
         )
     return found
@@ -63,7 +65,7 @@ def typed(text: str, kind: type | None, what: str) -> Any:
             return kind(text)
     except (ValueError, KeyError):
         remedy = "true or false" if kind is bool else f"{'an' if kind is int else 'a'} {kind.__name__}"
-        raise ValueError(f"{what}={text!r} is not {remedy}; correct it") from None
+        raise InputError(f"{what}={text!r} is not {remedy}; correct it") from None
     for attempt in (int, float):
         try:
             return attempt(text)

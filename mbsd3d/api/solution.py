@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.checks import number
+from ..base.errors import InputError
 from ..base.style import html_text
 from ..mechanism.state import State
 from ..results.certificate import Certificate
@@ -56,8 +58,9 @@ class Solution(RunResult, Viewable):
 
     def at(self, t: float) -> State:
         """The state at any time of the run [s], by integrating on from the sample before it."""
+        t = number(t, "solution.at: t")
         if not self.t[0] <= t <= self.final.t:
-            raise ValueError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
+            raise InputError(f"solution.at: t = {t:g} s is outside the run {self.t[0]:g} ... {self.final.t:g} s")
         k = int(np.searchsorted(self.t, t, side="right")) - 1
         start = self.state(k)
         same = t - start.t <= 4.0 * np.spacing(max(abs(t), abs(self.final.t)))  # too short for any step

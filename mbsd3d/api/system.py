@@ -141,7 +141,7 @@ class System(Mechanism, Drawable):
         from ..run.simulation import check_state
 
         check_state(near, "assemble")
-        return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, tuple(pinned), near, t)
+        return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, pinned, near, t)
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
         """The pose at rest that the mechanism comes to from a pose, as if it moved through honey: downhill.

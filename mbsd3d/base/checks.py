@@ -1,9 +1,13 @@
 """Checks of input: errors name the value and the remedy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from .errors import InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 
@@ -24,19 +28,19 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
         array = np.array(values, dtype=float) if raw.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
-    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes) for x in raw.flat)):
-        raise ValueError(f"{what}: {shown(values)} is not numeric; give {remedy}")
+    if array is None or (raw.dtype.kind == "O" and any(isinstance(x, str | bytes | None) for x in raw.flat)):
+        raise InputError(f"{what}: {shown(values)} is not numeric; give {remedy}")
     if not np.isfinite(array).all():
         text = np.array2string(array, separator=", ", precision=9, threshold=20).replace("\n", "")
         place = f" in entry {np.flatnonzero(~np.isfinite(array))[0]}" if array.size > 4 else ""
-        raise ValueError(f"{what}: {text} is not finite{place}; give {remedy}")
+        raise InputError(f"{what}: {text} is not finite{place}; give {remedy}")
     return array
 
 
 def check_size(array: np.ndarray, what: str) -> None:
     """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
     if (np.abs(array) > LARGEST).any():
-        raise ValueError(
+        raise InputError(
             f"{what}: {np.abs(array).max():.3g} is beyond {LARGEST:.0e}, what can be computed with; check the units"
         )
 
@@ -56,7 +60,7 @@ def vector(value: ArrayLike, what: str) -> np.ndarray:
     """A finite (3,) float array, or a ValueError that names ``what``."""
     array = floats(value, what, "three numbers")
     if array.shape != (3,):
-        raise ValueError(f"{what}: expected three numbers, got {shown(value)}")
+        raise InputError(f"{what}: expected three numbers, got {shown(value)}")
     check_size(array, what)
     array.setflags(write=False)
     return array
@@ -69,15 +73,15 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
     except (TypeError, ValueError, OverflowError):
         x = None
     if x is None:
-        raise ValueError(f"{what}: expected a number, got {shown(value)}")
+        raise InputError(f"{what}: expected a number, got {shown(value)}")
     if not np.isfinite(x):
-        raise ValueError(f"{what}: not finite ({x}); give a finite number")
+        raise InputError(f"{what}: not finite ({x}); give a finite number")
     if positive and x <= 0.0:
-        raise ValueError(f"{what}: {x} is not positive; give a number > 0")
+        raise InputError(f"{what}: {x} is not positive; give a number > 0")
     if minimum is not None and x < minimum:
-        raise ValueError(f"{what}: {x} is below {minimum}; give a number >= {minimum}")
+        raise InputError(f"{what}: {x} is below {minimum}; give a number >= {minimum}")
     if abs(x) > LARGEST or (positive and x < SMALLEST):
-        raise ValueError(
+        raise InputError(
             f"{what}: {x} is outside {SMALLEST:.0e} ... {LARGEST:.0e}, what can be computed with; check the units"
         )
     return x
@@ -86,9 +90,21 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Finite numbers."""
     if isinstance(values, str | bytes):
-        raise ValueError(f"{what}: {shown(values)} is no sequence of numbers; give a tuple")
+        raise InputError(f"{what}: {shown(values)} is no sequence of numbers; give a tuple")
     try:
         given = tuple(values)
     except TypeError:
-        raise ValueError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
+        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple") from None
     return tuple(number(value, f"{what} no. {k + 1}") for k, value in enumerate(given))
+
+
+@contextmanager
+def solvable(what: str) -> Iterator[None]:
+    """Turn what the linear algebra inside cannot solve into an error of this package."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, OverflowError) as error:
+        raise MbsError(
+            f"{what}: {error}",
+            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
+        ) from error

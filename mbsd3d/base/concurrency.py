@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
+from threading import Lock
 from typing import ParamSpec, TypeVar
 
 import numpy  # noqa: F401  # numpy and scipy load an OpenBLAS each: both must be there to be found
@@ -40,28 +41,54 @@ def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:
     return limited
 
 
-_TURN: ContextVar[AbstractContextManager | None] = ContextVar("turn", default=None)  # the lock that this thread holds
+class AbandonedError(BaseException):
+    """Raised in a thread whose work nobody waits for any more; no Exception, so that nothing answers it."""
+
+
+class Turns:
+    """A lock that can be closed for good: whoever asks for it then has to end."""
+
+    def __init__(self) -> None:
+        self.lock, self.closed = Lock(), False
+
+    def acquire(self) -> None:
+        """Wait for the turn; AbandonedError, with it, if it is of no use any more."""
+        self.lock.acquire()
+        if self.closed:
+            raise AbandonedError
+
+    def release(self) -> None:
+        """Let the next one."""
+        self.lock.release()
+
+    def close(self) -> None:
+        """From now on every thread that asks ends."""
+        self.closed = True
+
+
+_TURN: ContextVar[Turns | None] = ContextVar("turn", default=None)  # what this thread holds
 
 
 @contextmanager
-def taking_turns(lock: AbstractContextManager) -> Iterator[None]:
-    """Inside, this thread is the only one of those that share the lock which runs Python."""
-    with lock:
-        token = _TURN.set(lock)
-        try:
-            yield
-        finally:
-            _TURN.reset(token)
+def taking_turns(turns: Turns) -> Iterator[None]:
+    """Inside, this thread is the only one of those that share the turns which runs Python."""
+    token = _TURN.set(turns)
+    try:
+        turns.acquire()
+        yield
+    finally:
+        turns.release()
+        _TURN.reset(token)
 
 
 @contextmanager
 def turn_passed_on() -> Iterator[None]:
     """Inside, another thread has its turn; nothing happens where turns are not taken."""
-    lock = _TURN.get()
-    if lock is not None:
-        lock.release()
+    turns = _TURN.get()
+    if turns is not None:
+        turns.release()
     try:
         yield
     finally:
-        if lock is not None:
-            lock.acquire()
+        if turns is not None:
+            turns.acquire()

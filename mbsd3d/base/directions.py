@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import vector
+from .errors import InputError
 from .rotations import UNIT
 
 
@@ -12,7 +13,7 @@ def unit(value: ArrayLike, what: str) -> np.ndarray:
     axis = vector(value, what)
     length = np.linalg.norm(axis)
     if length < 1e-12:
-        raise ValueError(f"{what} has zero length; give a direction")
+        raise InputError(f"{what} has zero length; give a direction")
     return axis if abs(length - 1.0) < UNIT else axis / length
 
 

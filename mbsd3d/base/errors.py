@@ -2,21 +2,18 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
-
-import numpy as np
 
 T = TypeVar("T")
 
 
 class MbsError(ValueError):
-    """Base of what this package raises of its own; a `ValueError`, as all that it refuses is.
+    """Base of all errors of this package, a `ValueError`: ``except MbsError`` catches what it refuses and what fails.
 
-    ``except ValueError`` catches wrong input and failures of runs, ``except MbsError`` the latter.
+    What is refused is an `InputError`; what fails says at which time, at which part, by how much.
 
     The message is ``<what> at t = <time> s: <part>, residual <residual>; <advice>``, with what is None left out.
     ``time`` [s]; ``part``: the body, joint or force, e.g. "joint 'hinge' (Revolute)"; ``residual``: the largest one, in
@@ -42,16 +39,22 @@ class MbsError(ValueError):
         self.advice = advice
 
 
-@contextmanager
-def solvable(what: str) -> Iterator[None]:
-    """Turn what the linear algebra inside cannot solve into an error of this package."""
-    try:
-        yield
-    except (np.linalg.LinAlgError, OverflowError) as error:
-        raise MbsError(
-            f"{what}: {error}",
-            advice="masses, inertias, lengths or stiffnesses differ by too many orders of magnitude; check the units",
-        ) from error
+class InputError(MbsError):
+    """Something given is refused: the message names the part, the value and the remedy.
+
+    >>> print(InputError("body 'rod': mass -2.0 is not positive; give a number > 0"))
+    body 'rod': mass -2.0 is not positive; give a number > 0
+    """
+
+
+class ArgumentError(InputError, TypeError):
+    """A call with an argument that there is not, or without one that there must be."""
+
+
+class NameMissingError(InputError, KeyError):
+    """Something asked for by a name that it does not have."""
+
+    __str__ = ValueError.__str__  # that of a KeyError would put the sentence in quotes
 
 
 class AssemblyError(MbsError):
@@ -96,10 +99,6 @@ def _sentence(what: str, time: float | None, part: str | None, residual: float |
     size = None if residual is None else f"residual {residual:.3g}"
     where = ", ".join(piece for piece in (part, size) if piece)
     return what + when + (f": {where}" if where else "") + (f"; {advice}" if advice else "")
-
-
-class ArgumentError(MbsError, TypeError):
-    """A call with an argument that there is not, or without one that there must be."""
 
 
 # What people write who come from other programs or other habits: name -> what it is called here.

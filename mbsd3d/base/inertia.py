@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .errors import InputError
 from .mass_properties import MassProperties, _size, combine, steiner
 from .rotations import AXES
 
@@ -22,7 +23,7 @@ def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
     """
     edges = tuple(lengths)
     if len(edges) != 3:
-        raise ValueError(f"box: {len(edges)} edges given; give three lengths (lx, ly, lz)")
+        raise InputError(f"box: {len(edges)} edges given; give three lengths (lx, ly, lz)")
     squares = np.array([_size(edge, "box", name) for edge, name in zip(edges, ("lx", "ly", "lz"), strict=True)]) ** 2
     return _size(mass, "box", "mass") * (squares.sum() - squares) / 12.0
 
@@ -76,5 +77,5 @@ def _axial(along: float, across: float, axis: str, what: str) -> np.ndarray:
 def _letter(axis: str, what: str) -> str:
     """The axis, if it is one of the three letters."""
     if not isinstance(axis, str) or axis not in AXES:
-        raise ValueError(f"{what}: axis is {axis!r}; give 'x', 'y' or 'z' (other directions: orientation in combine)")
+        raise InputError(f"{what}: axis is {axis!r}; give 'x', 'y' or 'z' (other directions: orientation in combine)")
     return axis

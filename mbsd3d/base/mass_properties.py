@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import SMALLEST, check_size, floats, number, vector
+from .errors import InputError
 from .rotations import _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
@@ -45,7 +46,7 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     checked = [_part(i, part) for i, part in enumerate(parts)]
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
-        raise ValueError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
+        raise InputError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
     com = sum(m * c for m, c, _ in checked) / mass
     total = sum(I + steiner(m, c - com) for m, c, I in checked)
     return MassProperties(mass, com, total)
@@ -70,9 +71,9 @@ def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
     if largest == 0.0:
         return I
     if m == 0.0:
-        raise ValueError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
+        raise InputError(f"{what}: mass is 0 but inertia is not; give a mass, or inertia (0, 0, 0) for a massless body")
     if np.max(np.abs(I - I.T)) > TOLERANCE * largest:
-        raise ValueError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
+        raise InputError(f"{what}: inertia is not symmetric, {_text(I)}; make Iij and Iji equal")
     I = 0.5 * (I + I.T)
     _check_moments(np.linalg.eigvalsh(I), TOLERANCE * largest, what)
     return I
@@ -82,10 +83,10 @@ def _check_moments(moments: np.ndarray, tolerance: float, what: str) -> None:
     """Refuse principal moments (ascending) that no distribution of mass has."""
     remedy = "check the signs and units, and that it is taken about the centre of mass"
     if moments[0] < -tolerance:
-        raise ValueError(f"{what}: inertia has the principal moments {_text(moments)}, {moments[0]:.9g} < 0; {remedy}")
+        raise InputError(f"{what}: inertia has the principal moments {_text(moments)}, {moments[0]:.9g} < 0; {remedy}")
     rest = moments[0] + moments[1]
     if moments[2] > rest + tolerance:
-        raise ValueError(
+        raise InputError(
             f"{what}: inertia has the principal moments {_text(moments)}; "
             f"{moments[2]:.9g} exceeds the sum {rest:.9g} of the two others, which no body has; {remedy}"
         )
@@ -96,10 +97,10 @@ def _inertia_matrix(inertia: ArrayLike, what: str) -> np.ndarray:
     remedy = "three moments or a 3x3 matrix about the centre of mass [kg m^2]"
     I = floats(inertia, f"{what}: inertia", remedy)
     if I.shape not in ((3,), (3, 3)):
-        raise ValueError(f"{what}: inertia has shape {I.shape}; give {remedy}")
+        raise InputError(f"{what}: inertia has shape {I.shape}; give {remedy}")
     check_size(I, f"{what}: inertia")
     if I.any() and np.abs(I).max() < SMALLEST:
-        raise ValueError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
+        raise InputError(f"{what}: inertia {_text(I)} is below {SMALLEST:.0e}; check the units, or give zeros")
     return np.diag(I) if I.ndim == 1 else I
 
 
@@ -109,7 +110,7 @@ def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray,
     if isinstance(part, MassProperties):
         part = (part.mass, part.com, part.inertia)
     if len(part) not in (3, 4):
-        raise ValueError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
+        raise InputError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
     I = check_inertia(part[2], part[0], what)
     if len(part) == 4:
         R = matrix(as_quaternion(part[3], f"{what}: orientation"))
@@ -122,5 +123,5 @@ def _size(value: float, what: str, name: str) -> float:
     """A finite number that is not negative."""
     x = number(value, f"{what}: {name}", minimum=0.0)
     if 0.0 < x < SMALLEST:
-        raise ValueError(f"{what}: {name} {x} is below {SMALLEST:.0e}; check the units, or give 0")
+        raise InputError(f"{what}: {name} {x} is below {SMALLEST:.0e}; check the units, or give 0")
     return x

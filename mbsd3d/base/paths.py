@@ -5,13 +5,14 @@ import stat
 import uuid
 from pathlib import Path
 
+from .errors import InputError
 from .version import __version__
 
 
 def with_suffix(path: str | Path, suffix: str) -> Path:
     """The path, with the suffix appended unless it is there."""
     if not isinstance(path, str | os.PathLike) or not Path(path).name:
-        raise ValueError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
+        raise InputError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
     path = Path(path)
     return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
 
@@ -20,7 +21,7 @@ def ready_path(path: str | Path, suffix: str) -> Path:
     """The path with its suffix; a missing folder is found before the work, not after it."""
     path = with_suffix(path, suffix)
     if not path.parent.is_dir():
-        raise ValueError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")
+        raise InputError(f"'{path}' cannot be written: there is no folder '{path.parent}'; make it first")
     return path
 
 
@@ -30,7 +31,7 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
     ValueError if the folder cannot be written, or an older file is there and ``replace`` is False.
     """
     if not replace and path.exists():
-        raise ValueError(f"'{path}' exists; give replace=True to replace it, or another name")
+        raise InputError(f"'{path}' exists; give replace=True to replace it, or another name")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     try:
         try:
@@ -42,7 +43,7 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"'{path}' cannot be written: {error.strerror}; give a file in a folder that exists, is yours and has space"
         ) from error
     return path
@@ -58,16 +59,16 @@ def read_text(path: Path, limit: int) -> str:
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):
-            raise ValueError(f"'{path}' is a folder or a device; give a file")
+            raise InputError(f"'{path}' is a folder or a device; give a file")
         if state.st_size > limit:
-            raise ValueError(f"'{path}' has {state.st_size} bytes; a model of this kind has at most {limit}")
+            raise InputError(f"'{path}' has {state.st_size} bytes; a model of this kind has at most {limit}")
         content = path.read_bytes()
     except OSError as error:
-        raise ValueError(f"'{path}' cannot be read: {error.strerror}; give a file that exists") from error
+        raise InputError(f"'{path}' cannot be read: {error.strerror}; give a file that exists") from error
     if not content.strip():
-        raise ValueError(f"'{path}' is empty; give a model file")
+        raise InputError(f"'{path}' is empty; give a model file")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise ValueError(f"'{path}' is not UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error
+        raise InputError(f"'{path}' is not UTF-8 text (line {line}); give a model file, or save it as UTF-8") from error

@@ -1,10 +1,54 @@
-"""A progress bar on stderr, after two seconds."""
+"""Progress on stderr: a bar on a terminal after two seconds, lines in a pipe every five."""
 
 import sys
+import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 DELAY, LINES = 2.0, 5.0  # s before a bar appears, and between lines
+
+
+class Heartbeat:
+    """A command at work: in a pipe a line says so after every few seconds in which nothing else was said.
+
+    While one is on, runs without a terminal tell their progress in lines too.
+    """
+
+    on: "Heartbeat | None" = None
+
+    def __init__(self, title: Callable[[], str]) -> None:
+        self.title, self.ended = title, threading.Event()
+        self.began = self.last = time.perf_counter()
+
+    def __enter__(self) -> "Heartbeat":
+        if not sys.stderr.isatty():
+            Heartbeat.on = self
+            threading.Thread(target=self.beat, daemon=True).start()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """Nothing more is said, e.g. while a command waits for its user."""
+        self.ended.set()
+        Heartbeat.on = None
+
+    def beat(self) -> None:
+        """Until the end."""
+        while not self.ended.wait(0.1 * LINES):
+            now = time.perf_counter()
+            if now - self.last >= LINES:
+                say(f"{self.title()}: at work for {now - self.began:.0f} s")
+
+
+def say(text: str) -> None:
+    """A line on stderr."""
+    if Heartbeat.on is not None:
+        Heartbeat.on.last = time.perf_counter()
+    sys.stderr.write(f"mbsd3d: {text}\n")
+    sys.stderr.flush()
 
 
 class Progress:
@@ -15,7 +59,8 @@ class Progress:
 
     def __init__(self, title: str, start: float, end: float, show: bool | str | None = None) -> None:
         self.title, self.start, self.end = title, start, end
-        self.show = sys.stderr.isatty() if show is None else show
+        piped = "lines" if Heartbeat.on is not None else False
+        self.show = (sys.stderr.isatty() or piped) if show is None else show
         self.said = 0.0
         self.began, self.bar, self.task = time.perf_counter(), None, None
 
@@ -50,5 +95,4 @@ class Progress:
         if now - self.said >= (LINES if self.said else DELAY):
             self.said = now
             share = (value - self.start) / (self.end - self.start) if self.end > self.start else 1.0
-            sys.stderr.write(f"mbsd3d: {self.title}: {100.0 * share:.0f} % after {now:.0f} s\n")
-            sys.stderr.flush()
+            say(f"{self.title}: {100.0 * share:.0f} % after {now:.0f} s")

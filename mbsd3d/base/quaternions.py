@@ -7,6 +7,8 @@ last dimension is a ValueError.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .errors import InputError
+
 
 def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
     """p q (..., 4), first q, then p: ``matrix(multiply(p, q)) = matrix(p) matrix(q)``.
@@ -74,12 +76,12 @@ def skew(a: ArrayLike) -> np.ndarray:
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
     if not (0.0 < square < np.inf if isinstance(square, float) else np.all((square > 0.0) & np.isfinite(square))):
-        raise ValueError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
+        raise InputError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 
 def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
     """Float array whose last dimension has the given length."""
     array = np.asarray(values, dtype=float)
     if array.ndim == 0 or array.shape[-1] != length:
-        raise ValueError(f"{what}: shape {array.shape} is wrong; give (..., {length})")
+        raise InputError(f"{what}: shape {array.shape} is wrong; give (..., {length})")
     return array

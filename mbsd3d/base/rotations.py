@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import floats
+from .errors import InputError
 from .quaternions import _check_nonzero, _stack
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -48,10 +49,10 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
         _check_rotation(values, what)
         return _largest_column(values)
     if values.shape != (4,):
-        raise ValueError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
+        raise InputError(f"{what}: shape {values.shape} is not an orientation; give {ORIENTATION}")
     norm = np.linalg.norm(values)
     if abs(norm - 1.0) > TOLERANCE:
-        raise ValueError(
+        raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
             f"divide it by its norm, or give rotation(axis, angle)"
         )
@@ -84,7 +85,7 @@ def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
     """
     R = _numbers(R, "R", "a 3x3 rotation matrix")
     if R.shape[-2:] != (3, 3):
-        raise ValueError(f"R: shape {R.shape} is not a rotation matrix; give (..., 3, 3)")
+        raise InputError(f"R: shape {R.shape} is not a rotation matrix; give (..., 3, 3)")
     _check_rotation(R, "R")
     return _largest_column(R)
 
@@ -94,14 +95,14 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
     remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
         if axis not in AXES:
-            raise ValueError(f"rotation: axis is {axis!r}; give {remedy}")
+            raise InputError(f"rotation: axis is {axis!r}; give {remedy}")
         return np.array(AXES[axis])
     vector = _numbers(axis, "rotation: axis", remedy)
     if vector.shape != (3,):
-        raise ValueError(f"rotation: axis has shape {vector.shape}; give {remedy}")
+        raise InputError(f"rotation: axis has shape {vector.shape}; give {remedy}")
     largest = np.max(np.abs(vector))
     if largest == 0.0:
-        raise ValueError("rotation: axis has zero length, its direction is undefined; give a vector that is not zero")
+        raise InputError("rotation: axis has zero length, its direction is undefined; give a vector that is not zero")
     vector = vector / largest  # first to order 1, so that the squares cannot underflow or overflow
     return vector / np.linalg.norm(vector)
 
@@ -115,12 +116,12 @@ def _check_rotation(R: np.ndarray, what: str) -> None:
     """Refuse a matrix that is not orthonormal, and by name one that is left-handed."""
     error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), initial=0.0)
     if error > TOLERANCE:
-        raise ValueError(
+        raise InputError(
             f"{what}: the matrix is not orthonormal, R'R differs from 1 by {error:.3g}; "
             f"its columns must be the body's axes as perpendicular unit vectors"
         )
     if np.any(np.linalg.det(R) < 0.0):
-        raise ValueError(
+        raise InputError(
             f"{what}: the matrix is left-handed (determinant -1), a reflection and no rotation; "
             f"reverse one axis or exchange two of its columns"
         )

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -66,7 +68,7 @@ PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mi
 def theme(dark: bool) -> Theme:
     """The theme of dark or of light paper; ValueError for anything but True or False."""
     if dark not in (True, False):
-        raise ValueError(f"dark = {dark!r}; give True or False")
+        raise InputError(f"dark = {dark!r}; give True or False")
     return DARK if dark else LIGHT
 
 

@@ -3,8 +3,10 @@
 from importlib import metadata
 from typing import TypeVar
 
+from .errors import InputError
+
 T = TypeVar("T")
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 
 def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
@@ -17,7 +19,7 @@ def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
         found = entry.load()
     except (Exception, SystemExit) as error:
         text = " ".join(str(error).split())
-        raise ValueError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
+        raise InputError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
     if not isinstance(found, kinds):
-        raise ValueError(f"{package} gives a {type(found).__name__}, not a {kinds[0].__name__}; repair or remove it")
+        raise InputError(f"{package} gives a {type(found).__name__}, not a {kinds[0].__name__}; repair or remove it")
     return found

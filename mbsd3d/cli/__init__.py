@@ -5,6 +5,7 @@ import click
 from ..base.version import __version__
 from .check import check
 from .demo import demo
+from .doctor import doctor
 from .gallery import gallery
 from .run import run
 from .show import show
@@ -24,5 +25,5 @@ def version() -> None:
     click.echo(f"mbsd3d {__version__}")
 
 
-for command in (check, demo, gallery, run, show, warmup):
+for command in (check, demo, doctor, gallery, run, show, warmup):
     main.add_command(command)

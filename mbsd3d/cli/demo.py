@@ -1,6 +1,5 @@
 """``mbsd3d demo``: effects that exist only in space, beside their theory."""
 
-import os
 import time
 from typing import TYPE_CHECKING
 
@@ -90,16 +89,16 @@ def run_one(
 
 def run_all(names: list[str], out: str) -> "dict[str, tuple[Row, ...]]":
     """All demos, by two processes where there are two cores; their rows in the order of the list."""
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from concurrent.futures import as_completed
 
     from ..demos.report import run_and_write
+    from .workers import working
 
     pages = can_view()
     folder, began, rows = ready_folder(out), time.perf_counter(), {}
     click.echo("mbsd3d: compiling kernels that are not yet ...", err=True)
     compile_all()
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+    with working(2) as pool:
         tasks = {pool.submit(run_and_write, name, folder, pages): name for name in names}
         for k, task in enumerate(as_completed(tasks)):
             text, rows[tasks[task]] = task.result()

@@ -1,6 +1,5 @@
 """``mbsd3d gallery``: all demos as a site of pages that need no network."""
 
-import os
 import time
 
 import click
@@ -18,17 +17,17 @@ def gallery(names: tuple[str, ...], out: str) -> None:
 
     Pages that have not changed since the last call are kept.
     """
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from concurrent.futures import as_completed
 
     from ..demos.discovery import discover
     from ..demos.gallery import front, page
+    from .workers import working
 
     can_view(needed=True)
     demos = discover()
     wanted = [demos.find(name).name for name in names] or list(demos)
     folder, began, lost = ready_folder(out), time.perf_counter(), []
-    with ProcessPoolExecutor(min(WORKERS, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+    with working(WORKERS) as pool:
         tasks = {pool.submit(page, name, folder): name for name in wanted}
         for k, task in enumerate(as_completed(tasks)):
             name, error = tasks[task], task.exception()

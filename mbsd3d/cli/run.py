@@ -1,10 +1,10 @@
 """``mbsd3d run``: a simulation with its files."""
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
 
+from ..base.errors import InputError
 from .support import (
     INTERRUPTED,
     can_view,
@@ -14,6 +14,7 @@ from .support import (
     parameters_option,
     ready_target,
     set_option,
+    undisturbed,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -31,9 +32,9 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
     takes = {"DOP853": ("dt", "stiff"), "Kinematic": ()}.get(name, ("dt",))
     wrong = [key for key in given if key not in takes]
     if wrong:
-        raise ValueError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
+        raise InputError(f"--{wrong[0]} is nothing that {name} takes; leave it out, or give another --method")
     if name == "RK4" and dt is None:
-        raise ValueError("--method RK4 needs --dt, its step [s]")
+        raise InputError("--method RK4 needs --dt, its step [s]")
     return getattr(mbsd3d, name)(**given)
 
 
@@ -84,9 +85,8 @@ def run(
     from ..base.errors import IntegrationError
     from ..plotting.plots import save_figure
 
-    shown = None if sys.stderr.isatty() else "lines"
     try:
-        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output, progress=shown)
+        solution = simulate(system, t_end, method=chosen, rtol=rtol, output=output)
     except IntegrationError as error:
         keep(error.solution, target)
         raise
@@ -94,7 +94,9 @@ def run(
         click.echo(f"mbsd3d: {solution.record.stopped_by}", err=True)
         keep(solution, target)
         raise click.exceptions.Exit(INTERRUPTED)
-    for path in (solution.save(target), solution.to_csv(target), *save_figure(solution.plot("energy"), target)):
+    with undisturbed():
+        saved = solution.save(target)
+    for path in (saved, solution.to_csv(target), *save_figure(solution.plot("energy"), target)):
         click.echo(str(path))
     if viewed:
         click.echo(str(solution.animate(title=target.name).save(target)))

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..base.progress import Heartbeat
 from ..base.version import load_entry
+from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
     from ..view.page.live import LiveView
 
 GROUP = "mbsd3d.commands"
-INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
 
 
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
@@ -40,6 +41,15 @@ class Failure(click.ClickException):
 class Commands(click.Group):
     """Built-in commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
 
+    def __call__(self, *args: Any, **given: Any) -> Any:
+        """A process of its own; after Ctrl-C it ends without taking Python apart, which lasts longer than all else."""
+        try:
+            return super().__call__(*args, **given)
+        except SystemExit as end:
+            if end.code == INTERRUPTED:
+                end_now()
+            raise
+
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Built-in commands, then those of other packages."""
         own = super().list_commands(ctx)
@@ -58,9 +68,10 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
         try:
-            return super().invoke(ctx)
+            with answered_at_once(), Heartbeat(lambda: ctx.invoked_subcommand or "start"):
+                return super().invoke(ctx)
         except KeyboardInterrupt:
-            click.echo("mbsd3d: interrupted", err=True)
+            click.echo(SAID, err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             raise  # the reader of a pipe has gone: click ends quietly
@@ -141,6 +152,8 @@ def can_view(needed: bool = False) -> bool:
 
 def watch(view: "LiveView") -> None:
     """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
+    if Heartbeat.on is not None:
+        Heartbeat.on.end()
     with view:
         click.echo(f"{view.url}  (Ctrl-C ends it)")
         if view.can_open():

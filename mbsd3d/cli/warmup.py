@@ -9,17 +9,15 @@ import click
 
 def compile_all() -> None:
     """Every kernel, by two processes where there are two cores: they share few kernels and write into one cache."""
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     from ..kernels.jit import is_warm
+    from .workers import working
 
     parts = (compile_explicit, compile_implicit)
     if is_warm() or (os.cpu_count() or 1) == 1:
         for part in parts:
             part()
         return
-    with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
+    with working(len(parts)) as pool:
         for done in [pool.submit(part) for part in parts]:
             done.result()
 

@@ -1,13 +1,13 @@
 """Consistent states: poses by forward kinematics and Newton, velocities by least kinetic energy."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
 from ..base.checks import number, shown
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
@@ -16,6 +16,7 @@ from ..kernels.coordinates import coordinate, measure
 from ..kernels.kinematics import displace, kinematics
 from ..kernels.layout import Data
 from ..kernels.rows import rows
+from ..mechanism.bodies import Body
 from ..mechanism.joints import coordinate_of
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
@@ -168,18 +169,18 @@ def assemble(
     slides: Mapping,
     rates: Mapping,
     measures: Mapping,
-    pinned: tuple,
+    pinned: Sequence[Body],
     near: State | None,
     t: float,
 ) -> State:
     """See `System.assemble`."""
     for what, given in (("angles", angles), ("slides", slides), ("rates", rates), ("measures", measures)):
         if not isinstance(given, Mapping):
-            raise ValueError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
+            raise InputError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
     probes = tuple(measures)
     for probe in probes:
         if not isinstance(probe, Measure):
-            raise ValueError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
         check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
     wanted = []
@@ -188,6 +189,8 @@ def assemble(
             joint = system.part(key, "joints")
             x = coordinate_of(joint, kind, f"assemble: {kind}s")
             wanted.append((x, number(value, f"assemble: {kind} of '{system.name(joint)}'")))
+    if not isinstance(pinned, Sequence) or isinstance(pinned, str):
+        raise InputError(f"assemble: pinned = {shown(pinned)} is no sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg
 
+from ..base.errors import InputError
 from ..equations.jacobian import BlockRows
 
 SAFE = 1e-3  # smallest part of a picked row on its body, relative to the row: bounds the growth of the rest
@@ -69,7 +70,7 @@ class Elimination:
         self.size = np.sqrt((rows.J.real**2).sum(axis=(1, 2)))
         if not np.isfinite(self.size).all():
             k = int(np.flatnonzero(~np.isfinite(self.size))[0])
-            raise ValueError(f"rank: row {k} of the Jacobian is not finite; correct the geometry of its joint")
+            raise InputError(f"rank: row {k} of the Jacobian is not finite; correct the geometry of its joint")
         self.zero, self.safe = tolerance * self.size.max(initial=0.0), safe
         self.columns = [np.arange(6 * b, 6 * b + 6) for b in range(self.n)]
         self.parts: dict[int, Part] = {}

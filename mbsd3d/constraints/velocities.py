@@ -6,9 +6,9 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array, vstack
 
-from ..base.checks import number
+from ..base.checks import number, solvable
 from ..base.concurrency import one_thread
-from ..base.errors import AssemblyError, solvable
+from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
@@ -44,7 +44,7 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         joint = system.part(key, "joints")
         x = joint.angle() or joint.slide()
         if x is None:
-            raise ValueError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
+            raise InputError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
         J.append(csr_array(coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]))
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")

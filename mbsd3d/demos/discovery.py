@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module, metadata
 from types import ModuleType
 
+from ..base.errors import InputError
 from ..base.version import load_entry
 from .base import Outcome
 from .form import Demo
@@ -24,7 +25,7 @@ class Demos(dict[str, Demo]):
         """A demo by its name, with - or _ between the words."""
         key = name.replace("-", "_")
         if key not in self:
-            raise ValueError(f"there is no demo '{name}'; {listed(key, list(self))}")
+            raise InputError(f"there is no demo '{name}'; {listed(key, list(self))}")
         return self[key]
 
     def families(self) -> dict[str, list[Demo]]:
@@ -46,7 +47,7 @@ def discover() -> Demos:
             loaded = load_entry(entry, Demo, ModuleType)
             for demo in walk(loaded) if isinstance(loaded, ModuleType) else [loaded]:
                 if demo.name in found:
-                    raise ValueError(f"a demo is already named '{demo.name}'; rename one")
+                    raise InputError(f"a demo is already named '{demo.name}'; rename one")
                 found[demo.name] = demo
         except ValueError as error:
             broken[entry.name] = str(error)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..api.solution import Solution
 from ..api.system import System
+from ..base.errors import InputError
 from .base import Outcome, Row, Show
 from .figure import Curve, Drawn, Panel, Points, figure_of, same
 from .parameters import checked, listed
@@ -151,7 +152,7 @@ class Demo:
             return {**values, **self.ablation.change}, {}
         terms = dict.fromkeys((self.ablation.term, *SWITCHES))
         if term not in terms:
-            raise ValueError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
+            raise InputError(f"demo '{self.name}' has no term '{term}'; {listed(term, list(terms))}")
         return dict(values), {term: False}
 
     def expected_without(self, values: Mapping[str, object]) -> Numbers:
@@ -241,4 +242,4 @@ def valid(function: Callable[..., Numbers], values: Mapping[str, object], key: s
 def require(condition: bool, what: str) -> None:
     """ValueError where the assumptions of a formula end; ``what`` says which, and what to give."""
     if not condition:
-        raise ValueError(what)
+        raise InputError(what)

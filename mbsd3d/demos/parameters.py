@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from ..base.checks import number
+from ..base.errors import InputError
 
 
 def listed(name: str, names: Sequence[str]) -> str:
@@ -25,14 +26,14 @@ def settings(texts: Iterable[str]) -> dict[str, object]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise ValueError(f"--set {text!r} is not NAME=VALUE; write e.g. --set Omega=30")
+            raise InputError(f"--set {text!r} is not NAME=VALUE; write e.g. --set Omega=30")
         if name in found:
-            raise ValueError(f"--set {name} is given twice; give it once")
+            raise InputError(f"--set {name} is given twice; give it once")
         try:
             found[name] = json.loads(value)
         except ValueError:
             if not value.isidentifier():
-                raise ValueError(
+                raise InputError(
                     f"--set {name}: {value!r} is not JSON; write e.g. {name}=1.5 or {name}=[1,2]"
                 ) from None
             found[name] = value
@@ -44,7 +45,7 @@ def checked(demo: str, defaults: Mapping[str, object], changes: Mapping[str, obj
     values = dict(defaults)
     for name, value in changes.items():
         if name not in defaults:
-            raise ValueError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
+            raise InputError(f"demo '{demo}' has no parameter '{name}'; {listed(name, list(defaults))}")
         values[name] = like(defaults[name], value, f"demo '{demo}': {name}")
     return values
 
@@ -53,23 +54,23 @@ def like(default: object, value: object, what: str) -> object:
     """A value of the kind of the default: number, whole number, word, list of the same shape, or table of these."""
     if isinstance(default, str):
         if not isinstance(value, str):
-            raise ValueError(f"{what} = {value!r} is not a word; give e.g. {default!r}")
+            raise InputError(f"{what} = {value!r} is not a word; give e.g. {default!r}")
         return value
     if isinstance(default, Mapping):
         if not isinstance(value, Mapping):
-            raise ValueError(f"{what} = {value!r} is not a table; give e.g. {json.dumps(default)}")
+            raise InputError(f"{what} = {value!r} is not a table; give e.g. {json.dumps(default)}")
         for key in value:
             if key not in default:
-                raise ValueError(f"{what} has no entry '{key}'; {listed(key, list(default))}")
+                raise InputError(f"{what} has no entry '{key}'; {listed(key, list(default))}")
         return {**default, **{key: like(default[key], item, f"{what}.{key}") for key, item in value.items()}}
     if isinstance(default, list | tuple):
         return like_list(default, value, what)
     if isinstance(value, str):
-        raise ValueError(f"{what} = {value!r} is not a number; give e.g. {default}")
+        raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
     if isinstance(default, int):
         if found != int(found):
-            raise ValueError(f"{what} = {value!r} is not a whole number; give e.g. {default}")
+            raise InputError(f"{what} = {value!r} is not a whole number; give e.g. {default}")
         return int(found)
     return found
 
@@ -83,5 +84,5 @@ def like_list(default: Sequence, value: object, what: str) -> list:
         found = np.array(np.nan)
     if found.shape != shape or not np.isfinite(found).all():
         size = " x ".join(map(str, shape))
-        raise ValueError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
+        raise InputError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
     return found.tolist()

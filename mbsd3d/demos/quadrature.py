@@ -6,6 +6,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ..base.errors import InputError
+
 MOST = 2**17  # points of a quadrature
 
 
@@ -40,12 +42,12 @@ def turning_point(square: Callable, inside: float, step: float, limit: float) ->
         if square(x + step) <= 0.0:
             return float(brentq(square, x, x + step, xtol=1e-15, rtol=1e-15))
         x += step
-    raise ValueError("the motion does not turn back, so it is no swing: give a smaller kick")
+    raise InputError("the motion does not turn back, so it is no swing: give a smaller kick")
 
 
-def motion(rate: Callable, y: np.ndarray, times: np.ndarray) -> np.ndarray:
+def motion(rate: Callable, y: np.ndarray, times: np.ndarray, rtol: float = 3e-14) -> np.ndarray:
     """(times, n) of y_dot = rate(t, y), by scipy at a tolerance near rounding; times[0] is the start."""
-    found = solve_ivp(rate, (times[0], times[-1]), y, method="DOP853", rtol=3e-14, atol=1e-15, t_eval=times)
+    found = solve_ivp(rate, (times[0], times[-1]), y, method="DOP853", rtol=rtol, atol=rtol / 30, t_eval=times)
     return found.y.T
 
 
@@ -61,3 +63,8 @@ def quaternion_rate(e: np.ndarray, w: np.ndarray) -> np.ndarray:
 def cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
     """a x b of plain numbers."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def dot(a: Sequence[float], b: Sequence[float]) -> float:
+    """a . b of plain numbers."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -9,6 +9,7 @@ import pkgutil
 from collections.abc import Callable
 from importlib import import_module
 
+from ..base.errors import InputError
 from ..kernels.coordinates import coordinate
 from ..kernels.jit import kernel, merged_kernel
 from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
@@ -41,7 +42,7 @@ def number_of_law(force: ForceElement, name: str) -> int:
     for number, known in enumerate(LAWS):
         if known is law:
             return number
-    raise ValueError(
+    raise InputError(
         f"force '{name}' ({type(force).__name__}): its class has no compiled law; give it a kernel `law` in a file of "
         f"{forces.__name__}, or use CustomForce"
     )

@@ -17,7 +17,7 @@ from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 from ..saddle.solve import SOLVED, factor, solve
 from .loads import loads
 
-PROJECTED, NOT_CLOSED, NO_FACTOR = 0, 1, 2
+PROJECTED, NOT_CLOSED, UNSOLVED = 0, 1, 2
 SINGULAR, LET_GO = 1e-4, 1e-10  # pivots below which rows are let go, and by how much they may then gape
 FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time
 
@@ -81,10 +81,8 @@ def evaluate(m, d, s, t, y, dy):
     """dy = dy/dt at (t, y); SOLVED or the reason why not."""
     kinematics(m, d, y)
     rows(m, d, t)
-    status = factor(m, d, s)
-    if status == SOLVED:
-        status = finish(m, d, s, t, dy)
-    return status
+    factor(m, d, s)
+    return finish(m, d, s, t, dy)
 
 
 @inner_kernel
@@ -146,22 +144,21 @@ def project_positions(m, d, s, t, y, near):
     residual, fresh = largest_residual(m, d, s), False
     if near == NEAR and residual > floor:
         if not newton_step(m, d, s, t, y):
-            return NO_FACTOR
+            return UNSOLVED
         residual = largest_residual(m, d, s)
     for _ in range(12):
-        if factor(m, d, s) != SOLVED:
-            return NO_FACTOR
+        factor(m, d, s)
         fresh = True
         if residual <= floor:
             break
         if not newton_step(m, d, s, t, y):
-            return NO_FACTOR
+            return UNSOLVED
         before, residual = residual, largest_residual(m, d, s)
         fresh = before <= 1e3 * floor  # moved by rounding only
         if residual > 0.25 * before:  # no progress: at rounding level, or not closing
             break
-    if not fresh and factor(m, d, s) != SOLVED:
-        return NO_FACTOR
+    if not fresh:
+        factor(m, d, s)
     enough = 1e3 * floor if s.state.pivot > SINGULAR else max(1e3 * floor, LET_GO)
     return PROJECTED if residual <= enough else NOT_CLOSED
 
@@ -172,7 +169,7 @@ def project_velocities(m, d, s, y):
     for k in range(m.row.shape[0]):
         d.row[k].bottom = -row_speed(m, d, k)
     if correction(m, d, s) != SOLVED:
-        return NO_FACTOR
+        return UNSOLVED
     push_velocities(m, d, y)
     return PROJECTED
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..kernels.coordinates import coordinate
 from ..kernels.kinematics import kinematics
@@ -17,14 +18,14 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
     """y = (q, u, z) with u = (r_dot, R'w), audit states zero; own states that are not given start as declared."""
     n = len(compiled.system.bodies)
     if state.q.size != 7 * n:
-        raise ValueError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
+        raise InputError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
     v = state.v.reshape(n, 6)
     R = matrix(state.q.reshape(n, 7)[:, 3:])
     u = np.concatenate([v[:, :3], np.einsum("nji,nj->ni", R, v[:, 3:])], axis=1)
     z = np.zeros(compiled.model.state.size)
     own = state.z if state.z.size else initial_states(compiled.system)
     if own.size != compiled.model.z_work:
-        raise ValueError(
+        raise InputError(
             f"state: z has {own.size} own states, the forces of the system have {compiled.model.z_work}; give a state "
             "of this system, or none"
         )
@@ -83,7 +84,7 @@ def check_quaternions(system: Mechanism, state: State) -> None:
     for body, e in zip(system.bodies, state.q.reshape(-1, 7)[:, 3:], strict=True):
         norm = np.linalg.norm(e)
         if not abs(norm - 1.0) <= 1e-6:
-            raise ValueError(
+            raise InputError(
                 f"state: the quaternion of '{system.name(body)}' has norm {norm:.9g} instead of 1; divide it by that"
             )
 
@@ -98,7 +99,7 @@ def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tu
         return None
     rates = v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)
     speed = max(1.0, float(np.abs(rates).max(initial=0.0)))
-    slip = block_rows(compiled.model, data).sparse() @ v - row["b"]
+    slip = block_rows(compiled.model, data).times(v) - row["b"]
     checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
     for residual, unit, limit in checks:
         if np.abs(residual * scale).max() > limit:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import floats, shown
+from ..base.errors import InputError
 from ..kernels import kinds
 from ..kernels.jit import announce_compilation
 from ..kernels.layout import MOST_BODIES, Data, Model, data_records, table
@@ -43,15 +44,15 @@ class Switches:
     def __post_init__(self) -> None:
         if not isinstance(self.stabilisation, str) or self.stabilisation not in STABILISATIONS:
             names = ", ".join(f"'{name}'" for name in STABILISATIONS)
-            raise ValueError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
+            raise InputError(f"stabilisation {shown(self.stabilisation)} is unknown; give one of {names}")
         remedy = "two factors a [1/s] >= 0 and b [1/s^2] >= 0"
         factors = floats(self.baumgarte, "baumgarte", remedy)
         if factors.shape != (2,) or (factors < 0.0).any():
-            raise ValueError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
+            raise InputError(f"baumgarte {shown(self.baumgarte)}: give {remedy}")
         object.__setattr__(self, "baumgarte", tuple(factors.tolist()))
         for name in ("gyroscopic", "centripetal", "gamma"):
             if not isinstance(getattr(self, name), bool | np.bool_):
-                raise ValueError(f"{name} = {shown(getattr(self, name))}; give True or False")
+                raise InputError(f"{name} = {shown(getattr(self, name))}; give True or False")
 
 
 STABILISATIONS = {"none": kinds.NONE, "baumgarte": kinds.BAUMGARTE, "projection": kinds.PROJECTION}
@@ -139,7 +140,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     signals, length = Signals(), own_length(system)
     bodies, singular = body_table(system)
     forces = force_table(system, records, index, where, signals, len(measures))
-    first_state = {id(force): int(k) for force, k in zip(system.forces, forces["state"], strict=True)}
+    places = {id(force): (i, int(forces["state"][i])) for i, force in enumerate(system.forces)}
     rows_table = primitive_table(primitives, index, where, signals)
     per_row = row_table(primitives, rows_table["body"], length)
     counts = [sum(row.n_rows for row in rows) for rows in rows_of_joint]
@@ -151,7 +152,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         row=per_row,
         coordinate=coordinate_table(coordinates, index),
         force=forces,
-        measure=measure_table([*measures, *read], index, where, first_state),
+        measure=measure_table([*measures, *read], index, where, places),
         number=np.array([x for r in records for x in r.numbers], float),
         **signals.arrays(),
         **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),

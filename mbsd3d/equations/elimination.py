@@ -1,7 +1,8 @@
 """The order in which `saddle` eliminates bodies and rows: a spanning tree, and the loop rows that each link feels.
 
 Joints with the most rows come into the tree first, so that few rows are left to close loops; of equal ones those near
-the ground, so that few bodies feel a loop.
+the ground, so that few bodies feel a loop. Joints of bodies far lighter than others come before all: a light body at
+the end of a branch would yield to loop rows by its own small inertia, and S would be graded by it.
 """
 
 import heapq
@@ -13,7 +14,10 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_joint_rows
-from ..saddle.loops import PROXIMAL
+from ..saddle.loops import PROXIMAL, UNKNOWN
+
+LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
+CLASSES = 8
 
 
 def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -24,15 +28,16 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     used = np.arange(model.row.size) if rows is None else np.asarray(rows, np.int64)
     on = np.full_like(model.row["body"], -1)
     on[used] = model.row["body"][used]
-    bodies = on.tobytes()
-    *_, first, joint = spanning_tree(bodies, model.body.size)
+    inertias = inertias_about_points(model)
+    bodies, light = on.tobytes(), lightness(inertias).tobytes()
+    *_, first, joint = spanning_tree(bodies, light)
     chosen = np.zeros(joint.size, np.int64)
     choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
-    plan = loop_plan(bodies, model.body.size, chosen.tobytes())
-    return with_memory(model, plan, used, dtype)
+    plan = loop_plan(bodies, light, chosen.tobytes())
+    return with_memory(model, plan, inertias, used, dtype)
 
 
-def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dtype: type) -> Tree:
+def with_memory(model: Model, plan: dict[str, np.ndarray], inertias: np.ndarray, used: np.ndarray, dtype: type) -> Tree:
     """A plan with the memory to carry it out."""
     fields, tables = tree_records(dtype), {}
     for name in ("link", "joint", "loop", "entry"):
@@ -40,26 +45,46 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], used: np.ndarray, dty
         tables[name] = table(fields[name], plan[name].size)
         for key, value in columns.items():
             tables[name][key.partition(".")[2]] = value
-    weight = largest_inertia(model)
     loop, state = tables["loop"], single(TREE_STATE)
-    state.mu = PROXIMAL / weight
-    loop["mu"] = state.mu / model.row["scale"][loop["row"]] ** 2
+    state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
+    state.soft = UNKNOWN
+    loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
     ready = model.body["inv_sqrt_mass"][tables["link"]["body"]] > 0.0
     tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
     size = int((np.arange(loop.size) - loop["first"] + 1).sum())
     return Tree(
         link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
-        skyline=np.zeros((2, size), dtype), vector=np.zeros((3, loop.size), dtype), shares=np.zeros(48, np.int64),
-        state=state, used=used, skipped=np.setdiff1d(np.arange(model.row.size), used),
+        skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
+        state=state, used=used, skipped=np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
 
 
-def largest_inertia(model: Model) -> float:
-    """Of a body about its reference point [kg m^2], m L^2 included: what J M^-1 J' of scaled rows is the inverse of."""
+def inertias_about_points(model: Model) -> np.ndarray:
+    """(n,) of each body [kg m^2], m L^2 included: what J M^-1 J' of scaled rows is the inverse of."""
     body = model.body
     arms = (body["com"] ** 2).sum(axis=1)
     turning = np.abs(body["inertia"]).max(axis=1, initial=0.0) + body["mass"] * arms
-    return float(np.maximum(body["mass"] * model.length**2, turning).max(initial=0.0)) or 1.0
+    return np.maximum(body["mass"] * model.length**2, turning)
+
+
+def lightness(inertias: np.ndarray) -> np.ndarray:
+    """(n,) class of each body: 0 for ordinary ones, 1 for those below `LIGHT` of the heaviest, ..."""
+    share = inertias / (inertias.max(initial=0.0) or 1.0)
+    least = LIGHT**CLASSES
+    return np.trunc(np.log(np.maximum(share, least)) / np.log(LIGHT) + 1e-9).astype(np.int64)
+
+
+def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.ndarray:
+    """Per loop row the largest inertia [kg m^2] of a body that its loop moves: of its links, and of all they carry."""
+    carried = inertias[plan["link.body"]]
+    for i, up in enumerate(plan["link.up"].tolist()):
+        if up >= 0:
+            carried[up] = max(carried[up], carried[i])
+    owner = np.repeat(np.arange(carried.size), plan["link.entries"])
+    heaviest = np.zeros(plan["loop"].size)
+    inner = plan["inner"]
+    np.maximum.at(heaviest, plan["entry.place"][inner], carried[owner[inner]])
+    return np.where(heaviest > 0.0, heaviest, inertias.max(initial=0.0) or 1.0)
 
 
 def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
@@ -78,23 +103,26 @@ def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def spanning_tree(rows: bytes, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def spanning_tree(rows: bytes, light: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(bodies, children first; their parents, n = the ground; first candidate row of each; the candidates)."""
-    on = np.frombuffer(rows, np.int64).reshape(-1, 4)
+    on, lightness = np.frombuffer(rows, np.int64).reshape(-1, 4), np.frombuffer(light, np.int64).tolist()
+    n = len(lightness)
+    lightness.append(0)  # the ground
     pair = pairs_of(on, n)
     known = np.flatnonzero(pair[:, 0] >= 0)
     edges: dict[tuple[int, int], list[int]] = {}
     for k, (a, b) in zip(known.tolist(), pair[known].tolist(), strict=True):
         edges.setdefault((a, b), []).append(k)
-    near: list[list[tuple[int, int]]] = [[] for _ in range(n + 1)]
+    near: list[list[tuple[int, tuple[int, int]]]] = [[] for _ in range(n + 1)]
     for (a, b), held in edges.items():
-        near[a].append((b, min(6, len(held))))
-        near[b].append((a, min(6, len(held))))
+        last = (-max(lightness[a], lightness[b]), -min(6, len(held)))
+        near[a].append((b, last))
+        near[b].append((a, last))
     parent, order = np.full(n, -1), []
     for root in [n, *sorted(range(n), key=lambda i: -len(near[i]))]:
         if root < n and parent[root] >= 0:
             continue
-        queue = [(-rows, 1, other, root) for other, rows in near[root]]
+        queue = [(last, 1, other, root) for other, last in near[root]]
         if root < n:
             parent[root] = n
             order.append(root)
@@ -105,9 +133,9 @@ def spanning_tree(rows: bytes, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
                 continue
             parent[body] = before
             order.append(body)
-            for other, rows in near[body]:
+            for other, last in near[body]:
                 if other < n and parent[other] < 0:
-                    heapq.heappush(queue, (-rows, depth + 1, other, body))
+                    heapq.heappush(queue, (last, depth + 1, other, body))
     bodies = np.array(order[::-1], np.int64)
     held = [edges.get((min(b, parent[b]), max(b, parent[b])), []) for b in bodies]
     first = np.cumsum([0, *map(len, held)]).astype(np.int64)
@@ -128,10 +156,11 @@ def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=32)
-def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
+def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]:
     """Columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
     on = np.frombuffer(rows, np.int64).reshape(-1, 4)
-    bodies, parent, first, joint = spanning_tree(rows, n)
+    bodies, parent, first, joint = spanning_tree(rows, light)
+    n = bodies.size
     take = np.frombuffer(chosen, np.int64) == 1
     counts = np.add.reduceat(np.append(take, 0), first[:-1]) if n else np.zeros(0, np.int64)
     counts = np.where(np.diff(first) > 0, counts, 0)
@@ -141,21 +170,25 @@ def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
     in_use = np.flatnonzero((on >= 0).any(axis=1))
     loops = np.setdiff1d(in_use, joint["row"][take])
     felt = paths(on, loops, place, up, n)
-    line = narrow_order(felt, n)
+    line, group = narrow_order(on[loops], felt, n)
     loops, felt = loops[line], [felt[k] for k in line]
     entries: list[list[int]] = [[] for _ in range(n)]  # places of the loop rows that each link feels, ascending
     for k, links in enumerate(felt):
         for i in links:
             entries[i].append(k)
+    # links between the bodies of a row and their common ancestor
+    inner = [felt[k][i] for i, places in enumerate(entries) for k in places]
     lengths = np.array([len(places) for places in entries], np.int64)
     starts = np.cumsum([0, *lengths])
     at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
     owner = np.repeat(np.arange(n), lengths)
     entry_place = np.array([k for places in entries for k in places], np.int64)
-    first_column = np.arange(loops.size)
+    begin, end = np.searchsorted(group, group), np.searchsorted(group, group, "right")
+    first_column = begin.copy()
     for places in entries:
         if places:
-            first_column[places] = np.minimum(first_column[places], places[0])
+            first_column[places] = np.minimum(first_column[places], begin[places[0]])
+    first_column = np.array([first_column[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
     width = np.arange(loops.size) - first_column + 1
     start_of_line = np.cumsum(width) - width - first_column
     slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
@@ -164,32 +197,44 @@ def loop_plan(rows: bytes, n: int, chosen: bytes) -> dict[str, np.ndarray]:
         "link.joint": np.cumsum(counts) - counts, "link.entry": starts[:-1], "link.entries": lengths,
         "link.alone": (counts == 0) & (lengths == 0) & (up < 0) & ~np.isin(np.arange(n), up),
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
-        "loop": loops, "loop.row": loops, "loop.first": first_column, "loop.line": start_of_line,
+        "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.line": start_of_line,
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
         "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
-        "entry.slot": slot, "entry.twin": twin,
+        "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),
     }  # fmt: skip
 
 
-def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[list[int]]:
-    """Links that each loop row is felt by: from its bodies down to the ground."""
+def paths(on: np.ndarray, loops: np.ndarray, place: np.ndarray, up: np.ndarray, n: int) -> list[dict[int, bool]]:
+    """Links that each loop row is felt by, from its bodies down to the ground; True where not all its bodies are.
+
+    Those that carry all its bodies cannot close its gap.
+    """
     found = []
     for k in loops.tolist():
-        links: set[int] = set()
-        for b in on[k].tolist():
-            i = int(place[b]) if 0 <= b < n else -1
-            while i >= 0 and i not in links:
-                links.add(i)
+        count: dict[int, int] = {}
+        ends = [b for b in on[k].tolist() if b >= 0]
+        for b in ends:
+            i = int(place[b]) if b < n else -1
+            while i >= 0:
+                count[i] = count.get(i, 0) + 1
                 i = int(up[i])
-        found.append(sorted(links))
+        found.append({i: count[i] < len(ends) for i in sorted(count)})
     return found
 
 
-def narrow_order(felt: list[list[int]], n: int) -> np.ndarray:
-    """Reverse Cuthill-McKee order of the loop rows: those that share a link lie side by side."""
-    if len(felt) < 2:
-        return np.arange(len(felt))
-    row = np.repeat(np.arange(len(felt)), [len(links) for links in felt])
-    link = np.array([i for links in felt for i in links], np.int64)
-    shared = csr_array((np.ones(row.size), (row, link)), shape=(len(felt), n))
-    return reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True).astype(np.int64)
+def narrow_order(on: np.ndarray, felt: list[dict[int, bool]], n: int) -> tuple[np.ndarray, np.ndarray]:
+    """(order of the loop rows, the group of each then): rows between the same bodies are a group, side by side.
+
+    Reverse Cuthill-McKee: groups that share a link lie side by side.
+    """
+    _, group = np.unique(np.sort(on, axis=1), axis=0, return_inverse=True)
+    group = group.ravel()
+    if group.max(initial=0) > 0:
+        owner = np.repeat(group, [len(links) for links in felt])
+        link = np.array([i for links in felt for i in links], np.int64)
+        shared = csr_array((np.ones(owner.size), (owner, link)), shape=(group.max() + 1, n))
+        rank = np.empty(group.max() + 1, np.int64)
+        rank[reverse_cuthill_mckee(csr_array(shared @ shared.T), symmetric_mode=True)] = np.arange(rank.size)
+        group = rank[group]
+    order = np.argsort(group, kind="stable")
+    return order, group[order]

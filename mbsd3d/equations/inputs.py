@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..kernels.kinds import SPLINE
 from .compiled import Compiled
 
@@ -22,7 +23,7 @@ def starts(compiled: Compiled) -> dict[str, float]:
     found: dict[str, float] = {}
     for place in compiled.inputs:
         if found.setdefault(place.name, place.start) != place.start:
-            raise ValueError(
+            raise InputError(
                 f"two inputs '{place.name}' start with {found[place.name]:g} and {place.start:g}; give them one value, "
                 "or names of their own"
             )

@@ -51,6 +51,12 @@ class BlockRows(NamedTuple):
             )
         return A[:, : self.n].reshape(m, 6 * self.n)
 
+    def times(self, v: np.ndarray) -> np.ndarray:
+        """(m,) product with velocities v (6 n,)."""
+        each = np.append(v, np.zeros(6)).reshape(-1, 6)  # the ground last
+        on = np.where(self.body < 0, self.n, self.body)
+        return np.einsum("isj,isj->i", self.J, each[on])
+
     def sparse(self) -> csr_array:
         """(m, 6 n) matrix."""
         i, slot = np.nonzero((self.body >= 0) & (self.body < self.n))

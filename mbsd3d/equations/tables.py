@@ -176,20 +176,22 @@ def force_table(
         for slot, (body, point) in enumerate(zip(r.bodies, r.points, strict=bool(r.points))):
             out["point"][i, slot] = body.local_point(point)
         for slot, body in enumerate(r.bodies[:2]):
-            out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in r.frame.T]).ravel()
+            axes = r.frame if slot == 0 or r.frame_b is None else r.frame_b
+            out["frame"][i, slot] = np.column_stack([body.local_axis(x) for x in axes.T]).ravel()
     return out
 
 
 def measure_table(
-    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], first_state: dict[int, int]
+    measures: list[Measure], index: dict[int, int], where: dict[tuple, int], forces: dict[int, tuple[int, int]]
 ) -> np.ndarray:
-    """The table of measures."""
+    """The table of measures; ``forces`` gives the number and the first state of each force by its id."""
     out = table(MEASURE, len(measures))
     for i, x in enumerate(measures):
         out["kind"][i], out["body"][i], out["axis"][i] = MEASURES[x.kind], (index[id(x.a)], index[id(x.b)]), x.axis
         out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
         out["coordinate"][i] = -1 if x.coordinate is None else where[key_of(x.coordinate)]
-        out["state"][i] = -1 if x.part is None else first_state[id(x.part)] + x.index
+        number, first = (-1, -1) if x.part is None else forces[id(x.part)]
+        out["force"][i], out["state"][i] = number, -1 if x.part is None else first + x.index
     return out
 
 

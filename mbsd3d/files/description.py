@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
@@ -88,9 +89,9 @@ class Writer:
         """Type and fields of a part, a signal or a method."""
         kind = type(part)
         if hasattr(part, "saved"):
-            raise ValueError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
+            raise InputError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
         if types().get(kind.__name__) is not kind:
-            raise ValueError(
+            raise InputError(
                 f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
                 "mbsd3d can, no functions and no classes of your own"
             )
@@ -109,7 +110,7 @@ class Reader:
         for i, entry in enumerate(data["bodies"]):
             body = self.part({"type": "Body"} | entry, ("bodies", i), Body)
             if body.name in self.bodies:
-                raise ValueError(
+                raise InputError(
                     f"two bodies are named '{body.name}' - at `$.bodies[{i}].name`; give each its own name"
                 )
             self.bodies[body.name] = body
@@ -125,11 +126,11 @@ class Reader:
                 return tuple(value)
             return tuple(self.value(item, (*path, i), role) for i, item in enumerate(value))
         if isinstance(value, float) and not math.isfinite(value):
-            raise ValueError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
+            raise InputError(f"{value} is not finite - at `{place_of(path)}`; give a finite number")
         if isinstance(value, dict):
             return self.part(value, path, CLASSES[role]) if role in CLASSES else self.tagged(value, path)
         if not (value is None or isinstance(value, bool | int | float | str)):  # TOML knows dates
-            raise ValueError(f"{value} is not understood - at `{place_of(path)}`; give numbers, texts and lists")
+            raise InputError(f"{value} is not understood - at `{place_of(path)}`; give numbers, texts and lists")
         if isinstance(value, str) and role in REFERENCES:
             return self.referred(role, value, path)
         return value
@@ -145,14 +146,14 @@ class Reader:
             return {name: self.value(item, (*path, key, name)) for name, item in inner.items()}
         if key == "float" and inner in ("inf", "-inf", "nan"):
             return float(inner)
-        raise ValueError(f"{str(value)[:80]} is not understood - at `{place_of(path)}`; give a part with its type")
+        raise InputError(f"{str(value)[:80]} is not understood - at `{place_of(path)}`; give a part with its type")
 
     def referred(self, kind: str, name: str, path: tuple) -> Any:
         """The part of a name."""
         known = self.bodies if kind == "body" else self.places[kind]
         if name not in known:
             have = ", ".join(f"'{other}'" for other in list(known)[:20]) or "none"
-            raise ValueError(f"there is no {kind} '{name}' - at `{place_of(path)}`; there are {have}")
+            raise InputError(f"there is no {kind} '{name}' - at `{place_of(path)}`; there are {have}")
         return self.bodies[name] if kind == "body" else self.listed(kind, name, path)
 
     def listed(self, kind: str, name: str, path: tuple) -> Any:
@@ -162,17 +163,17 @@ class Reader:
             i, entry = self.places[kind][name]
             self.made[kind, name] = self.part(entry, (f"{kind}s", i), REFERENCES[kind])
         if self.made[kind, name] is None:
-            raise ValueError(f"{kind} '{name}' refers to itself - at `{place_of(path)}`; refer to another {kind}")
+            raise InputError(f"{kind} '{name}' refers to itself - at `{place_of(path)}`; refer to another {kind}")
         return self.made[kind, name]
 
     def part(self, data: dict, path: tuple, base: type = object) -> Any:
         """A part from its type and fields, checked against the schema and by its own constructor."""
         if not isinstance(data, dict):
-            raise ValueError(f"{str(data)[:80]} is no part - at `{place_of(path)}`; give an object with its type")
+            raise InputError(f"{str(data)[:80]} is no part - at `{place_of(path)}`; give an object with its type")
         kind = types().get(data.get("type")) if isinstance(data.get("type"), str) else None
         if kind is None or not issubclass(kind, base):
             have = ", ".join(sorted(name for name, known in types().items() if issubclass(known, base)))
-            raise ValueError(f"type {data.get('type')!r} is unknown - at `{place_of(path)}`; give one of {have}")
+            raise InputError(f"type {data.get('type')!r} is unknown - at `{place_of(path)}`; give one of {have}")
         name = data.get("name")
         check(data, struct(kind), path, f"{kind.__name__} '{name}'" if isinstance(name, str) else kind.__name__)
         role = roles(kind)
@@ -183,7 +184,7 @@ class Reader:
             }
             return kind(**values | arrays)
         except (ValueError, *UNREADABLE) as error:
-            raise ValueError(f"{error} - at `{place_of(path)}`") from error
+            raise InputError(f"{error} - at `{place_of(path)}`") from error
 
 
 def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
@@ -196,7 +197,7 @@ def places(entries: list[dict], kind: str) -> dict[str, tuple[int, dict]]:
             counts[cls] = counts.get(cls, 0) + 1
             name = f"{cls} {counts[cls]}"
         if str(name) in found:
-            raise ValueError(f"two {kind}s are named '{name}' - at `$.{kind}s[{i}]`; give each its own name")
+            raise InputError(f"two {kind}s are named '{name}' - at `$.{kind}s[{i}]`; give each its own name")
         found[str(name)] = (i, entry)
     return found
 
@@ -245,15 +246,15 @@ def check_count(data: Mapping[str, Any]) -> None:
     """Refuse a description that would take minutes to build."""
     count = sum(len(data.get(kind, ())) for kind in ("bodies", "joints", "forces"))
     if count > MOST_PARTS:
-        raise ValueError(f"system description: {count} parts, a file may have {MOST_PARTS}; build it in Python")
+        raise InputError(f"system description: {count} parts, a file may have {MOST_PARTS}; build it in Python")
 
 
 def check_format(data: Any, expected: str, what: str) -> None:
     """Refuse other formats and versions."""
     if not isinstance(data, Mapping) or data.get("format") != expected:
-        raise ValueError(f'{what}: is no {expected}; its first entry must be format: "{expected}"')
+        raise InputError(f'{what}: is no {expected}; its first entry must be format: "{expected}"')
     if data.get("version") != FORMAT:
-        raise ValueError(
+        raise InputError(
             f"{what}: has version {data.get('version')!r} of the format - at `$.version`, this mbsd3d reads {FORMAT}; "
             "use the mbsd3d that wrote it, or make it again with this one"
         )

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import tomlkit
 
+from ..base.errors import InputError
 from ..base.paths import read_text, write_atomically
 from ..mechanism.mechanism import Mechanism
 from .description import check_count, describe, read_system
@@ -42,7 +43,7 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ValueError(f"key '{key}' appears twice in one object (value {str(value)[:40]}); keep one")
+            raise InputError(f"key '{key}' appears twice in one object (value {str(value)[:40]}); keep one")
         found[key] = value
     return found
 
@@ -55,11 +56,11 @@ def to_toml(data: dict[str, Any]) -> str:
 def from_toml(text: str) -> Any:
     """The data of a TOML text."""
     if '"""' in text or "'''" in text:
-        raise ValueError("texts of several lines are not used in model files; write each text in one line")
+        raise InputError("texts of several lines are not used in model files; write each text in one line")
     for key in DOTTED.finditer(text):
         if key[0].count(".") > DEPTH:
             line = text.count("\n", 0, key.start()) + 1
-            raise ValueError(f"line {line} has more than {DEPTH} dots in one name; a model nests a few levels only")
+            raise InputError(f"line {line} has more than {DEPTH} dots in one name; a model nests a few levels only")
     return exchanged(tomllib.loads(text), NONE, None)
 
 
@@ -89,7 +90,7 @@ FORMS = {
 def form_of(path: Path) -> Form:
     """By the suffix."""
     if path.suffix.lower() not in FORMS:
-        raise ValueError(f"'{path}': a model file ends in {' or '.join(FORMS)}; give such a name")
+        raise InputError(f"'{path}': a model file ends in {' or '.join(FORMS)}; give such a name")
     return FORMS[path.suffix.lower()]
 
 
@@ -103,13 +104,13 @@ def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -
     try:
         content = text.encode()
     except UnicodeEncodeError as error:
-        raise ValueError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
+        raise InputError(f"'{path}': {text[error.start]!r} in a name cannot be written; rename the part") from error
     if len(content) > form.limit:
-        raise ValueError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
+        raise InputError(f"'{path}': the model has {len(content)} bytes, {form.limit} can be read; shorten its tables")
     with named(path):
         again = form.read(text)
     if again != data:
-        raise ValueError(f"'{path}': {path.suffix} cannot hold this model without loss; use the other format")
+        raise InputError(f"'{path}': {path.suffix} cannot hold this model without loss; use the other format")
     return write_atomically(path, content, replace=replace)
 
 
@@ -119,9 +120,9 @@ def named(path: Path) -> Iterator[None]:
     try:
         yield
     except RecursionError:
-        raise ValueError(f"'{path}' is nested too deep; a model nests a few levels only") from None
+        raise InputError(f"'{path}' is nested too deep; a model nests a few levels only") from None
     except ValueError as error:
-        raise ValueError(f"'{path}': {error}") from error
+        raise InputError(f"'{path}': {error}") from error
 
 
 def read_model(path: str | Path) -> Mechanism:

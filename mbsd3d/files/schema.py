@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import mechanism
+from ..base.errors import InputError
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..integrators.driven import Kinematic
@@ -159,4 +160,4 @@ def check(data: Any, schema: type[msgspec.Struct], path: tuple, what: str) -> No
         message, _, inside = str(error).partition(" - at `$")
         names = ", ".join(schema.__struct_fields__)
         remedy = f"; give {names}" if message.startswith("Object ") else ""
-        raise ValueError(f"{what}: {message} - at `{place_of(path)}{inside.rstrip('`')}`{remedy}") from None
+        raise InputError(f"{what}: {message} - at `{place_of(path)}{inside.rstrip('`')}`{remedy}") from None

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.paths import package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system
 from ..equations.inputs import with_history
@@ -56,13 +57,13 @@ def read_run(path: str | Path) -> RunResult:
     """The result in a file of `save`; see `mbsd3d.load`."""
     source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
     if not source.is_file():
-        raise ValueError(f"'{source}' does not exist; give a file written by solution.save(path)")
+        raise InputError(f"'{source}' does not exist; give a file written by solution.save(path)")
     try:
         with source.open("rb") as handle:
             return read_solution(handle)
     except BROKEN as error:
         reason = str(error) or type(error).__name__
-        raise ValueError(
+        raise InputError(
             f"'{source}' cannot be read as a solution, it is of another kind, truncated or changed ({reason}); "
             "give a file written by solution.save(path), or run the simulation again"
         ) from error
@@ -71,7 +72,7 @@ def read_run(path: str | Path) -> RunResult:
 def read_solution(handle: Any) -> RunResult:
     """Arrays and text of an open file, checked against each other: kernels do not check bounds."""
     if not zipfile.is_zipfile(handle):
-        raise ValueError("no complete .npz file")
+        raise InputError("no complete .npz file")
     check_entries(handle)
     handle.seek(0)
     with np.load(handle, allow_pickle=False) as stored:
@@ -99,10 +100,10 @@ def check_entries(handle: Any) -> None:
     names = {entry.filename for entry in entries}
     if len(names) < len(entries) or not names <= {f"{name}.npy" for name in (*ARRAYS, "json")}:
         odd = sorted(names - {f"{name}.npy" for name in (*ARRAYS, "json")})[:1] or ["one twice"]
-        raise ValueError(f"it holds '{odd[0]}', which no solution has")
+        raise InputError(f"it holds '{odd[0]}', which no solution has")
     for entry in entries:
         if entry.compress_type != zipfile.ZIP_STORED:
-            raise ValueError(f"'{entry.filename}' is compressed, which solution.save never does")
+            raise InputError(f"'{entry.filename}' is compressed, which solution.save never does")
 
 
 def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> None:
@@ -117,7 +118,7 @@ def check_arrays(compiled: Compiled, arrays: dict[str, Any], final: State) -> No
     for name, shape in shapes.items():
         array = arrays[name]
         if not isinstance(array, np.ndarray) or array.dtype != float or array.shape != (*samples, *shape):
-            raise ValueError(f"array '{name}' has shape {np.shape(array)}, its system needs {(*samples, *shape)}")
+            raise InputError(f"array '{name}' has shape {np.shape(array)}, its system needs {(*samples, *shape)}")
     sizes = (final.q.size, final.z.size, coordinates if final.coordinates is None else np.size(final.coordinates))
     if sizes != (7 * n, model.z_work, coordinates):
-        raise ValueError("the final state does not fit the system")
+        raise InputError("the final state does not fit the system")

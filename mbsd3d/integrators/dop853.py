@@ -7,6 +7,7 @@ import numpy as np
 from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import number
+from ..base.errors import InputError
 from ..kernels.layout import Data, Model
 from .method import Method
 from .runge_kutta import Stages, Table, advance, new_stages
@@ -65,9 +66,9 @@ class DOP853(Method):
         if self.dt is not None:
             number(self.dt, "DOP853: dt", positive=True)
         if not self.max_step > 0.0:
-            raise ValueError(f"DOP853: max_step {self.max_step} is not positive; give a time > 0")
+            raise InputError(f"DOP853: max_step {self.max_step} is not positive; give a time > 0")
         if self.stiff not in ("stop", "run"):
-            raise ValueError(f"DOP853: stiff {self.stiff!r} is unknown; give 'stop' or 'run'")
+            raise InputError(f"DOP853: stiff {self.stiff!r} is unknown; give 'stop' or 'run'")
 
     @property
     def patience(self) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
@@ -48,7 +49,7 @@ class Kinematic(Method):
 
     def __post_init__(self) -> None:
         if not self.max_step > 0.0:
-            raise ValueError(f"Kinematic: max_step {self.max_step} is not positive; give a time > 0")
+            raise InputError(f"Kinematic: max_step {self.max_step} is not positive; give a time > 0")
 
     @property
     def loop(self) -> Callable:

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import number
+from ..base.errors import InputError
 from ..kernels.kinds import BAUMGARTE
 from ..kernels.layout import Data, Model, single
 from .alpha_step import integrate
@@ -119,13 +120,13 @@ class GeneralizedAlpha(Method):
         if self.dt is not None:
             number(self.dt, "GeneralizedAlpha: dt", positive=True)
         if not 0.0 <= number(self.rho, "GeneralizedAlpha: rho") <= 1.0:
-            raise ValueError(f"GeneralizedAlpha: rho {self.rho:g} is outside 0 ... 1; give e.g. 0.8")
+            raise InputError(f"GeneralizedAlpha: rho {self.rho:g} is outside 0 ... 1; give e.g. 0.8")
         if not self.max_step > 0.0:
-            raise ValueError(f"GeneralizedAlpha: max_step {self.max_step} is not positive; give a time > 0")
+            raise InputError(f"GeneralizedAlpha: max_step {self.max_step} is not positive; give a time > 0")
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Alpha:
         if not model.gamma or model.stabilisation == BAUMGARTE:
-            raise ValueError(
+            raise InputError(
                 "GeneralizedAlpha: its equations hold no gamma = b_dot - J_dot v, so gamma=False and "
                 "stabilisation='baumgarte' would change nothing; use DOP853() or RK4(dt) to show their effect"
             )

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import number
+from ..base.errors import InputError
 from ..kernels.layout import Data, Model, single
 from .method import Method
 from .radau_step import collocation
@@ -110,7 +111,7 @@ class RadauIIA(Method):
         if self.dt is not None:
             number(self.dt, "RadauIIA: dt", positive=True)
         if not self.max_step > 0.0:
-            raise ValueError(f"RadauIIA: max_step {self.max_step} is not positive; give a time > 0")
+            raise InputError(f"RadauIIA: max_step {self.max_step} is not positive; give a time > 0")
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Collocation:
         core = 13 * model.body.size + model.z_work

@@ -5,6 +5,7 @@ import numpy as np
 from ..dynamics.state_rates import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
+from ..saddle.loops import note_independence
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
@@ -80,9 +81,7 @@ def note_rows(s, run):
     rows = run.rows
     rows.pivot, rows.worn = s.state.pivot, s.state.worn
     rows.lowest = min(rows.lowest, rows.pivot)
-    s.state.rank = max(s.state.rank, s.state.independent)
-    for i in range(s.loop.shape[0]):
-        s.loop[i].most = max(s.loop[i].most, s.loop[i].pivot)
+    note_independence(s)
     if not nearly_singular(run):
         rows.on_manifold = 0
 

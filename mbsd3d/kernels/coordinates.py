@@ -9,13 +9,17 @@ import math
 import numpy as np
 
 from .jit import inner_kernel, kernel, merged_kernel
-from .kinds import ANGLE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, TURN, VELOCITY
+from .kinds import ANGLE, CLEARANCE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, PRESS, TURN, VELOCITY
+from .surfaces import meeting, pressure
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
 
 
-@inner_kernel
+@kernel
 def arctan2(y, x):
-    """atan2 for real and complex-step arguments: the real angle plus the small rotation left over."""
+    """Angle of (x, y) [rad], for real numbers and for those of a complex step; for functions of `CustomForce`.
+
+    The real angle plus the small rotation left over; (0, 0) has none.
+    """
     angle = math.atan2(y.real, x.real)
     c, s = math.cos(angle), math.sin(angle)
     return angle + (c * y - s * x) / (c * x + s * y)
@@ -117,10 +121,18 @@ def remember(m, d, t):
     d.unwrap_time[0] = t
 
 
+@merged_kernel
+def of_contact(m, d, p):
+    """Clearance or normal force of a contact."""
+    f = m.force[p.force]
+    plane, _, _, gap, velocity = meeting(f, d.body[f.body[0]], d.body[f.body[1]])
+    return gap if p.kind == CLEARANCE else pressure(f, gap, -dot(plane[2], velocity))[0]
+
+
 @kernel
 def measure(m, d, i, t):
     """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean,
-    distance, own state of a force element."""
+    distance, own state of a force element, clearance or normal force of a contact."""
     p = m.measure[i]
     if p.kind == COORDINATE:
         return coordinate(m, d, p.coordinate, t)[0]
@@ -128,6 +140,8 @@ def measure(m, d, i, t):
         return coordinate_rate(m, d, p.coordinate, t)
     if p.kind == OWN_STATE:
         return d.z[p.state]
+    if p.kind == CLEARANCE or p.kind == PRESS:
+        return of_contact(m, d, p)
     a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
     gap = sub(point(b, sb), point(a, sa))

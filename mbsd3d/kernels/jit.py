@@ -1,4 +1,4 @@
-"""The ``@kernel`` decorator: numba in nopython mode with a disk cache that cannot go stale."""
+"""The ``@kernel`` decorator: numba in nopython mode with compiled code on disk that cannot go stale."""
 
 import atexit
 import hashlib
@@ -9,10 +9,13 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import numba
+
+from .code_files import keep_code
 
 PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -63,8 +66,9 @@ def is_warm(part: str = "kernels") -> bool:
 def mark_warm(part: str = "kernels") -> None:
     """Note on disk that a part has been compiled."""
     if not is_warm(part):
-        CACHE.mkdir(parents=True, exist_ok=True)
-        marker(part).touch()
+        with suppress(OSError):  # said where the code itself could not be written
+            CACHE.mkdir(parents=True, exist_ok=True)
+            marker(part).touch()
 
 
 @cache
@@ -85,7 +89,7 @@ def count_kernels(part: str, ended: threading.Event) -> None:
     began = last = time.perf_counter()
     before = 0
     while not ended.wait(PAUSE) and not is_warm(part) and time.perf_counter() - last < STALLED:
-        done = sum(1 for _ in CACHE.rglob("*.nbi"))
+        done = sum(1 for _ in CACHE.rglob("*.code"))
         if done > before:
             before, last = done, time.perf_counter()
         sys.stderr.write(f"mbsd3d: {done} kernels after {time.perf_counter() - began:.0f} s\n")
@@ -95,17 +99,13 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 def compiled(
     function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False
 ) -> Callable:
-    """Compile in nopython mode, cached on disk under a digest of every kernel source of the package."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE)
-    try:
-        return numba.njit(
-            cache=True, error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
-            no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
-            forceinline=fused, inline="always" if merged else "never",
-        )(function)  # fmt: skip
-    finally:
-        numba.config.CACHE_DIR = before  # the caller's own numba code keeps its cache
+    """Compile in nopython mode, kept on disk under a digest of every kernel source of the package."""
+    made = numba.njit(
+        error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
+        no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
+        forceinline=fused, inline="always" if merged else "never",
+    )(function)  # fmt: skip
+    return keep_code(made, CACHE)
 
 
 def kernel(function: Callable) -> Callable:

@@ -71,6 +71,7 @@ MEASURE = [
     ("axis", float, 3),  # world axes, or body axes of the second body
     ("coordinate", int),
     ("state", int),  # place in z of the state it reads
+    ("force", int),  # number of the contact it speaks of, -1 = none
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
@@ -142,6 +143,7 @@ def data_records(dtype: type) -> dict[str, list]:
             ("rate", dtype),
             ("gradient", dtype, (4, 3)),  # rate = gradient . (velocity of a, w of a, velocity of b, w of b)
             ("load", dtype),  # N or N m along it: on b, the opposite on a
+            ("shown", dtype, 12),  # where a load travels: its point [m], then what `ForceElement.shows` names
         ],
         "pose": [  # what a custom function is told of a point of a body, world axes
             ("r", dtype, 3),
@@ -178,8 +180,8 @@ class Tree(NamedTuple):
     joint: np.ndarray  # rows of the links, side by side
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
-    skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S[i, j] is [0, line_i + j]
-    vector: np.ndarray  # (3, l) right side, then multipliers of the loop rows; those of the sweeps; the step of a sweep
+    skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S_ij is [0, line_i + j]
+    vector: np.ndarray  # (4, l) right side, then multipliers of the loop rows; those of the sweeps; residual, step
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
     state: np.record  # TREE_STATE
     used: np.ndarray  # rows in use, ascending
@@ -190,8 +192,8 @@ TREE_STATE = [
     ("mu", float),  # 1/kg of a row in radians and metres of the model: what keeps S regular where rows repeat others
     ("dense", int),  # 1: a pivot of a link has vanished (bodies without inertia): the dense matrix at this state
     ("weak", int),  # 1: some loop rows are nearly dependent on others
-    ("independent", int),  # loop rows that are so at the factorisation at hand,
-    ("rank", int),  # and the most at the end of any step: off c = 0 rows that repeat others seem independent
+    ("soft", int),  # 1: some resist so little at the end of the last step that one sweep does not take mu away again
+    ("rank", int),  # independent loop rows, the most at the end of any step: off c = 0 rows that repeat others seem so
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
 ]
@@ -228,11 +230,12 @@ def tree_records(dtype: type) -> dict[str, list]:
         ],
         "loop": [
             ("row", int),
-            ("first", int),  # first stored column of its line of S
+            ("end", int),  # one past its group: rows between the same bodies, of which the largest pivots come first
+            ("first", int),  # first stored column of its line of S, the same for a group
             ("line", int),  # start of the line
             ("mu", float),  # what is added to the diagonal
-            ("off", int),  # 1: nothing in the tree yields to it
-            ("pivot", float),  # of the factorisation at hand,
+            ("at", int),  # the loop row that stands here in the factor
+            ("pivot", float),  # here, in the factorisation at hand, times mu; 0 where nothing in the tree yields
             ("most", float),  # and the largest at the end of any step
         ],
         "entry": [

@@ -12,6 +12,7 @@ from .coordinates import coordinate, slide_along
 from .jit import inner_kernel, kernel, merged_kernel
 from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
 from .signals import signal
+from .surfaces import lowest, lowest_rate
 from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
@@ -167,33 +168,23 @@ def no_sideslip(row, p, a, b):
 
 @merged_kernel
 def roll(d, p, a, b):
-    """Disc with axis u, centre C, outer radius value[0], crown radius value[1] on the plane (P, n) of body a.
+    """A surface of body b on the plane (P, n) of body a: half axes value[0:3] along axis, second_axis and their cross
+    product, thickened by value[3]; see `surfaces`.
 
-    Row 1: c = n.(C - P) - ring sqrt(1 - (n.u)^2) - crown, ring = radius - crown; rows 2, 3: no slip along two
-    directions of the plane. The contact point is C + ring m - crown n, m = -(n - (n.u) u)/sqrt(1 - (n.u)^2).
+    Row 1: c = n.(C - P) - h - rho, the gap; rows 2, 3: no slip along two directions of the plane.
     """
     wa, wb = vec(a.w), vec(b.w)
-    crown = p.value[1]
-    ring = p.value[0] - crown
-    n, u, s = arm(a, p.axis[0]), arm(b, p.axis[1]), arm(b, p.point[1])
-    n_dot, u_dot = cross(wa, n), cross(wb, u)
-    lean = dot(n, u)
-    lean_dot = dot(n_dot, u) + dot(n, u_dot)
-    root = np.sqrt(1.0 - lean * lean)
-    down = scale(-1.0 / root, sub(n, scale(lean, u)))
-    down_dot = add(
-        scale(-1.0 / root, sub(n_dot, add(scale(lean_dot, u), scale(lean, u_dot)))),
-        scale(lean * lean_dot / (root * root), down),
-    )
-    lever = sub(scale(ring, down), scale(crown, n))
-    lever_dot = sub(scale(ring, down_dot), scale(crown, n_dot))
+    n, u, v, s = arm(a, p.axis[0]), arm(b, p.axis[1]), arm(b, p.second_axis[1]), arm(b, p.point[1])
+    r, rho, axes, n_dot = vec(p.value), p.value[3], (u, v, cross(u, v)), cross(wa, n)
+    low, h, q = lowest(r, rho, axes, n)
+    low_dot = lowest_rate(r, rho, axes, low, h, q, n_dot, n, wb)
     centre = sub(point(b, s), vec(a.r))
-    arm_b, arm_a = add(s, lever), add(centre, lever)
-    arm_a_dot = add(sub(point_velocity(b, s), vec(a.velocity)), lever_dot)
-    bias_b = cross(wb, add(cross(wb, s), lever_dot))
+    arm_b, arm_a = add(s, low), add(centre, low)
+    arm_a_dot = add(sub(point_velocity(b, s), vec(a.velocity)), low_dot)
+    bias_b = cross(wb, add(cross(wb, s), low_dot))
     along = arm(a, p.second_axis[0])
     across = cross(n, along)
-    d.row[p.row].c = dot(n, sub(centre, arm(a, p.point[0]))) - ring * root - crown
+    d.row[p.row].c = dot(n, sub(centre, arm(a, p.point[0]))) - h - rho
     contact_row(d.row[p.row], a, b, n, n_dot, arm_b, arm_a, bias_b, arm_a_dot)
     contact_row(d.row[p.row + 1], a, b, along, cross(wa, along), arm_b, arm_a, bias_b, arm_a_dot)
     contact_row(d.row[p.row + 2], a, b, across, cross(wa, across), arm_b, arm_a, bias_b, arm_a_dot)

@@ -118,6 +118,13 @@ def arm(body, local):
 
 
 @inner_kernel
+def columns(body, frame):
+    """Columns of R frame: the axes of an element in world axes."""
+    R, F = mat(body.R), mat(frame)
+    return rotate(R, (F[0], F[3], F[6])), rotate(R, (F[1], F[4], F[7])), rotate(R, (F[2], F[5], F[8]))
+
+
+@inner_kernel
 def point(body, s):
     """World position of the point at s (world) from O."""
     return add(vec(body.r), s)

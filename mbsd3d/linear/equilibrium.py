@@ -17,8 +17,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
+from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError, EquilibriumError, solvable
+from ..base.errors import AssemblyError, EquilibriumError, InputError
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
@@ -115,7 +116,7 @@ def check_rest(system: Mechanism) -> None:
     for part in (*system.joints, *system.forces):
         signals = [x.signal for x in part.primitives] if part in system.joints else part.record().signals
         if any(signal is not None and varies(signal, 0) for signal in signals):
-            raise ValueError(f"equilibrium: the signal of '{system.name(part)}' varies with time; give a constant")
+            raise InputError(f"equilibrium: the signal of '{system.name(part)}' varies with time; give a constant")
 
 
 @solvable("equilibrium")

@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
-from ..base.checks import number
+from ..base.checks import number, shown, solvable
 from ..base.concurrency import on_one_thread
-from ..base.errors import solvable
+from ..base.errors import InputError
 from ..constraints.nearby_poses import closed
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..equations.elimination import eliminate
@@ -84,7 +84,7 @@ class Linearization:
     def mode(self, k: int) -> Mode:
         """Mode number k, counted from zero."""
         if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
-            raise ValueError(
+            raise InputError(
                 f"linearization.mode: {k!r} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
             )
         return self.modes[k]
@@ -128,7 +128,7 @@ def linearize_at(
     at = field.at(field.t, field.y)
     space = tangent_space(compiled, at)
     if not space.E.shape[1]:
-        raise ValueError("linearize: joints and drivers leave no freedom, nothing can deviate; free a joint")
+        raise InputError("linearize: joints and drivers leave no freedom, nothing can deviate; free a joint")
     check_regular(field, space)
     units = natural_units(compiled.model, at, space)
     generator, later, Q = find_generator(field, at, space, units, tolerance)
@@ -143,9 +143,11 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
     """Measures of parts of this system."""
     if isinstance(outputs, Measure):
         outputs = (outputs,)
+    if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
+        raise InputError(f"linearize: outputs = {shown(outputs)} is no sequence; give a list of mbsd3d.measures")
     for x in outputs or ():
         if not isinstance(x, Measure):
-            raise ValueError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "linearize: outputs")
     return tuple(outputs or ())
 
@@ -161,7 +163,7 @@ def check_regular(field: Field, space: Tangent) -> None:
         beside = None if y is None else field.rows_at(field.t, y).size
         if beside != chosen.size:
             there = "do not close" if y is None else f"have rank {beside}"
-            raise ValueError(
+            raise InputError(
                 f"linearize: singular position: the joints' rows have rank {chosen.size} here and {there} beside it, "
                 "so small motions are not linear; move away from the dead centre"
             )
@@ -176,7 +178,7 @@ def matrix_of(
     columns = units.x[space.chosen]
     left = np.abs((transported - space.E @ A) * columns / units.x[:, None]).max() / units.rate
     if left > 10.0 * tolerance:
-        raise ValueError(
+        raise InputError(
             f"linearize: what the joints allow is not the same all along the motion (residual {left:.2g}); "
             "linearise about an equilibrium or a steady motion"
         )
@@ -193,21 +195,21 @@ def with_outputs(
     names = [f"'{measure.label}'" for measure in found.outputs]
     for name, measure, value in zip(names, found.outputs, at.outputs, strict=True):
         if measure.kind == "distance" and value == 0.0:
-            raise ValueError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
+            raise InputError(f"linearize: output {name} is zero, where a distance has no derivative; give a position")
     changed = np.abs((later.L @ Q @ E - L) * x).max(axis=1)
     for name, length, change in zip(names, size, changed, strict=True):
         if length == 0.0 or change > 10.0 * tolerance * length:
             why = "does not depend on the states" if length == 0.0 else "is not the same function all along the motion"
-            raise ValueError(f"linearize: output {name} {why}; leave it out or give another")
+            raise InputError(f"linearize: output {name} {why}; leave it out or give another")
     scaled, A = L * x / size[:, None], found.full * x / x[:, None] / found.units.rate
     s = scipy.linalg.svdvals(scaled)
     if len(names) > x.size or s[-1] <= RANK_TOLERANCE * s[0]:
-        raise ValueError(f"linearize: the outputs {', '.join(names)} depend on each other; leave one out")
+        raise InputError(f"linearize: the outputs {', '.join(names)} depend on each other; leave one out")
     A_y = scaled @ A @ np.linalg.pinv(scaled)
     left = np.abs(scaled @ A - A_y @ scaled).max(axis=1)
     k = int(np.argmax(left))
     if left[k] > 10.0 * tolerance * max(1.0, np.abs(A_y).max()):
-        raise ValueError(
+        raise InputError(
             f"linearize: the outputs do not close: the rate of {names[k]} depends on more than the outputs (residual "
             f"{left[k]:.2g}); add what it depends on, e.g. rates of the angles"
         )

@@ -9,7 +9,7 @@ import scipy.linalg
 
 from ..base.checks import number
 from ..base.concurrency import on_one_thread
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, InputError
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
@@ -124,7 +124,7 @@ class Mode:
         """
         amplitude, cycles = number(amplitude, "motion: amplitude"), number(cycles, "motion: cycles", positive=True)
         if samples < 2:
-            raise ValueError(f"motion: samples = {samples}; give at least 2")
+            raise InputError(f"motion: samples = {samples}; give at least 2")
         value = self.eigenvalue
         rate = (abs(value.imag) / (2.0 * np.pi)) or abs(value.real) or 1.0
         t = np.linspace(0.0, cycles / rate, int(samples))

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
+from ..base.errors import InputError
 from ..base.quaternions import exponential, multiply, skew
 from ..base.rotations import matrix
 from ..equations.at_state import worst_joint
@@ -57,10 +58,10 @@ def check_signals(system: Mechanism) -> None:
             degree = 0 if row.kind in (kinds.TURN_RATE, kinds.NO_SIDESLIP) else 1
             if row.signal is not None and varies(row.signal, degree):
                 what = "a constant speed" if isinstance(joint, Driver) and degree == 0 else "a constant or a ramp"
-                raise ValueError(f"linearize: the signal of '{system.name(joint)}' varies with time; give {what}")
+                raise InputError(f"linearize: the signal of '{system.name(joint)}' varies with time; give {what}")
     for force in system.forces:
         if any(signal is not None and varies(signal, 0) for signal in force.record().signals):
-            raise ValueError(f"linearize: the signal of '{system.name(force)}' varies with time; give a constant")
+            raise InputError(f"linearize: the signal of '{system.name(force)}' varies with time; give a constant")
 
 
 def varies(signal: Signal, degree: int) -> bool:
@@ -203,7 +204,7 @@ def find_generator(
         if change <= 10.0 * tolerance:
             return replace(g, residual=float(max(slip.max(), drift.max(), change))), later, Q
         changing.append((change, change_message(change, part)))
-    raise ValueError(f"linearize: {min(changing or wrong)[1]}")
+    raise InputError(f"linearize: {min(changing or wrong)[1]}")
 
 
 def rest_of_states(at: Variations, units: Units, model: Model) -> float:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..base.errors import AssemblyError
+from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import H, skew
 from ..base.rotations import matrix
 from ..constraints.row_choice import choose_rows
@@ -122,12 +122,12 @@ class Field:
         system, power = self.compiled.system, self.data.force["power"]
         for force, value in zip(system.forces, power, strict=True):
             if not np.isfinite(value):
-                raise ValueError(
+                raise InputError(
                     f"linearize: {type(force).__name__} '{system.name(force)}' has no derivative at this state; "
                     "linearise about another one, or give a function that also takes complex numbers"
                 )
         if not all(np.isfinite(x).all() for x in columns.values()):
-            raise ValueError("linearize: the equations have no finite derivative at this state; give another one")
+            raise InputError("linearize: the equations have no finite derivative at this state; give another one")
 
 
 def directions(model: Model, y: np.ndarray) -> np.ndarray:
@@ -156,7 +156,8 @@ def solve(model: Model, data: Data, tree: Tree, t: float, y: np.ndarray) -> None
     """Fill ``data`` at a complex state."""
     kinematics(model, data, y)
     rows(model, data, t)
-    if factor(model, data, tree) != SOLVED or accelerate(model, data, tree, t) != SOLVED:
+    factor(model, data, tree)
+    if accelerate(model, data, tree, t) != SOLVED:
         raise AssemblyError(
             "linearize: the equations of motion have no solution", time=t,
             advice="see system.check(); give massless bodies joints that determine their motion",
@@ -255,7 +256,7 @@ def check_consistent(compiled: Compiled, left: np.ndarray, size: float) -> None:
     miss = np.abs(left).max(axis=1, initial=0.0)
     if miss.max(initial=0.0) > 1e-7 * max(size, 1e-300):  # rows of a regular position agree to rounding
         part, residual = worst_joint(compiled, miss / compiled.model.row["scale"])
-        raise ValueError(
+        raise InputError(
             f"linearize: singular position: at neighbouring positions no velocities meet {part} (residual "
             f"{residual:.2g}); move away from the dead centre"
         )

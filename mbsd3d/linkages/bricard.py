@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
+from ..base.errors import InputError
 from .dh import built, closed_angles, table
 from .links import Links
 
@@ -105,7 +106,7 @@ def bricard(
         If the loop has no pose with this angle, or the length is not positive.
     """
     if not length > 0.0 or not np.cos(angle) > -0.5:
-        raise ValueError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
+        raise InputError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
                          "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
     phi = float(np.arccos(-np.cos(angle) / (1.0 + np.cos(angle))))
     numbers = np.array([[length, RIGHT, 0.0], [length, -RIGHT, 0.0]] * 3)
@@ -139,7 +140,7 @@ def schatz(
         If the length is not positive or the angle not finite.
     """
     if not length > 0.0 or not np.isfinite([angle, offset]).all():
-        raise ValueError(
+        raise InputError(
             f"schatz: length {length:g} m, angle {angle:g}, offset {offset:g} m; give finite numbers, a > 0"
         )
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
@@ -154,4 +155,4 @@ def schatz(
 def _six(what: str, numbers: np.ndarray) -> None:
     """ValueError unless there are six links."""
     if len(numbers) != 6:
-        raise ValueError(f"{what}: {len(numbers) // 2} links given; give the numbers of three")
+        raise InputError(f"{what}: {len(numbers) // 2} links given; give the numbers of three")

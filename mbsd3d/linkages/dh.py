@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import sequence
+from ..base.errors import InputError
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute
 from .links import Links, base_frame, link_body
@@ -54,7 +55,7 @@ def hinge_loop(
     numbers = table(lengths, twists, offsets, "hinge_loop")
     theta = np.array(sequence(angles, "hinge_loop: angles"))
     if theta.size != len(numbers):
-        raise ValueError(f"hinge_loop: {theta.size} angles for {len(numbers)} links; give one angle a hinge")
+        raise InputError(f"hinge_loop: {theta.size} angles for {len(numbers)} links; give one angle a hinge")
     return built("hinge_loop", numbers, theta, links, position, orientation, gravity)
 
 
@@ -65,7 +66,7 @@ def table(lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[f
     ]
     if len({len(x) for x in columns}) != 1 or len(columns[0]) < 3:
         sizes = ", ".join(str(len(x)) for x in columns)
-        raise ValueError(
+        raise InputError(
             f"{what}: {sizes} lengths, twists and offsets; give one of each a link, for three links or more"
         )
     return np.array(columns).T
@@ -79,7 +80,7 @@ def built(
     place = frames(numbers, angles)
     gap, turn, size = misfit(numbers, angles)
     if not max(gap / size, turn) < CLOSED:
-        raise ValueError(f"{what}: the loop does not close at these parameters: its ends are {gap:.3g} m and "
+        raise InputError(f"{what}: the loop does not close at these parameters: its ends are {gap:.3g} m and "
                          f"{turn:.3g} rad apart; correct the parameters or the angles")  # fmt: skip
     base, thick = base_frame(position, orientation, what), 0.05 * size
     bodies = [
@@ -128,7 +129,7 @@ def closed_angles(
     if near is not None:
         starts = [np.array(sequence(near, f"{what}: near"))]
         if starts[0].size != free:
-            raise ValueError(f"{what}: near has {starts[0].size} angles; give {free}")
+            raise InputError(f"{what}: near has {starts[0].size} angles; give {free}")
     else:
         ticks = -np.pi + (np.arange(STARTS[free]) + 0.6) * (
             2 * np.pi / STARTS[free]
@@ -147,7 +148,7 @@ def closed_angles(
         gap, turn, size = misfit(numbers, angles)
         if max(gap / size, turn) < 1e-12 and one_freedom(numbers, angles):
             return angles
-    raise ValueError(f"{what}: no closed pose was found at angle {np.degrees(zero[0]):.6g} degrees from {len(starts)} "
+    raise InputError(f"{what}: no closed pose was found at angle {np.degrees(zero[0]):.6g} degrees from {len(starts)} "
                      "starts; choose another angle, other parameters, or give near=")  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import vector
+from ..base.errors import InputError
 from ..base.inertia import MassProperties, cylinder
 from ..base.rotations import as_quaternion, matrix
 from ..mechanism.bodies import Body
@@ -37,6 +38,6 @@ def link_body(
 ) -> Body:  # fmt: skip
     """Link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns from."""
     if links is not None and len(links) != count:
-        raise ValueError(f"{what}: {len(links)} links given; it has {count} that move, the ground is the last one")
+        raise InputError(f"{what}: {len(links)} links given; it has {count} that move, the ground is the last one")
     given = bar(axes.T @ line, radius) if links is None else links[k - 1]
     return Body(name or f"link {k}", **vars(given), position=frame[:3, 3], orientation=frame[:3, :3])

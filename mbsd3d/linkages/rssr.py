@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
+from ..base.errors import InputError
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute, Spherical, Universal
 from .dh import step
@@ -53,7 +54,7 @@ def rssr(
         number(value, f"rssr: {name}", positive=True)
     offset = sequence(offsets, "rssr: offsets")
     if len(offset) != 2 or branch not in (1, -1):
-        raise ValueError(f"rssr: offsets {offset}, branch {branch!r}; give two offsets, branch 1 or -1")
+        raise InputError(f"rssr: offsets {offset}, branch {branch!r}; give two offsets, branch 1 or -1")
     shaft = step(0.0, number(distance, "rssr: distance"), number(twist, "rssr: twist"), 0.0)
     hub = np.array([0.0, 0.0, offset[0]])
     pin = hub + crank * np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -83,7 +84,7 @@ def rssr(
     elif np.linalg.norm(across) > 1e-6 * rod:
         last = Universal(bodies[1], bodies[2], at=world(far), axis_a=R @ across, axis_b=R @ axis, name="rocker pin")
     else:
-        raise ValueError(
+        raise InputError(
             "rssr: the rod lies along the rocker's shaft, where a Universal cannot hold its spin; spin=True"
         )
     return System(bodies, [ends[0], ends[1], last, ends[2]], gravity=gravity)
@@ -95,7 +96,7 @@ def _rocker_angle(arm: np.ndarray, rod: float, rocker: float, branch: int, angle
     need = float(arm @ arm) + rocker**2 - rod**2
     if not abs(need) <= reach:
         near, far = np.sqrt([max(arm @ arm + rocker**2 - reach, 0.0), arm @ arm + rocker**2 + reach])
-        raise ValueError(f"rssr: at angle {np.degrees(angle):.6g} degrees the pins can be {near:.9g} m to {far:.9g} m "
+        raise InputError(f"rssr: at angle {np.degrees(angle):.6g} degrees the pins can be {near:.9g} m to {far:.9g} m "
                          f"apart, and the rod is {rod:.9g} m; choose a rod or an angle that closes")  # fmt: skip
     return float(np.arctan2(arm[1], arm[0]) + branch * np.arccos(need / reach))
 

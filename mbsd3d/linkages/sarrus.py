@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
+from ..base.errors import InputError
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute
 from .links import Links, base_frame, link_body
@@ -51,10 +52,10 @@ def sarrus(
     """
     lower, upper = (_leg(leg, name) for leg, name in ((first, "first"), (second, "second")))
     if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT:
-        raise ValueError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
+        raise InputError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
     rest = lower[1] ** 2 - (lower[0] * np.cos(number(angle, "sarrus: angle"))) ** 2
     if rest < 0.0:
-        raise ValueError(f"sarrus: at angle {angle:g} rad the first leg of {lower[0]:g} m and {lower[1]:g} m cannot "
+        raise InputError(f"sarrus: at angle {angle:g} rad the first leg of {lower[0]:g} m and {lower[1]:g} m cannot "
                          "end above its foot; choose a steeper angle or a longer upper link")  # fmt: skip
     height = lower[0] * np.sin(angle) + np.sqrt(rest)
     knees = [_knee(leg, height, name) for leg, name in ((lower, "first"), (upper, "second"))]
@@ -96,7 +97,7 @@ def _system(
 def _leg(lengths: Sequence[float], name: str) -> tuple[float, ...]:
     found = sequence(lengths, f"sarrus: {name} leg")
     if len(found) != 2 or min(found) <= 0.0:
-        raise ValueError(f"sarrus: {name} leg {found}: give two lengths > 0")
+        raise InputError(f"sarrus: {name} leg {found}: give two lengths > 0")
     return found
 
 
@@ -104,7 +105,7 @@ def _knee(leg: tuple[float, ...], height: float, name: str) -> tuple[float, floa
     """(outwards, up) of the hinge between the links of a leg whose upper end is above its foot."""
     up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height)
     if not abs(up) < leg[0] * np.cos(STRAIGHT):
-        raise ValueError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
+        raise InputError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
                          f"{height:g} m or is straight there; choose another angle or other lengths")  # fmt: skip
     return float(np.sqrt(leg[0] ** 2 - up**2)), float(up)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, number, shown, vector
-from ..base.errors import Explained
+from ..base.errors import Explained, InputError
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -128,7 +128,7 @@ class Body(Frozen, metaclass=Explained):
 def check_name(name: Any, what: str) -> None:
     """A text that is not empty, or a ValueError."""
     if not isinstance(name, str) or not name:
-        raise ValueError(f"{what} name {shown(name)}: give a non-empty text")
+        raise InputError(f"{what} name {shown(name)}: give a non-empty text")
 
 
 @dataclass(frozen=True, eq=False)

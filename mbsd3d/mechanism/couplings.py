@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, coordinate_of
@@ -67,10 +68,10 @@ class Gear(Coupling):
         for hinge in (self.hinge_a, self.hinge_b):
             coordinate_of(hinge, "angle", what)
         if self.hinge_a is self.hinge_b:
-            raise ValueError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
+            raise InputError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
         self.set(ratio=number(self.ratio, f"{what}: ratio"))
         if self.ratio == 0.0:
-            raise ValueError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
+            raise InputError(f"{what}: ratio is 0; give angle_b / angle_a, or lock hinge_b with Fixed")
 
     def rows(self) -> list[Primitive]:
         return [ratio(self.hinge_a.angle(), -self.ratio, self.hinge_b.angle(), 1.0)]
@@ -186,24 +187,24 @@ class GearMesh(Coupling):
         for hinge in (self.hinge_a, self.hinge_b):
             coordinate_of(hinge, "angle", what)
             if not isinstance(hinge, AxisJoint):
-                raise ValueError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
+                raise InputError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
         if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
-            raise ValueError(f"{what}: carrier = {self.carrier!r} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: carrier = {self.carrier!r} is not a body; give a Body or GROUND")
         angles = [number(getattr(self, key), f"{what}: {key}") for key in ("pressure_angle", "helix_angle")]
         if not 0.0 <= angles[0] < np.pi / 2 or abs(angles[1]) >= np.pi / 2:
-            raise ValueError(
+            raise InputError(
                 f"{what}: pressure_angle {angles[0]:g} rad and helix_angle {angles[1]:g} rad: give radians, "
                 "0 <= pressure_angle < pi/2 and |helix_angle| < pi/2"
             )
         if self.flank not in (1, -1):
-            raise ValueError(f"{what}: flank {self.flank!r} is unknown; give 1 or -1")
+            raise InputError(f"{what}: flank {self.flank!r} is unknown; give 1 or -1")
         self.set(at=vector(self.at, f"{what}: at"), pressure_angle=angles[0], helix_angle=angles[1])
         bodies = {id(body) for body in (self.support(what), self.a, self.b)}
         if len(bodies) < 3:
-            raise ValueError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
+            raise InputError(f"{what}: carrier and gears are not three bodies; give hinges of two gears on one carrier")
         for hinge in (self.hinge_a, self.hinge_b):
             if self.gear(hinge) is GROUND and self.carrier not in (None, hinge.a, hinge.b):
-                raise ValueError(f"{what}: the gear on '{hinge.name}' is the ground; give it as body b of the hinge")
+                raise InputError(f"{what}: the gear on '{hinge.name}' is the ground; give it as body b of the hinge")
         self.direction(what)
 
     def support(self, what: str = "GearMesh") -> Body | Ground:
@@ -214,7 +215,7 @@ class GearMesh(Coupling):
         for body in (first.a, first.b):
             if body is second.a or body is second.b:
                 return body
-        raise ValueError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
+        raise InputError(f"{what}: '{first.name}' and '{second.name}' share no body; give carrier=")
 
     def gear(self, hinge: Joint) -> Body | Ground:
         """The gear on a hinge: the body that is not the carrier."""

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.directions import unit
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
@@ -123,7 +124,7 @@ class PositionDriver(Driver):
         super().check(what)
         signals = three_signals(self.signal, f"{what}: signal", free=True)
         if not any(signals):
-            raise ValueError(f"{what}: all three directions are free; give at least one signal")
+            raise InputError(f"{what}: all three directions are free; give at least one signal")
         self.set(at=vector(self.at, f"{what}: at"), signal=signals)
 
     def point(self) -> np.ndarray:
@@ -180,16 +181,16 @@ class SpeedDriver(Driver):
             self.follow_joint(what)
         super().check(what)
         if self.speed is None:
-            raise ValueError(f"{what}: no speed; give speed= in rad/s about axis=, or in m/s along direction=")
+            raise InputError(f"{what}: no speed; give speed= in rad/s about axis=, or in m/s along direction=")
         if (self.axis is None) == (self.direction is None):
             given = "neither axis nor direction" if self.axis is None else "both axis and direction"
-            raise ValueError(f"{what}: {given}; give axis= for a speed in rad/s, or direction= for one in m/s")
+            raise InputError(f"{what}: {given}; give axis= for a speed in rad/s, or direction= for one in m/s")
         if self.direction is not None:
             at = self.b.centre if self.at is None else vector(self.at, f"{what}: at")
             self.set(direction=unit(self.direction, f"{what}: direction"), at=at)
         else:
             if self.at is not None:
-                raise ValueError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
+                raise InputError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
             self.set(axis=unit(self.axis, f"{what}: axis"))
         self.set(speed=as_signal(self.speed, f"{what}: speed"))
 
@@ -200,7 +201,7 @@ class SpeedDriver(Driver):
         if (turn is None) == (slide is None):
             name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
             has = "neither angle nor slide" if turn is None else "an angle and a slide"
-            raise ValueError(
+            raise InputError(
                 f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "
                 "SpeedDriver(a, b, at=..., direction=..., speed=) in m/s"
             )

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..base.errors import InputError
 from .bodies import Body, Ground, Part
 from .joints import Joint
 from .primitives import Coordinate
@@ -18,6 +19,7 @@ class ForceRecord:
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+    frame_b: np.ndarray | None = None  # other axes in b; None: the same
     values: tuple = ()
     signals: tuple = (None, None, None)
     coordinate: Coordinate | None = None
@@ -37,6 +39,7 @@ class ForceElement(Part):
 
     role = "force"
     law: ClassVar[Callable | None] = None
+    shows: ClassVar[tuple[str, ...]] = ()  # what its law shows besides, after the point at which it acts
 
     def record(self) -> ForceRecord:
         """What the law reads of this element."""
@@ -67,22 +70,22 @@ class ForceElement(Part):
 def check_body(body: Any, what: str) -> None:
     """A Body, or a ValueError."""
     if not isinstance(body, Body):
-        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+        raise InputError(f"{what}: {body!r} is not a body; give a Body")
 
 
 def check_pair(a: Any, b: Any, what: str) -> None:
     """Two different bodies, one of which may be the ground."""
     for body in (a, b):
         if not isinstance(body, Body | Ground):
-            raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
     if a is b:
-        raise ValueError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
+        raise InputError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
 
 
 def in_body_frame(frame: str, what: str) -> float:
     """1 for "body", 0 for "world"."""
     if frame not in ("world", "body"):
-        raise ValueError(f"{what}: frame {frame!r} is unknown; give 'world' or 'body'")
+        raise InputError(f"{what}: frame {frame!r} is unknown; give 'world' or 'body'")
     return float(frame == "body")
 
 
@@ -90,5 +93,5 @@ def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
     """The angle of a joint, else its slide."""
     found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
     if found is None:
-        raise ValueError(f"{what}: {hinge!r} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
+        raise InputError(f"{what}: {hinge!r} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
     return found

@@ -8,9 +8,11 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number, vector
 from ..base.directions import unit
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
+from .forces.contact import Contact
 from .joints import Joint, coordinate_of
 from .mechanism import Mechanism
 from .primitives import ZERO, Coordinate, check_kind
@@ -25,12 +27,16 @@ MEASURES = {
     "lean rate": kinds.LEAN_RATE,
     "distance": kinds.GAP,
     "state": kinds.OWN_STATE,
+    "clearance": kinds.CLEARANCE,
+    "normal force": kinds.PRESS,
 }
+OF_CONTACTS = ("clearance", "normal force")
 OF_JOINTS = ("coordinate", "coordinate rate")
-UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0)}
+UNITS = {"rad": (0.0, 0.0), "m": (1.0, 0.0), "rad/s": (-1.0, 1.0), "m/s": (0.0, 1.0), "-": (0.0, 0.0), "N": (0.0, 0.0)}
 UNITS_OF = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNITS),
+    "clearance": ("m",), "normal force": ("N",),
 }  # fmt: skip
 
 
@@ -47,8 +53,8 @@ class Measure:
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
-    part: ForceElement | None = None  # force element whose own state it is,
-    index: int = 0  # and which one
+    part: ForceElement | None = None  # force element it speaks of,
+    index: int = 0  # and which of its own states
 
     def __post_init__(self) -> None:
         """Also a file may describe a measure, and kernels do not check."""
@@ -56,8 +62,9 @@ class Measure:
         states = 0 if self.part is None else len(self.part.record().states)
         fits = (self.coordinate is not None) == (self.kind in OF_JOINTS)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
+        own = isinstance(self.part, Contact) if self.kind in OF_CONTACTS else own
         if self.unit not in UNITS_OF[self.kind] or not fits or not own:
-            raise ValueError(
+            raise InputError(
                 f"measure '{self.label}': kind '{self.kind}' in {self.unit!r} does not fit its parts; build it with a "
                 "function of mbsd3d.measures"
             )
@@ -83,7 +90,7 @@ class Condition:
     direction: float
 
     def __bool__(self) -> bool:
-        raise ValueError(
+        raise InputError(
             f"condition '{self}' is neither true nor false before a run, so 'and', 'or' and 'a < x < b' would drop a "
             "part of it; give stop_when a single comparison"
         )
@@ -98,7 +105,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
     for part in (measure.a, measure.b, measure.part or GROUND):
         if id(part) not in members:
             kind = "force" if part is measure.part else "body"
-            raise ValueError(
+            raise InputError(
                 f"{what}: {measure.label}: {kind} '{part.name}' is not in the system; measure a part of this system"
             )
 
@@ -140,7 +147,7 @@ def slide_rate(slider: Joint) -> Measure:
 def body_or_error(body: Any, what: str) -> None:
     """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
-        raise ValueError(f"{what}: {body!r} is not a body; give a Body")
+        raise InputError(f"{what}: {body!r} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
@@ -209,6 +216,33 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
         have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
-        raise ValueError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
+        raise InputError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
+
+
+def of_contact(contact: ForceElement, kind: str, unit_of: str) -> Measure:
+    """A measure of a `Contact`, or a ValueError."""
+    if not isinstance(contact, Contact):
+        raise InputError(f"measures.{kind.replace(' ', '_')}: {contact!r} is not a contact; give a Contact")
+    return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
+
+
+def clearance(contact: ForceElement) -> Measure:
+    """Height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
+    return of_contact(contact, "clearance", "m")
+
+
+def normal_force(contact: ForceElement) -> Measure:
+    """Force [N] with which a `Contact` presses, >= 0."""
+    return of_contact(contact, "normal force", "N")
+
+
+def touches(contact: ForceElement) -> Condition:
+    """The surface of a `Contact` comes down to its plane; for ``stop_when``."""
+    return clearance(contact) < 0.0
+
+
+def leaves(contact: ForceElement) -> Condition:
+    """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
+    return normal_force(contact) < 0.0

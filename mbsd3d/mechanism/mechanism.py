@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, shown, vector
-from ..base.errors import Explained
+from ..base.errors import Explained, InputError
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
@@ -22,7 +22,7 @@ def parts_of(given: Any, key: str) -> tuple:
     try:
         return tuple(given)
     except TypeError:
-        raise ValueError(f"System: {key} = {short(given)} is no sequence; give a list, {key}=[...]") from None
+        raise InputError(f"System: {key} = {short(given)} is no sequence; give a list, {key}=[...]") from None
 
 
 def misplaced(part: Any, key: str) -> str:
@@ -60,17 +60,17 @@ class Mechanism(Frozen, metaclass=Explained):
 
     def __post_init__(self) -> None:
         if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
-            raise ValueError(f"System: name {self.title!r} is no name; give a text, or None")
+            raise InputError(f"System: name {self.title!r} is no name; give a text, or None")
         for key, kind in KINDS.items():
             parts = parts_of(getattr(self, key), key)
             for part in parts:
                 if not isinstance(part, kind):
-                    raise ValueError(misplaced(part, key))
+                    raise InputError(misplaced(part, key))
             if len({id(part) for part in parts}) < len(parts):
-                raise ValueError(f"System: a part appears twice in {key}; list every part once")
+                raise InputError(f"System: a part appears twice in {key}; list every part once")
             self._store(**{key: parts})
         if not self.bodies:
-            raise ValueError("System: no bodies; give at least one Body")
+            raise InputError("System: no bodies; give at least one Body")
         self._store(gravity=vector(self.gravity, "System: gravity"), names=self._names())
         self._check_members()
 
@@ -86,7 +86,7 @@ class Mechanism(Frozen, metaclass=Explained):
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind} {counts[kind]}"
             if name in taken:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
+                raise InputError(f"System: two parts are named '{name}'; give every part a unique name")
             names[id(part)] = name
             taken.add(name)
         return names
@@ -98,14 +98,14 @@ class Mechanism(Frozen, metaclass=Explained):
         for part in (*self.joints, *self.forces):
             for body in part.bodies():
                 if id(body) not in members:
-                    raise ValueError(
+                    raise InputError(
                         f"{type(part).__name__} '{self.name(part)}': body '{body.name}' is not in the system; "
                         "add it to bodies"
                     )
             for other in part.partners():
                 if id(other) not in known:
                     kind = "joint" if isinstance(other, Joint) else "force"
-                    raise ValueError(
+                    raise InputError(
                         f"{type(part).__name__} '{self.name(part)}': its {kind} '{other.name}' is not in the "
                         f"system; add it to {kind}s"
                     )
@@ -124,7 +124,7 @@ class Mechanism(Frozen, metaclass=Explained):
                 return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
         shown = repr(key) if isinstance(key, str) else f"'{getattr(key, 'name', key)}'"
-        raise ValueError(f"{shown} is not one of the {kind} of this system; there are {have}")
+        raise InputError(f"{shown} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
         """[kg]"""

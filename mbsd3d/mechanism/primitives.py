@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import Body, Ground
 from .signals import Signal
@@ -16,7 +17,7 @@ COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE}
 def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
     """One of the kinds there are, or a ValueError that lists them."""
     if kind not in known:
-        raise ValueError(f"{what}: kind {kind!r} is unknown; give one of {', '.join(map(repr, known))}")
+        raise InputError(f"{what}: kind {kind!r} is unknown; give one of {', '.join(map(repr, known))}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.directions import cross, perpendiculars, unit
+from ..base.errors import InputError
 from .bodies import GROUND, Body, Ground
 from .forces.springs import SpringDamper
 from .measures import Measure, body_or_error, distance, label, lean, point_of
@@ -32,7 +33,7 @@ def protractor(
     """The angle about ``axis`` of a from ``zero``, fixed in a, to ``direction``, fixed in b."""
     for x in (zero, direction):
         if np.linalg.norm(cross(axis, x)) < PARALLEL:
-            raise ValueError(
+            raise InputError(
                 f"{what}: {x.tolist()} lies along the axis {axis.tolist()} it is turned about; give another"
             )
     zero = unit(zero - axis * (axis @ zero), f"{what}: zero")
@@ -92,7 +93,7 @@ def angle_between(
     if about is None:
         about = cross(first, second)
         if np.linalg.norm(about) < PARALLEL:
-            raise ValueError(f"{what}: the axes are parallel at the reference pose; say about which axis with about=")
+            raise InputError(f"{what}: the axes are parallel at the reference pose; say about which axis with about=")
     x = protractor(a, b, unit(about, f"{what}: about"), first, second, what)
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
 
@@ -169,6 +170,6 @@ def between(
 def length(spring: SpringDamper) -> Measure:
     """Length of a spring [m]."""
     if not isinstance(spring, SpringDamper):
-        raise ValueError(f"measures.length: {spring!r} is not a SpringDamper; use measures.distance(a, b)")
+        raise InputError(f"measures.length: {spring!r} is not a SpringDamper; use measures.distance(a, b)")
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.style import html_table
 
 
@@ -57,10 +58,10 @@ class State:
         for name in ("q", "v", "z"):
             array = np.array(getattr(self, name), dtype=float)
             if not np.isfinite(array).all():
-                raise ValueError(f"State: {name} has an entry that is not finite; give finite numbers")
+                raise InputError(f"State: {name} has an entry that is not finite; give finite numbers")
             object.__setattr__(self, name, array)
         if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:
-            raise ValueError(f"State: {self.q.size} coordinates and {self.v.size} velocities; give 7 and 6 per body")
+            raise InputError(f"State: {self.q.size} coordinates and {self.v.size} velocities; give 7 and 6 per body")
 
     def _repr_html_(self) -> str:
         rows = []

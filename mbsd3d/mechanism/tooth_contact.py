@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.errors import InputError
+
 ALIGNED = 1e-6
 """Sine of the angle below which given directions count as one, and part of a length below which it counts as zero."""
 
@@ -40,7 +42,7 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
     arms = [axle.arm(at) for axle in (a, b)]
     radii = [np.linalg.norm(arm) for arm in arms]
     if min(radii) < ALIGNED * max(1.0, *radii):
-        raise ValueError(f"{what}: at = {at.tolist()} lies on an axis; give the point where the pitch circles touch")
+        raise InputError(f"{what}: at = {at.tolist()} lies on an axis; give the point where the pitch circles touch")
     t, t_b = (np.cross(axle.axis, arm) / r for axle, arm, r in zip((a, b), arms, radii, strict=True))
     if np.linalg.norm(np.cross(arms[0], arms[1])) < ALIGNED * radii[0] * radii[1]:
         g = a.axis  # parallel axes, or crossed ones with P on their common perpendicular
@@ -48,12 +50,12 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
         g = at - apex(a, b)  # bevel gears: all in one plane
         g /= np.linalg.norm(g)
     else:
-        raise ValueError(
+        raise InputError(
             f"{what}: at = {at.tolist()} is not a pitch point of these axes: it must lie in their common plane, "
             "or on their common perpendicular where they cross"
         )
     if abs(g @ a.axis) < ALIGNED:
-        raise ValueError(f"{what}: gear a is a flat crown wheel; give the hinge of the pinion as hinge_a")
+        raise InputError(f"{what}: gear a is a flat crown wheel; give the hinge of the pinion as hinge_a")
     g = g * np.sign(g @ a.axis)
     e = np.cross(t, g)
     return t, e * np.sign(e @ arms[0]), g
@@ -71,10 +73,10 @@ def line_of_action(
     arm, other = a.arm(at), b.arm(at)
     inside = e @ other > 0.0  # internal mesh: both axes on one side, the gear of the smaller radius is the external one
     if inside and abs(np.linalg.norm(arm) - np.linalg.norm(other)) < ALIGNED * np.linalg.norm(arm):
-        raise ValueError(f"{what}: the gears of this internal mesh have one pitch circle; give a pitch point off it")
+        raise InputError(f"{what}: the gears of this internal mesh have one pitch circle; give a pitch point off it")
     side = -1.0 if inside and np.linalg.norm(arm) > np.linalg.norm(other) else 1.0
     trace_normal = t * np.cos(helix) - g * np.sin(helix)
     turn = trace_normal @ np.cross(b.axis, other)
     if min(abs(turn), abs(trace_normal @ t) * np.linalg.norm(other)) < 1e-6 * np.linalg.norm(other):
-        raise ValueError(f"{what}: helix_angle {helix:g} rad: the teeth of a gear run along its motion; give another")
+        raise InputError(f"{what}: helix_angle {helix:g} rad: the teeth of a gear run along its motion; give another")
     return flank * np.sign(turn) * trace_normal * np.cos(pressure) + side * e * np.sin(pressure)

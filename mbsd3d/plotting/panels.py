@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import SavedForce
@@ -80,7 +81,7 @@ def joint_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
         name = "slide_rate" if quantity == "rate" and joint.angle() is None else quantity
         groups.setdefault(name, []).append((system.name(joint), getattr(solution, quantity)(joint)))
     if not groups:
-        raise ValueError(f"no joint of this system has the quantity {quantity}; give another quantity")
+        raise InputError(f"no joint of this system has the quantity {quantity}; give another quantity")
     return [scalar_panel(name.replace("_", " "), unit_of(name), lines) for name, lines in groups.items()]
 
 
@@ -94,7 +95,7 @@ def effort_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
     drivers = [solution.system.part(part, "joints") for part in parts]
     drivers = drivers or list(dict.fromkeys(driver for driver, _ in solution.compiled.drives))
     if not drivers:
-        raise ValueError("this system has no driver, so there is no effort; give another quantity")
+        raise InputError("this system has no driver, so there is no effort; give another quantity")
     return panels_by_unit("effort", [column for driver in drivers for column in columns_of_effort(solution, driver)])
 
 
@@ -103,7 +104,7 @@ def state_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) ->
     forces = [solution.system.part(part, "forces") for part in parts] or solution.system.forces
     found = [column for force in forces for column in columns_of_states(solution, force)]
     if not found:
-        raise ValueError("these forces have no own states; give another quantity")
+        raise InputError("these forces have no own states; give another quantity")
     return panels_by_unit("state", found)
 
 
@@ -120,7 +121,7 @@ def reaction_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...])
     system = solution.system
     joints = [system.part(part, "joints") for part in parts] or system.joints
     if not joints:
-        raise ValueError("this system has no joint, so there is no reaction; give another quantity")
+        raise InputError("this system has no joint, so there is no reaction; give another quantity")
     found = {system.name(joint): solution.reaction(joint) for joint in joints}
     shared = ", ".join(name for name, reaction in found.items() if not reaction.unique)
     note = "\n".join(textwrap.wrap(f"not unique: {shared}", 26)) if shared else ""
@@ -162,7 +163,7 @@ def forces_of(solution: RunResult, parts: tuple[Part, ...]) -> Sequence[ForceEle
     forces = [solution.system.part(part, "forces") for part in parts]
     forces = forces or [force for force in solution.system.forces if not isinstance(force, SavedForce)]
     if not forces:
-        raise ValueError("this system has no force whose load is known; give another quantity")
+        raise InputError("this system has no force whose load is known; give another quantity")
     return forces
 
 
@@ -177,7 +178,7 @@ def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
     loads = [(solution.system.name(x), solution.force(x).length) for x in forces_of(solution, parts)]
     lines = [(name, length) for name, length in loads if length is not None]
     if not lines:
-        raise ValueError("these forces have no length; give another quantity")
+        raise InputError("these forces have no length; give another quantity")
     return [scalar_panel("length", "[m]", lines)]
 
 
@@ -233,9 +234,9 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
-        raise ValueError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
+        raise InputError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in OF_THE_SYSTEM:
-        raise ValueError(f"{quantity} belongs to the whole system; give no parts")
+        raise InputError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
 
 
@@ -243,7 +244,7 @@ def measures_only(entries: tuple) -> tuple[Measure, ...]:
     """Measures that share axes; anything else among them is an error."""
     for entry in entries:
         if not isinstance(entry, Measure):
-            raise ValueError(f"{entry!r} stands beside a measure and is none; give measures, or a list of quantities")
+            raise InputError(f"{entry!r} stands beside a measure and is none; give measures, or a list of quantities")
     return entries
 
 
@@ -251,11 +252,11 @@ def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ..
     """Panels of a list of quantities, each with or without parts."""
     example = "e.g. ['energy', ('angle', 'hinge'), measures.distance(a, b)]"
     if parts:
-        raise ValueError(f"curves: with several quantities each has its own parts; give {example}")
+        raise InputError(f"curves: with several quantities each has its own parts; give {example}")
     try:
         entries = [(entry,) if isinstance(entry, str | Measure) else tuple(entry) for entry in wanted]
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):
-        raise ValueError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
+        raise InputError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
+from ..base.errors import InputError
 from ..base.paths import write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
 from ..results.run_result import RunResult
@@ -44,7 +45,7 @@ def plot_quantity(
     with house(look):
         targets = new_axes(len(panels)) if axes is None else np.ravel(np.asarray(axes, dtype=object))
         if len(targets) != len(panels):
-            raise ValueError(
+            raise InputError(
                 f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
             )
         before: tuple | None = None
@@ -80,7 +81,7 @@ def panel_across(
         found = panels_of(solution, [against])
     if len(found) != 1:
         example = "against=('angle', 'hinge')"
-        raise ValueError(f"plot: against {against!r} is not a single axis; give a scalar, e.g. {example}")
+        raise InputError(f"plot: against {against!r} is not a single axis; give a scalar, e.g. {example}")
     return found[0].in_degrees() if degrees else found[0]
 
 
@@ -91,7 +92,7 @@ def lines_across(panel: Panel, across: Panel) -> list[np.ndarray]:
     values = dict(across.lines)
     missing = [name for name, _ in panel.lines if name not in values]
     if missing:
-        raise ValueError(
+        raise InputError(
             f"plot: against {across.label} has the lines {', '.join(values)}, none of '{missing[0]}'; "
             "give one scalar, e.g. against=('angle', 'hinge')"
         )

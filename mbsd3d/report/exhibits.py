@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from ..base.errors import InputError
 from ..base.style import LIGHT, house
 from ..mechanism.drivers import Driver
 from ..plotting.panels import Wanted
@@ -27,7 +28,7 @@ def wanted_curves(
     """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
-            raise ValueError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
+            raise InputError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
         return [(solution, entry, "") for entry in curves]
     if solution.t.size == 1:
         return []

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base.concurrency import on_one_thread
+from ..base.errors import InputError
 from ..base.style import theme
 from ..base.templates import HtmlPage, page_template
 from ..constraints.redundancy import diagnose
@@ -58,9 +59,9 @@ def make_report(
 ) -> Report:
     """See `Solution.report`."""
     if not solution.t.size:
-        raise ValueError("report: the solution has no samples; run it to a later time")
+        raise InputError("report: the solution has no samples; run it to a later time")
     if title is not None and not isinstance(title, str):
-        raise ValueError(f"report: title {title!r} is not a text; give one, or None")
+        raise InputError(f"report: title {title!r} is not a text; give one, or None")
     if dark is not None:
         theme(dark)
     record, certificate = solution.record, solution.certificate

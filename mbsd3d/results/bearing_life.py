@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, number
+from ..base.errors import InputError
 from .bearings import BearingLoad
 
 BALL, ROLLER = 3.0, 10.0 / 3.0
@@ -76,12 +77,12 @@ class Rating(Frozen):
         what = f"{type(self).__name__}.life: '{load.name}'"
         zero = ROUNDING * np.abs(load.force).max(initial=0.0)
         if load.tilting.max() > self.tilting + zero * load.length:
-            raise ValueError(
+            raise InputError(
                 f"{what}: a tilting moment of {load.tilting.max():g} N m, the bearing carries {self.tilting:g}; "
                 "give tilting=, or split the hinge with bearing_pair"
             )
         if np.abs(load.axial).max() > zero and not np.min(self.factors(np.abs(load.axial))[1]) > 0.0:
-            raise ValueError(f"{what}: an axial force of {np.abs(load.axial).max():g} N, but Y = 0; give X, Y and e")
+            raise InputError(f"{what}: an axial force of {np.abs(load.axial).max():g} N, but Y = 0; give X, Y and e")
         return self.life_of(load.t, self.equivalent(load.radial, load.axial), load.speed, what)
 
     def life_of(self, t: ArrayLike, load: ArrayLike, speed: ArrayLike, what: str = "life_of") -> RatingLife:
@@ -89,10 +90,10 @@ class Rating(Frozen):
         t, load, speed = (np.asarray(x, float) for x in (t, load, np.abs(speed)))
         angle = np.trapezoid(speed, t)
         if not angle > 0.0:
-            raise ValueError(f"{what}: it does not turn in this run, so it has no rating life; size it by C0")
+            raise InputError(f"{what}: it does not turn in this run, so it has no rating life; size it by C0")
         mean = (np.trapezoid(load**self.p * speed, t) / angle) ** (1.0 / self.p)
         if not mean > 0.0:
-            raise ValueError(f"{what}: it is never loaded, so its life has no end; give a run with loads")
+            raise InputError(f"{what}: it is never loaded, so its life has no end; give a run with loads")
         revolutions, rate = (self.C / mean) ** self.p, angle / (t[-1] - t[0])
         return RatingLife(
             float(mean), float(rate), float(revolutions), float(revolutions * 1e6 * 2 * np.pi / rate / 3600.0)
@@ -146,7 +147,7 @@ class DeepGrooveBallBearing(Rating):
     def factors(self, axial: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         ratio = self.f0 * np.asarray(axial, float) / self.C0
         if ratio.max() > AXIAL[-1]:
-            raise ValueError(
+            raise InputError(
                 f"DeepGrooveBallBearing: f0 F_a / C0 = {ratio.max():g} is beyond the table, which ends at {AXIAL[-1]}; "
                 "take a greater bearing, or one made for axial loads"
             )
@@ -163,5 +164,5 @@ def reliability_factor(reliability: float) -> float:
     """
     R = number(reliability, "reliability_factor: reliability", minimum=0.9)
     if R >= 1.0:
-        raise ValueError(f"reliability_factor: reliability {R:g}: no bearing is certain; give 0.9 <= R < 1, e.g. 0.95")
+        raise InputError(f"reliability_factor: reliability {R:g}: no bearing is certain; give 0.9 <= R < 1, e.g. 0.95")
     return float((np.log(R) / np.log(0.9)) ** (1.0 / 1.5))

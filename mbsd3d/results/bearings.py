@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import vector
 from ..base.directions import perpendiculars, unit
+from ..base.errors import InputError
 from ..base.style import Sampled
 from ..mechanism.joints import Fixed, Joint, PointJoint, Prismatic
 from .run_result import RunResult
@@ -63,15 +64,15 @@ def bearing_load(
     part = solution.system.part(joint, "joints")
     what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
     if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):
-        raise ValueError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
+        raise InputError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
     if frame not in ("a", "b"):
-        raise ValueError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
+        raise InputError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
     own = part.angle()
     if axis is None and own is None:
-        raise ValueError(f"{what} has no axis; give axis=")
+        raise InputError(f"{what} has no axis; give axis=")
     reaction = solution.reaction(part)
     if not reaction.unique:
-        raise ValueError(f"{what}: redundant constraints leave its reaction open; cure them, see system.check()")
+        raise InputError(f"{what}: redundant constraints leave its reaction open; cure them, see system.check()")
     along = unit(axis, f"{what}: axis") if axis is not None else own.axis if frame == "a" else own.axis_b
     axes = [solution.body_axis(part.a if frame == "a" else part.b, x) for x in (*perpendiculars(along), along)]
     R, spin = np.stack(axes, axis=1), relative_spin(solution, part)
@@ -115,9 +116,9 @@ def bearing_pair(
     for name, x in zip(("fixed", "floating"), ends, strict=True):
         off = np.linalg.norm(np.cross(axis, x - part.at))
         if off > 1e-6 * load.length:
-            raise ValueError(f"{what}: {name} = {x.tolist()} lies {off:g} m off the axis; give points on it")
+            raise InputError(f"{what}: {name} = {x.tolist()} lies {off:g} m off the axis; give points on it")
     if abs(span) < 1e-9 * load.length:
-        raise ValueError(f"{what}: both bearings are at one place; give two")
+        raise InputError(f"{what}: both bearings are at one place; give two")
     places = [solution.body_point(part.a, x) for x in ends]
     axes = [solution.body_axis(part.a, x) for x in (*perpendiculars(axis), axis)]
     arm = np.einsum("tij,tj->ti", np.stack(axes, axis=1), load.point - places[0])

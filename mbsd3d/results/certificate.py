@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..dynamics.batch import newton_euler, row_defects
 from ..equations.compiled import Switches
@@ -91,7 +92,7 @@ class Certificate:
         for check in self.checks:
             if check.name == name:
                 return check
-        raise KeyError(f"no check '{name}'; there are {', '.join(repr(c.name) for c in self.checks)}")
+        raise NameMissingError(f"no check '{name}'; there are {', '.join(repr(c.name) for c in self.checks)}")
 
     def __str__(self) -> str:
         dropped = [k for k in ("gyroscopic", "centripetal", "gamma") if not getattr(self.switches, k)]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..base.errors import InputError
 from .certificate import Certificate
 from .run_result import RunResult
 
@@ -19,7 +20,7 @@ def estimate(solution: RunResult) -> Certificate:
     """
     record = solution.record
     if record.method.dt is None and record.rtol < 3.2e-12:
-        raise ValueError(
+        raise InputError(
             f"estimate: rtol {record.rtol:g} leaves no room for a tighter run; estimate at 1e-11 or looser"
         )
     finer, finest = refined(solution, 1), refined(solution, 2)

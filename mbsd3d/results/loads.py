@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.loads import loads
 from ..equations.compiled import new_data
 from ..kernels.kinematics import kinematics
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.springs import SpringDamper
+from ..mechanism.forces.tyre import Tyre
 
 if TYPE_CHECKING:
     from .run_samples import RunSamples
@@ -28,7 +31,7 @@ class Load(Sampled):
 
     ``power`` [W] is what the element gives to all its bodies, ``stored`` [J] the energy in it. ``length`` [m] or
     ``angle`` [rad] is the distance or the hinge coordinate along which it acts and ``rate`` how fast that changes;
-    None where there is none. ``states``: own states by name, (samples,) each.
+    None where there is none. ``states``, ``state_rates``: own states by name and their rates, (samples,) each.
     """
 
     force: np.ndarray
@@ -40,6 +43,38 @@ class Load(Sampled):
     angle: np.ndarray | None = None
     rate: np.ndarray | None = None
     states: dict[str, np.ndarray] = field(default_factory=dict)
+    state_rates: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class TyreLoad(Load):
+    """What a tyre does to its wheel, (samples,) each; the point is the contact point, which travels.
+
+    ``normal``, ``longitudinal`` (ahead), ``lateral`` (to the left) [N] and ``aligning`` moment [N m]; velocities of the
+    tread ``slip_x``, ``slip_y`` and |speed| of the hub [m/s]; ``camber`` [rad] to the right; ``saturation``: the part
+    of the grip that is used, 0 ... 1 (0 where it has no limit).
+    """
+
+    normal: np.ndarray
+    longitudinal: np.ndarray
+    lateral: np.ndarray
+    aligning: np.ndarray
+    slip_x: np.ndarray
+    slip_y: np.ndarray
+    speed: np.ndarray
+    camber: np.ndarray
+    saturation: np.ndarray
+
+    @property
+    def slip_angle(self) -> np.ndarray:
+        """Angle from the way the wheel rolls to the way it points [rad], > 0 where the force is to the left."""
+        return -np.arctan2(self.slip_y, self.speed)
+
+    @property
+    def slip_ratio(self) -> np.ndarray:
+        """Slip ahead over the speed of the hub, > 0 in driving; infinite or NaN at rest."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -self.slip_x / self.speed
 
 
 def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
@@ -47,19 +82,24 @@ def load_of(solution: "RunSamples", force: ForceElement | str, on: Body | Ground
     system = solution.system
     part = system.part(force, "forces")
     if isinstance(part, SavedForce):
-        raise ValueError(
+        raise InputError(
             f"solution.force: the function of '{system.name(part)}' was not saved with the solution, so its force is "
             "not known; read it before saving, or run the model again"
         )
     body = acted_body(solution, part, on)
-    wrench, power = wrenches_about_O(solution, part, body)
-    point = acting_points(solution, part, body)
+    wrench, power, rates, shown = wrenches_about_O(solution, part, body)
+    point = shown[:, :3] if part.shows else acting_points(solution, part, body)
     origin = 0.0 if body is GROUND else solution.position(body)
     push = wrench[:, :3]
     stored = solution.arrays["potential"][:, system.forces.index(part)]
-    own = dict(zip(part.state_names(), solution.state_of(part).T, strict=True))
+    own, own_rates = (dict(zip(part.state_names(), x.T, strict=True)) for x in (solution.state_of(part), rates))
     turn = wrench[:, 3:] - np.cross(point - origin, push)
-    return Load(push, turn, point, power, stored, **stretch(solution, part), states=own)
+    found = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
+    found |= {**stretch(solution, part), "states": own, "state_rates": own_rates}
+    if not isinstance(part, Tyre):
+        return Load(**found)
+    seen = dict(zip(part.shows, shown[:, 3:].T, strict=True))
+    return TyreLoad(**found, **(seen | {"camber": np.arcsin(seen["camber"])}))
 
 
 def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
@@ -72,26 +112,32 @@ def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | s
             return body
     names = ", ".join(f"'{body.name}'" for body in bodies)
     shown = getattr(on, "name", on)
-    raise ValueError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
+    raise InputError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
 
 
 def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Ground) -> np.ndarray:
     """(samples, 3) points of `ForceElement.acts_at`; along a hinge coordinate, where the joint gives its reaction."""
     if part.record().coordinate is not None:
         return part.partners()[0].reaction_points(solution)
+    if isinstance(part, Contact):
+        return part.acting_points(solution)
     return solution.body_point(*part.acts_at(body))
 
 
 def wrenches_about_O(
     solution: "RunSamples", part: ForceElement, body: Body | Ground
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """((samples, 6) force and moment about O on the body, (samples,) power given to all bodies)."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(force and moment about O on the body (samples, 6), power given to all bodies (samples,), rates of the own states
+    (samples, k), what the law shows (samples, 12)).
+    """
     compiled, arrays, samples = solution.compiled, solution.arrays, solution.t.size
     compiled.data()  # a custom function is compiled and its address in the table
     k = solution.system.forces.index(part)
     alone = compiled.model._replace(force=compiled.model.force[k : k + 1], gravity=np.zeros(3))
     data, index = new_data(alone), compiled.body_index[id(body)]
-    wrench, power = np.empty((samples, 6)), np.empty(samples)
+    wrench, power, shown = np.empty((samples, 6)), np.empty(samples), np.empty((samples, 12))
+    own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
+    rates = np.empty((samples, own.stop - own.start))
     data.coordinate["rate"] = 0.0
     for i in range(samples):
         data.coordinate["value"] = arrays["coordinate"][i]  # angles count their turns
@@ -100,7 +146,8 @@ def wrenches_about_O(
         loads(alone, data, solution.t[i])
         wrench[i] = data.body["Q"][index]
         power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
-    return wrench, power
+        rates[i], shown[i] = data.state_rate[own], data.force["shown"][0]
+    return wrench, power, rates, shown
 
 
 def stretch(solution: "RunSamples", part: ForceElement) -> dict[str, np.ndarray]:

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.checks import shown
+from ..base.errors import InputError
 from ..equations.compiled import compile_system, new_data, tables_of
 from ..kernels.coordinates import measure, remember
 from ..kernels.kinematics import kinematics
@@ -19,7 +21,7 @@ def measured(solution: "RunSamples", wanted: Measure | Sequence[Measure]) -> np.
     measures = tuple(wanted) if isinstance(wanted, list | tuple) else (wanted,)
     for one in measures:
         if not isinstance(one, Measure):
-            raise ValueError(f"solution.measure: {one!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"solution.measure: {shown(one)} is not a measure; build one with mbsd3d.measures")
         check_members(solution.system, one, "solution.measure")
     model = compile_system(solution.system, measures).model
     data, known = new_data(model), len(tables_of(solution.system).coordinate_index)

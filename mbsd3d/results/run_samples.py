@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..base.style import Sampled
 from ..dynamics.batch import wrenches
@@ -118,7 +119,7 @@ class RunSamples(Poses):
         part = self.system.part(joint, "joints")
         x = part.angle() or part.slide()
         if x is None:
-            raise ValueError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
+            raise InputError(f"'{self.system.name(part)}' has no angle and no slide; give a hinge or a slider")
         return self._coordinate_rate(x)
 
     def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
@@ -161,11 +162,11 @@ class RunSamples(Poses):
         system, compiled = self.system, self.compiled
         parts = [system.part(joint, "joints") for joint in joints]
         if not parts:
-            raise ValueError("solution.reaction: no joint given; give one or more joints")
+            raise InputError("solution.reaction: no joint given; give one or more joints")
         body = parts[0].b
         for part in parts[1:]:
             if part.b is not body:
-                raise ValueError(
+                raise InputError(
                     f"solution.reaction: '{system.name(part)}' acts on '{part.b.name}', "
                     f"'{system.name(parts[0])}' on '{body.name}'; net wrenches need one body b"
                 )
@@ -202,7 +203,7 @@ class RunSamples(Poses):
         """(samples,) torque [N m] or force [N] a driver applies to b along its motion; (samples, k) for k rows."""
         part = self.system.part(driver, "joints")
         if not isinstance(part, Driver):
-            raise ValueError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
+            raise InputError(f"'{self.system.name(part)}' ({type(part).__name__}) is not a driver; use reaction")
         rows = self.compiled.rows[id(part)]
         unique = unique_wrench(self.compiled, self._middle, [part])
         lam = self.arrays["lam"] if unique else self._multipliers

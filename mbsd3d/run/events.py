@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..base.errors import InputError
 from ..integrators.memory import Run
 from ..kernels.coordinates import measure
 from ..kernels.kinematics import kinematics
@@ -28,7 +29,7 @@ def armed_at_start(model: Model, data: Data, run: Run, stop_when: Condition) -> 
     now, soon = at_start(model, data, run, 0.0), at_start(model, data, run, SOON * float(run.now.step))
     gap = stop_when.direction * (now - stop_when.value)
     if gap > slack:
-        raise ValueError(
+        raise InputError(
             f"simulate: stop_when: {stop_when} holds already at the start ({now:.6g}); "
             "give another value or another start"
         )

@@ -6,12 +6,11 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.concurrency import turn_passed_on
-from ..base.errors import AssemblyError, IntegrationError
+from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.contradictions import rivals
 from ..constraints.row_choice import choose_rows
 from ..constraints.spins import check_spins, free_spins
-from ..dynamics.loads import loads
 from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import check_quaternions, driven_coordinates, load_rows, load_state, unmet, worst_joint
 from ..equations.compiled import Compiled
@@ -24,7 +23,6 @@ from ..integrators.outputs import write
 from ..kernels.coordinates import remember
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
-from ..kernels.layout import Data
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
@@ -32,6 +30,8 @@ from ..mechanism.state import State
 from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
+from .balance import check_balance
+from .blame import blame, driven_to
 from .divergence import DivergenceWatch
 from .events import armed_at_start
 from .stiffness import check_forces
@@ -194,7 +194,7 @@ class Job:
             spins = free_spins(self.compiled, self.data, scaled_rows(self.model, self.data))
             if spins:
                 hint = f"{spins[0].text}: {spins[0].cure}"
-            raise ValueError(
+            raise InputError(
                 f"Kinematic: {need - holonomic} of {need} freedoms are not determined by joints and drivers at "
                 f"position level; {hint}"
             )
@@ -219,6 +219,7 @@ class Job:
     def check_start(self) -> None:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
+        check_balance(self.compiled, self.memory.y, self.start.t)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))
@@ -270,22 +271,10 @@ class Job:
         solution = self.solution()
         part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
         what, advice = FAILURES[status]
-        if part:
+        if part is None and status == memory.NOT_CLOSING and self.compiled.drives:
+            part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
+            advice = "drive it less far, or the other way; see system.check()"
+        elif part:
             what = "a part returns values that are not finite"
             advice = "correct its parameters or function, or end the run earlier"
         raise IntegrationError(what, time=t, part=part, solution=solution, advice=advice)
-
-
-def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:
-    """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
-    for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
-        load_rows(compiled, data, y, time_of)
-        loads(compiled.model, data, time_of)
-        for joint in compiled.system.joints:
-            rows = compiled.rows[id(joint)]
-            if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
-                return f"joint '{compiled.system.name(joint)}'"
-        for k, force in enumerate(compiled.system.forces):
-            if not np.isfinite(data.force["power"][k]) or not np.isfinite(data.force["potential"][k]):
-                return f"force '{compiled.system.name(force)}'"
-    return None

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import floats, number, shown
+from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, Switches, compile_system
 from ..integrators.dop853 import DOP853
@@ -39,9 +40,9 @@ def run_to(
     check_kinds(method, rtol, stop_when)
     t_end = number(t_end, "simulate: t_end")
     if method.dt is not None and (steps := (t_end - start.t) / method.dt) > MOST_STEPS:
-        raise ValueError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
+        raise InputError(f"simulate: dt = {method.dt:g} s needs {steps:.2g} steps; give a longer one")
     if not t_end > start.t:
-        raise ValueError(
+        raise InputError(
             f"simulate: t_end = {t_end:g} s does not lie after the start at {start.t:g} s; give a later time"
         )
     if stop_when is not None:
@@ -58,11 +59,11 @@ def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
     if isinstance(method, type) or not isinstance(method, Method):
         names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
-        raise ValueError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
+        raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
     if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:
-        raise ValueError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
+        raise InputError(f"simulate: rtol {rtol:g} is outside 1e-13 ... 0.1; give a number in this range")
     if stop_when is not None and not isinstance(stop_when, Condition):
-        raise ValueError(
+        raise InputError(
             f"simulate: stop_when {shown(stop_when)} is not a condition; write e.g. measures.angle(hinge) > 1.2"
         )
 
@@ -70,13 +71,13 @@ def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
 def check_system(system: Any, what: str) -> None:
     """ValueError for anything but a System."""
     if not isinstance(system, Mechanism):
-        raise ValueError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
+        raise InputError(f"{what}: {shown(system)} is not a System; give System(bodies=[...], joints=[...])")
 
 
 def check_state(state: Any, what: str) -> None:
     """ValueError for a start that is not a State."""
     if state is not None and not isinstance(state, State):
-        raise ValueError(
+        raise InputError(
             f"{what}: state {shown(state)} is not a State; give one of system.assemble() or solution.final"
         )
 
@@ -93,7 +94,7 @@ def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
 def check_room(samples: int, width: int) -> None:
     """ValueError for more samples than memory has room for."""
     if samples * width > MOST_NUMBERS:
-        raise ValueError(
+        raise InputError(
             f"simulate: output: {shown(samples)} samples of {width} numbers are more than memory holds; give at most "
             f"{MOST_NUMBERS // width}"
         )
@@ -105,19 +106,19 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
         return None if method.order else np.linspace(t_start, t_end, 201)  # no steps of its own
     if isinstance(output, int | np.integer) and not isinstance(output, bool):
         if output < 2:
-            raise ValueError(f"simulate: output = {shown(output)} samples; give at least 2, or an array of times")
+            raise InputError(f"simulate: output = {shown(output)} samples; give at least 2, or an array of times")
         check_room(int(output), width)
         return np.linspace(t_start, t_end, int(output))
     if isinstance(output, float):
-        raise ValueError(
+        raise InputError(
             f"simulate: output = {output}: give a count, or an array of times, e.g. numpy.arange(0, t_end, {output})"
         )
     times = floats(output, "simulate: output", "a count or an array of times")
     check_room(times.size, width)
     if times.ndim != 1 or not times.size or (np.diff(times) <= 0).any():
-        raise ValueError("simulate: output: give a count, or finite times in strictly increasing order")
+        raise InputError("simulate: output: give a count, or finite times in strictly increasing order")
     if times[0] < t_start or times[-1] > t_end:
-        raise ValueError(
+        raise InputError(
             f"simulate: output times {times[0]:g} ... {times[-1]:g} s leave the run {t_start:g} ... {t_end:g} s"
         )
     return times

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.checks import number
+from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
 from ..equations.compiled import Switches, compile_system
@@ -65,12 +66,12 @@ class Slices(Job):
         name = key.name if isinstance(key, Input) else key
         if name not in self.inputs:
             have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
-            raise ValueError(f"Stepper: {key!r} is not one of the inputs of this system; there are {have}")
+            raise InputError(f"Stepper: {key!r} is not one of the inputs of this system; there are {have}")
         value = number(value, f"Stepper: input '{name}'")
         if value == self.inputs[name]:
             return
         if self.driving[name] is not None:
-            raise ValueError(
+            raise InputError(
                 f"Stepper: input '{name}' prescribes the motion of driver '{self.driving[name]}', and a jump would "
                 "tear the joints apart; let it set a force, or a reference of a controller"
             )
@@ -88,7 +89,7 @@ class Slices(Job):
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
         if not t > begin:
-            raise ValueError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
+            raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         if t > self.last_signal:
             check_signals(self.compiled, begin, t)
         task["t_end"], task["min_step"] = t, 1e-13 * max(abs(t), t - begin)

@@ -12,12 +12,20 @@ import numpy as np
 from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 
-PROXIMAL = 1e-8  # times the compliance of the heaviest body, mu: singular values of J below its root are let go
+PROXIMAL = (
+    1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
+)
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
-FELT = 1e4  # times mu: pivots that have never been above it belong to rows that repeat others
-SWEEPS, MORE_SWEEPS = 1, 6  # as a rule; near a singular position
-SPREAD = 1e5  # of the compliance that loop rows feel over that of the heaviest body: S alone has too few digits then
+# The following are times mu, as `pivot` and `most` of a row are.
+FELT = 1e4  # pivots that have never been above it belong to rows that repeat others
+SOFT = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
+REPEATS = 1e-3  # unless S does not resist along the row either: the row repeats others
+SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
+SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
+GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
+REGULAR = 1e7  # pivots below it are judged as if they were this
+UNKNOWN = -1  # softness before the first state
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
@@ -43,17 +51,15 @@ def independence(s):
 
     Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
     """
-    shares, now = s.shares, 0
+    shares = s.shares
     clear(shares)
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         most = max(row.most, row.pivot)
-        if row.off == 0 and most > FELT * row.mu:
+        if most > FELT:
             fallen = -np.log2(row.pivot / most)
             k = shares.shape[0] - 1
             shares[int(fallen) if 0.0 <= fallen < k else k] += 1
-            now += row.pivot > FELT * row.mu
-    s.state.independent = now
     left = s.state.rank
     for k in range(shares.shape[0]):
         left -= shares[k]
@@ -62,57 +68,160 @@ def independence(s):
     return 0.5 ** shares.shape[0]
 
 
+@fused_kernel
+def product_of_lines(s, i, k, end):
+    """Sum over the columns before ``end`` of L_i L_k."""
+    L = s.skyline[1]
+    line_i, line_k, total = s.loop[i].line, s.loop[k].line, 0.0 * L[0]
+    for j in range(max(s.loop[i].first, s.loop[k].first), end):
+        total += L[line_i + j] * L[line_k + j]
+    return total
+
+
 @inner_kernel
-def factor_loops(s):
-    """Cholesky factor of S + mu (symmetric also for complex steps); notes how independent its rows are."""
+def start_group(s, begin, end):
+    """Lines of a group of rows: factor in the columns of the groups before, what these leave of S in its own."""
     S, L, loop = s.skyline[0], s.skyline[1], s.loop
-    s.state.weak, softest = 0, 0.0
-    for i in range(loop.shape[0]):
-        line_i, first_i, mu = loop[i].line, loop[i].first, loop[i].mu
-        diagonal = S[line_i + i]
-        softest = max(softest, diagonal.real / mu)
-        pivot = diagonal + mu
-        for j in range(first_i, i):
-            line_j = loop[j].line
-            total = S[line_i + j]
-            for k in range(max(first_i, loop[j].first), j):
-                total -= L[line_i + k] * L[line_j + k]
-            total *= L[line_j + j]
-            pivot -= total * total
-            L[line_i + j] = total
-        if diagonal.real < UNFELT * mu:
-            loop[i].off, loop[i].pivot = 1, 0.0
-            L[line_i + i] = 0.0 * pivot  # so its multiplier is zero, and it is not seen by the rows after it
-            continue
-        loop[i].off = 0
-        floor = mu + FLOOR * diagonal.real
-        if not pivot.real >= floor:  # rounding: the row repeats others
-            pivot = pivot * 0.0 + floor
-        most = max(loop[i].most, pivot.real)
-        loop[i].pivot = pivot.real
-        if pivot.real < WEAK * most or most < FELT * mu:
-            s.state.weak = 1
-        L[line_i + i] = 1.0 / np.sqrt(pivot)
-    s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
-    if s.state.weak == 1 and softest > SPREAD / PROXIMAL:
-        s.state.dense, s.state.pivot = 1, 1.0
+    for i in range(begin, end):
+        line = loop[i].line
+        loop[i].at = i
+        for k in range(loop[i].first, begin):
+            L[line + k] = (S[line + loop[k].at] - product_of_lines(s, i, k, k)) * L[loop[k].line + k]
+        for k in range(begin, i + 1):
+            L[line + k] = S[line + k] - product_of_lines(s, i, k, begin)
+
+
+@inner_kernel
+def exchange(s, i, k, end):
+    """Rows i < k of a group change places."""
+    L, loop = s.skyline[1], s.loop
+    line_i, line_k = loop[i].line, loop[k].line
+    loop[i].at, loop[k].at = loop[k].at, loop[i].at
+    for j in range(loop[i].first, i):
+        L[line_i + j], L[line_k + j] = L[line_k + j], L[line_i + j]
+    for j in range(i + 1, k):
+        line = loop[j].line
+        L[line + i], L[line_k + j] = L[line_k + j], L[line + i]
+    for j in range(k + 1, end):
+        line = loop[j].line
+        L[line + i], L[line + k] = L[line + k], L[line + i]
+    L[line_i + i], L[line_k + k] = L[line_k + k], L[line_i + i]
+
+
+@inner_kernel
+def pivot_of(s, i):
+    """Pivot in units of the row's mu, zero for a row that nothing yields to; sets L_ii.
+
+    Rows known to repeat others are left out: off c = 0 they contradict them.
+    """
+    L, row = s.skyline[1], s.loop[i]
+    at = s.loop[row.at]
+    diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
+    if diagonal < UNFELT * at.mu:
+        L[place] *= 0.0  # so its multiplier is zero, and it is not seen by the rows after it
+        return 0.0
+    pivot, floor = L[place] + at.mu, at.mu + FLOOR * diagonal
+    if not pivot.real >= floor:  # rounding: the row repeats others
+        pivot = pivot * 0.0 + floor
+    share = pivot.real / at.mu
+    repeats = s.state.soft == 0 and 0.0 < row.most < FELT and share < FELT
+    L[place] = 0.0 * pivot if repeats else 1.0 / np.sqrt(pivot)
+    return share
+
+
+@inner_kernel
+def factor_group(s, begin, end):
+    """Cholesky factor of what is left of S + mu in a group, the largest pivot first: those that repeat come last."""
+    L, loop = s.skyline[1], s.loop
+    for i in range(begin, end):
+        best, most = i, -np.inf
+        for k in range(i, end):
+            size = L[loop[k].line + k].real / loop[loop[k].at].mu
+            if size > most:
+                best, most = k, size
+        if best > i:
+            exchange(s, i, best, end)
+        loop[i].pivot = pivot_of(s, i)
+        inverse = L[loop[i].line + i]
+        for k in range(i + 1, end):
+            line = loop[k].line
+            L[line + i] *= inverse
+            for j in range(i + 1, k + 1):
+                L[line + j] -= L[line + i] * L[loop[j].line + i]
 
 
 @fused_kernel
 def substitute(s, x):
     """x := (S + mu)^-1 x by the factor."""
-    L = s.skyline[1]
+    L, loop = s.skyline[1], s.loop
+    for i in range(loop.shape[0]):
+        row = loop[i]
+        total = x[row.at]
+        for k in range(row.first, i):
+            total -= L[row.line + k] * x[loop[k].at]
+        x[row.at] = total * L[row.line + i]
+    for i in range(loop.shape[0] - 1, -1, -1):
+        row = loop[i]
+        value = x[row.at] * L[row.line + i]
+        x[row.at] = value
+        for k in range(row.first, i):
+            x[loop[k].at] -= L[row.line + k] * value
+
+
+@inner_kernel
+def resists(s, i):
+    """Whether row i, with a pivot near mu, still does: elsewhere than at c = 0 those that repeat others do too.
+
+    z = (S + mu)^-1 e is nearly the direction along which S resists least: z'Sz / z'mu z = z'e / z'mu z - 1.
+    """
+    z, L, row = s.vector[3], s.skyline[1], s.loop[i]
+    place, mu = row.line + i, s.loop[row.at].mu
+    kept = L[place]
+    L[place] = 1.0 / np.sqrt(row.pivot * mu)  # also where it is left out
+    clear(z)
+    z[row.at] = 1.0
+    substitute(s, z)
+    L[place] = kept
+    held = 0.0
+    for k in range(z.shape[0]):
+        held += s.loop[k].mu * z[k].real * z[k].real
+    return z[row.at].real > (1.0 + REPEATS) * held
+
+
+@inner_kernel
+def note_independence(s):
+    """What the factor at a state with c = 0 says of the rows."""
+    s.state.soft, independent = 0, 0
     for i in range(s.loop.shape[0]):
-        total, line = x[i], s.loop[i].line
-        for k in range(s.loop[i].first, i):
-            total -= L[line + k] * x[k]
-        x[i] = total * L[line + i]
-    for i in range(s.loop.shape[0] - 1, -1, -1):
-        line = s.loop[i].line
-        value = x[i] * L[line + i]
-        x[i] = value
-        for k in range(s.loop[i].first, i):
-            x[k] -= L[line + k] * value
+        row = s.loop[i]
+        row.most = max(row.most, row.pivot)
+        independent += row.pivot > FELT
+        if 0.0 < row.pivot < SOFT and resists(s, i):
+            s.state.soft = 1
+    s.state.rank = max(s.state.rank, independent)
+
+
+@inner_kernel
+def factor_loops(s):
+    """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
+    loop, begin = s.loop, 0
+    while begin < loop.shape[0]:
+        start_group(s, begin, loop[begin].end)
+        factor_group(s, begin, loop[begin].end)
+        begin = loop[begin].end
+    s.state.weak, softest, least = 0, 0.0, np.inf
+    for i in range(loop.shape[0]):
+        row = loop[i]
+        if row.pivot == 0.0:
+            continue
+        softest, least = max(softest, s.skyline[0][row.line + i].real / row.mu), min(least, row.pivot)
+        if row.pivot < WEAK * row.most or (max(row.most, row.pivot) < FELT and s.skyline[1][row.line + i] != 0.0):
+            s.state.weak = 1
+    if s.state.soft == UNKNOWN:
+        note_independence(s)
+    s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
+    if softest > GRADED * max(least, REGULAR):
+        s.state.dense, s.state.pivot = 1, 1.0
 
 
 @fused_kernel
@@ -129,14 +238,29 @@ def subtract_product(s, x, y):
 
 
 @inner_kernel
+def settled(rhs, residual, step):
+    """True where ``step``, the new residual, is that of the sweep before, which it replaces."""
+    real, imag, change_real, change_imag = 0.0, 0.0, 0.0, 0.0
+    for i in range(rhs.shape[0]):
+        change = step[i] - residual[i]
+        change_real, change_imag = max(change_real, abs(change.real)), max(change_imag, abs(change.imag))
+        real, imag = max(real, abs(rhs[i].real)), max(imag, abs(rhs[i].imag))
+        residual[i] = step[i]
+    return change_real <= SETTLED * real and change_imag <= SETTLED * imag
+
+
+@inner_kernel
 def sweeps(s, count):
-    """lam := S^-1 rhs by proximal sweeps."""
-    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
+    """lam := S^-1 rhs by proximal sweeps, until what they leave no longer changes."""
+    rhs, lam, residual, step = s.vector[0], s.vector[1], s.vector[2], s.vector[3]
     copy(lam, rhs)
+    copy(residual, rhs)
     substitute(s, lam)
     for _ in range(count):
         copy(step, rhs)
         subtract_product(s, lam, step)
+        if count > SWEEPS and settled(rhs, residual, step):
+            break
         substitute(s, step)
         add_scaled(lam, 1.0, step)
 
@@ -144,8 +268,8 @@ def sweeps(s, count):
 @merged_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
-    rhs, lam, step = s.vector[0], s.vector[1], s.vector[2]
-    count = SWEEPS if s.state.pivot > WEAK else MORE_SWEEPS
+    rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]
+    count = MORE_SWEEPS if s.state.soft == 1 or s.state.pivot < WEAK else SWEEPS
     sweeps(s, count)
     if s.state.weak == 1:
         clear(step)

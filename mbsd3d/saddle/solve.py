@@ -10,7 +10,7 @@ import numpy as np
 from ..kernels.jit import allocating_kernel, inner_kernel, kernel
 from ..kernels.vectors import add, mat, pair, put, rotate, rotate_back, vec
 from .links import body_inertia, factor_links, load_links, move_links
-from .loops import assemble_loops, factor_loops, solve_loops
+from .loops import PROXIMAL, assemble_loops, factor_loops, solve_loops
 
 SOLVED, NOT_FINITE = 0, 1
 DENSE_SWEEPS = 3
@@ -24,7 +24,6 @@ def factor(m, d, s):
     if s.state.dense == 0 and s.loop.shape[0] > 0:
         assemble_loops(s)
         factor_loops(s)
-    return SOLVED
 
 
 @inner_kernel
@@ -47,21 +46,24 @@ def solve(m, d, s):
 
 @inner_kernel
 def fill_dense(m, d, s, K, rhs):
-    """K0 = [M J'; J 0] over the rows in use, and the right side."""
-    n, c = 6 * m.body.shape[0], s.used.shape[0]
+    """K0 = [M / w  J'; J  0] over the rows in use, and the right side [top / w; bottom], w the heaviest inertia.
+
+    So the unknowns are the accelerations and lam / w, and pivots of rows that repeat others are not lost beside w.
+    """
+    n, c, per_weight = 6 * m.body.shape[0], s.used.shape[0], s.state.mu / PROXIMAL
     for i in range(m.body.shape[0]):
         body = d.body[i]
         A, B, C = body_inertia(m.body[i], body)
         force, moment = pair(body.top)
         moment = add(moment, rotate(mat(body.R), vec(body.turn)))
         for j in range(3):
-            rhs[6 * i + j] = force[j]
-            rhs[6 * i + 3 + j] = moment[j]
+            rhs[6 * i + j] = per_weight * force[j]
+            rhs[6 * i + 3 + j] = per_weight * moment[j]
             for k in range(3):
-                K[6 * i + j, 6 * i + k] = A[3 * j + k]
-                K[6 * i + j, 6 * i + 3 + k] = B[3 * j + k]
-                K[6 * i + 3 + k, 6 * i + j] = B[3 * j + k]
-                K[6 * i + 3 + j, 6 * i + 3 + k] = C[3 * j + k]
+                K[6 * i + j, 6 * i + k] = per_weight * A[3 * j + k]
+                K[6 * i + j, 6 * i + 3 + k] = per_weight * B[3 * j + k]
+                K[6 * i + 3 + k, 6 * i + j] = per_weight * B[3 * j + k]
+                K[6 * i + 3 + j, 6 * i + 3 + k] = per_weight * C[3 * j + k]
     for i in range(c):
         k = s.used[i]
         rhs[n + i] = d.row[k].bottom
@@ -84,7 +86,7 @@ def solve_dense(m, d, s):
             return NOT_FINITE
     regular = K.copy()
     for i in range(c):
-        regular[n + i, n + i] -= s.state.mu / m.row[s.used[i]].scale ** 2
+        regular[n + i, n + i] -= PROXIMAL / m.row[s.used[i]].scale ** 2
     try:
         inverse = np.linalg.inv(regular)
     except Exception:  # singular: masses and rows that leave a motion undetermined
@@ -100,5 +102,5 @@ def solve_dense(m, d, s):
             d.body[i].acceleration[j] = x[6 * i + j]
         put(d.body[i].alpha, rotate_back(mat(d.body[i].R), (x[6 * i + 3], x[6 * i + 4], x[6 * i + 5])))
     for i in range(c):
-        d.row[s.used[i]].lam = x[n + i]
+        d.row[s.used[i]].lam = x[n + i] * (PROXIMAL / s.state.mu)
     return SOLVED

@@ -14,11 +14,11 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Proces
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait as wait_for_end
-from threading import Lock, Thread
+from threading import Thread
 from typing import Any
 
-from ..base.concurrency import taking_turns
-from ..base.errors import SweepError
+from ..base.concurrency import Turns, taking_turns
+from ..base.errors import InputError, SweepError
 from .experiment import Outcome
 
 DIED = (
@@ -33,8 +33,9 @@ NO_START = "put the call of sweep under if __name__ == '__main__':, since new pr
 def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) -> Iterator[tuple[int, Outcome]]:
     """(cell, outcome) in the order in which they finish."""
     if executor is None or executor == "threads":
-        with closing(ThreadPoolExecutor(cores(), "sweep")) as pool:
-            yield from stream(pool, partial(by_turns, Lock(), call), cells, deque(todo), 2 * cores(), deque())
+        turns = Turns()
+        with closing(ThreadPoolExecutor(cores(), "sweep"), turns.close) as pool:
+            yield from stream(pool, partial(by_turns, turns, call), cells, deque(todo), 2 * cores(), deque())
     elif executor == "processes":
         yield from on_processes(call, cells, deque(todo))
     else:
@@ -51,9 +52,9 @@ def outcomes(call: Callable, cells: list[dict], todo: list[int], executor: Any) 
             )
 
 
-def by_turns(lock: Lock, call: Callable, cell: dict) -> Outcome:
+def by_turns(turns: Turns, call: Callable, cell: dict) -> Outcome:
     """Run one cell; its Python runs when it is this thread's turn."""
-    with taking_turns(lock):
+    with taking_turns(turns):
         return call(cell)
 
 
@@ -63,12 +64,12 @@ def check_executor(executor: Any, functions: list[Callable]) -> None:
         for function in functions:
             place = getattr(function, "__qualname__", "")
             if "<" in place:
-                raise ValueError(
+                raise InputError(
                     f"sweep: {place} cannot go to another process; define it at the top of a module, or use threads"
                 )
     elif executor not in (None, "threads") and not isinstance(executor, Executor):
         if not hasattr(executor, "get_executor"):
-            raise ValueError(
+            raise InputError(
                 f"sweep: executor {executor!r}; give None, 'threads', 'processes', a concurrent.futures.Executor "
                 "or a distributed.Client"
             )
@@ -80,11 +81,13 @@ def cores() -> int:
 
 
 @contextmanager
-def closing(pool: Executor) -> Iterator[Executor]:
-    """A pool that is closed at the end; on an error running cells are abandoned."""
+def closing(pool: Executor, abandon: Callable[[], None] | None = None) -> Iterator[Executor]:
+    """A pool that is closed at the end; on an error running cells are abandoned: processes by a kill."""
     try:
         yield pool
     except BaseException:
+        if abandon is not None:
+            abandon()
         workers = list((getattr(pool, "_processes", None) or {}).values())  # public from Python 3.14 on
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:

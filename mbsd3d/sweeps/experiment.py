@@ -11,9 +11,10 @@ from ..api.simulation import simulate
 from ..api.solution import Solution
 from ..api.system import System
 from ..base.concurrency import one_thread
+from ..base.errors import InputError
 
 
-class MisuseError(ValueError):
+class MisuseError(InputError):
     """The functions given to `sweep` do not fit, in every cell alike."""
 
 
@@ -101,7 +102,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
     """ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise ValueError(f"sweep: {what} {function!r} is not a function; give one")
+        raise InputError(f"sweep: {what} {function!r} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
@@ -110,6 +111,6 @@ def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any
         signature.bind(**parameters)
     except TypeError as error:
         takes = ", ".join(signature.parameters) or "none"
-        raise ValueError(
+        raise InputError(
             f"sweep: {what} does not take the parameters {', '.join(parameters)} ({error}); it takes {takes}"
         ) from None

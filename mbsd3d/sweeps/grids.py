@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, number
+from ..base.errors import InputError
 
 METHODS = ("sobol", "latin hypercube", "random")
 
@@ -29,11 +30,11 @@ class Samples(Frozen):
     def __post_init__(self) -> None:
         names, points = tuple(self.names), np.array(self.points, dtype=float)
         if points.ndim != 2 or points.shape[1] != len(names) or not points.size:
-            raise ValueError(f"Samples: points have shape {points.shape}; give (count, {len(names)}) for {names}")
+            raise InputError(f"Samples: points have shape {points.shape}; give (count, {len(names)}) for {names}")
         check_names(names)
         bad = np.argwhere(~np.isfinite(points))
         if bad.size:
-            raise ValueError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
+            raise InputError(f"Samples: '{names[bad[0, 1]]}' of point {bad[0, 0]} is not finite; give finite numbers")
         self._store(names=names, points=points)
 
 
@@ -51,11 +52,11 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     from scipy.stats import qmc
 
     if method not in METHODS:
-        raise ValueError(f"samples: method {method!r} is unknown; give one of {', '.join(map(repr, METHODS))}")
+        raise InputError(f"samples: method {method!r} is unknown; give one of {', '.join(map(repr, METHODS))}")
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
-        raise ValueError(f"samples: count {count!r}; give a whole number of points > 0")
+        raise InputError(f"samples: count {count!r}; give a whole number of points > 0")
     if method == "sobol" and count & (count - 1):
-        raise ValueError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
+        raise InputError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
     check_names(tuple(ranges))
     limits = np.array([check_range(name, values) for name, values in ranges.items()])
     if method == "random":
@@ -71,22 +72,22 @@ def check_range(name: str, values: Any) -> tuple[float, float]:
     try:
         low, high = values
     except (TypeError, ValueError):
-        raise ValueError(f"samples: range {values!r} of '{name}'; give (least, greatest)") from None
+        raise InputError(f"samples: range {values!r} of '{name}'; give (least, greatest)") from None
     low, high = number(low, f"samples: least '{name}'"), number(high, f"samples: greatest '{name}'")
     if not low < high:
-        raise ValueError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
+        raise InputError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
     return low, high
 
 
 def check_names(names: tuple) -> None:
     """Names of parameters are Python names, each once."""
     if not names:
-        raise ValueError("sweep: the grid is empty; give at least one parameter with its values")
+        raise InputError("sweep: the grid is empty; give at least one parameter with its values")
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
-            raise ValueError(f"sweep: parameter {name!r}; give the name of a parameter of build")
+            raise InputError(f"sweep: parameter {name!r}; give the name of a parameter of build")
         if name in ("error", "sample") or names.count(name) > 1:
-            raise ValueError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
+            raise InputError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +111,7 @@ def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
         cells = [dict(zip(grid.names, point, strict=True)) for point in grid.points.tolist()]
         return Grid(("sample",), (len(cells),), columns, cells)
     if not isinstance(grid, Mapping):
-        raise ValueError(f"sweep: grid {grid!r}; give a mapping of parameter names to values, or samples(...)")
+        raise InputError(f"sweep: grid {grid!r}; give a mapping of parameter names to values, or samples(...)")
     check_names(tuple(grid))
     values = {name: check_values(name, given) for name, given in grid.items()}
     lists = [array.tolist() for array in values.values()]
@@ -123,12 +124,12 @@ def check_values(name: str, given: Any) -> np.ndarray:
     """(k,) numbers or texts, none twice."""
     array = np.array(given)
     if array.ndim != 1 or array.dtype.kind not in "fiubU":
-        raise ValueError(f"sweep: '{name}': {given!r}; give a list of numbers or texts")
+        raise InputError(f"sweep: '{name}': {given!r}; give a list of numbers or texts")
     if not array.size:
-        raise ValueError(f"sweep: '{name}' has no values; give at least one")
+        raise InputError(f"sweep: '{name}' has no values; give at least one")
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         where = int(np.flatnonzero(~np.isfinite(array))[0])
-        raise ValueError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
+        raise InputError(f"sweep: '{name}': value {where} is {array[where]}; give finite numbers")
     if np.unique(array).size < array.size:
-        raise ValueError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
+        raise InputError(f"sweep: '{name}': a value appears twice in {array.tolist()}; list every value once")
     return array

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from ..base.checks import shown
+from ..base.errors import InputError
 from ..base.paths import package_version
 from .experiment import Experiment, Outcome
 from .grids import Grid
@@ -39,7 +40,7 @@ def reason(error: Exception) -> str:
     return "nested too deep" if isinstance(error, RecursionError) else shown(str(error)).strip("'\"")
 
 
-class LedgerError(ValueError):
+class LedgerError(InputError):
     """A ledger that cannot be opened, read or written."""
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.concurrency import one_thread
-from ..base.errors import SweepError
+from ..base.errors import InputError, SweepError
 from ..base.paths import package_version
 from ..base.progress import Progress
 from .executors import check_executor, outcomes
@@ -97,6 +97,8 @@ def sweep(
     >>> found.first_order.shape
     (2,)
     """
+    import xarray  # noqa: F401  # half a second, which nobody waits for after Ctrl-C
+
     began = time.perf_counter()
     cells, experiment = make_grid(grid), Experiment(build, measure, {} if run is None else run)
     check(experiment, cells, executor, units)
@@ -126,13 +128,13 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
         try:
             check_settings(run)
         except MisuseError as error:
-            raise ValueError(f"sweep: {error}") from None
+            raise InputError(f"sweep: {error}") from None
     else:
-        raise ValueError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
+        raise InputError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
     if not callable(experiment.measure):
-        raise ValueError(f"sweep: measure {experiment.measure!r} is not a function; give one that takes a solution")
+        raise InputError(f"sweep: measure {experiment.measure!r} is not a function; give one that takes a solution")
     if units is not None and not isinstance(units, Mapping):
-        raise ValueError(f"sweep: units {units!r}; give a mapping of names to units")
+        raise InputError(f"sweep: units {units!r}; give a mapping of names to units")
     functions = [experiment.build, experiment.measure, *([run] if callable(run) else [])]
     check_executor(executor, functions)
 

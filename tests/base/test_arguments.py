@@ -16,6 +16,7 @@ from mbsd3d import (
     State,
     System,
     Table,
+    accelerations,
     linearize,
     simulate,
 )
@@ -78,6 +79,10 @@ def test_wrong_calls(call, message):
         (lambda: Pulse(1.0, 0.0, 1e-110), "an edge of 1e-110 s is too steep to compute with"),
         (lambda: Table([0, 1, 2, 3], [0, 1e308, 0, -1e308]), "make a spline too steep to compute with"),
         (lambda: Table([0, 1e-300, 2e-300, 1], [0, 1, 2, 3]), "make a spline too steep to compute with"),
+        (lambda: linearize(SWING, outputs=3), "linearize: outputs = 3 is no sequence; give a list"),
+        (lambda: SWING.assemble(pinned=BOB), "assemble: pinned = .* is no sequence; give a list of bodies"),
+        (lambda: accelerations(SWING).at("x"), "solution.at: t: expected a number, got 'x'"),
+        (lambda: System([BOB], gravity=None), "gravity: None is not numeric; give three numbers"),
     ],
 )
 def test_wrong_values(call, message):

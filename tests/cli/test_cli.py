@@ -173,6 +173,7 @@ def test_demo_view_says_its_address_and_ends_quietly_with_ctrl_c(folder):
     time.sleep(0.5)
     running.send_signal(signal.SIGINT)
     rest, errors = running.communicate(timeout=60)
+    errors = re.sub(r"mbsd3d: \w+: at work for \d+ s\n", "", errors)  # where it took long to start
     assert (rest, errors, running.returncode) == ("", "", 0)
 
 
@@ -393,3 +394,27 @@ def test_a_demo_that_misses_its_theory_ends_with_1(plugins, folder):
     assert result.exit_code == 1 and "FAIL, limit 1e-09" in result.stdout
     assert "demo 'lost' of 'no_such_package:demo' cannot be loaded" in result.stderr
     assert result.stderr.splitlines()[-1] == "mbsd3d: theory is not met by failing"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", [("run", "m.py", "--t-end", "1"), ("warmup",), ("check", "m.py")])
+def test_ctrl_c_in_the_compiler_is_a_quiet_end(folder, arguments, monkeypatch):
+    (folder / "m.py").write_text(PENDULUM)
+    monkeypatch.setenv("MBSD3D_CACHE", str(folder / "empty"))
+    running = process(*arguments)
+    deadline = time.monotonic() + 60.0
+    while not list(folder.rglob("*.code")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 130 and "mbsd3d: interrupted\n" in errors and "Traceback" not in errors
+    assert not list(folder.rglob("*.part"))
+
+
+@pytest.mark.slow
+def test_long_commands_say_every_few_seconds_that_they_work(folder, monkeypatch):
+    (folder / "m.py").write_text(f"import time\n{PENDULUM}\ntime.sleep(12)\n")
+    running = process("check", folder / "m.py")
+    _, errors = running.communicate(timeout=120)
+    assert running.returncode == 0
+    assert 2 <= len(re.findall(r"mbsd3d: (check|start): at work for \d+ s\n", errors)) <= 12

@@ -114,7 +114,7 @@ def scaled(name: str, seed: int, k: int, factor: float) -> System:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [1e-3, 1e-6, 1e-9, 0.0, 1e6])
+@pytest.mark.parametrize("factor", [1e-3, 1e-6, 1e-9, 1e-12, 0.0, 1e6, 1e9, 1e12])
 @pytest.mark.parametrize("k", [0, 1, 2])
 def test_light_and_heavy_links_in_a_loop(k, factor):
     system = scaled("bennett", 1, k, factor)

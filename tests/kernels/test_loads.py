@@ -20,6 +20,7 @@ from mbsd3d import (
     AeroDrag,
     Body,
     Bushing,
+    Contact,
     Cylindrical,
     Force,
     JointFriction,
@@ -31,7 +32,9 @@ from mbsd3d import (
     System,
     Torque,
     TorsionSpring,
+    Tyre,
     rotation,
+    shapes,
 )
 from mbsd3d.base.quaternions import exponential, multiply
 from mbsd3d.base.rotations import matrix
@@ -96,8 +99,26 @@ def _custom(rng, a, b):
     return CustomForce(_rubber_band, on=(a, b), points=points, parameters=(3.0, 0.8, 0.4))
 
 
+def _contact(rng, a, b, surface, **numbers):
+    """Pressed into a plane of a, with states that the numbers below set: no pose leaves it."""
+    normal = direction(rng)
+    plane = (b.position + 3.0 * normal + direction(rng), normal)
+    return [], Contact(a, b, surface, plane=plane, stiffness=0.8, **numbers)
+
+
+STONE = dict(at=(0.1, -0.2, 0.15), orientation=rotation((1, 2, -1), 0.8))
+
+
 def _on(joint, cls, **numbers):
     return [joint], cls(joint, **numbers)
+
+
+def _tyre(rng, a, b):
+    """So large a tube that the general poses press it."""
+    numbers = dict(radius=3.0, crown=2.4, stiffness=4.0, damping=0.1, trail=0.3, twisting=0.2, rolling_resistance=0.1)
+    more = dict(cornering=1.3, longitudinal=1.7, camber=0.8, mu=0.7, standing_damping=0.4, standing_speed=2.0)
+    plane = (b.position - np.array([0.3, 0.2, 1.1]), np.array([0.2, -0.1, 1.0]))
+    return Tyre(a, b, axis=(0.3, 1.0, -0.2), plane=plane, centre=b.position + 0.2 * direction(rng), **numbers, **more)
 
 
 EXAMPLES = {
@@ -120,7 +141,45 @@ EXAMPLES = {
     ),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
+    "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
     "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
+    "Contact that sticks": lambda rng, a, b: _contact(
+        rng,
+        a,
+        b,
+        shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE),
+        exponent=1.5,
+        damping=0.02,
+        loss=0.01,
+        friction=3.0,
+        rolling=2.0,
+        spinning=1.5,
+        grip=1.2,
+        grip_damping=0.3,
+    ),
+    "Contact that slips": lambda rng, a, b: _contact(
+        rng,
+        a,
+        b,
+        shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE),
+        damping=0.02,
+        friction=0.05,
+        rolling=0.02,
+        spinning=0.01,
+        grip=1.2,
+        grip_damping=0.3,
+    ),
+    "Contact that creeps": lambda rng, a, b: _contact(
+        rng,
+        a,
+        b,
+        shapes.Sphere(0.6, at=(0.1, -0.2, 0.15)),
+        loss=0.02,
+        friction=0.4,
+        rolling=0.3,
+        spinning=0.2,
+        creep=0.5,
+    ),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
 """Name -> factory(rng, a, b) of (joints it needs, element)."""
@@ -135,10 +194,12 @@ on_both = pytest.mark.parametrize("ground", [None, "a"])
 class Loads(Evaluation):
     """Applied forces of a system at arbitrary states."""
 
-    def at(self, q, v, t=T):
+    def at(self, q, v, t=T, z=0.0):
         """(Q (n + 1, 6) with the ground last, stored energy, power of the part that stores none)."""
         self.data.body["Q"] = 0.0
-        kinematics(self.model, self.data, self.state(q, v))
+        y = self.state(q, v)
+        y[13 * self.n : 13 * self.n + self.model.z_work] += z
+        kinematics(self.model, self.data, y)
         loads(self.model, self.data, t)
         force = self.data.force
         return self.data.body["Q"].copy(), force["potential"].sum(), force["power"].sum()
@@ -177,8 +238,10 @@ def test_power_is_minus_the_rate_of_energy_plus_the_reported_power(name, ground)
     on, _ = element(name, 3, ground)
     q, v = on.general(np.random.default_rng(4))
     q_dot = on.rates(v, q)
-    Q, _, power = on.at(q, v)
-    stored = derivative(lambda h: on.at(q + h * q_dot, v)[1])
+    z = 0.3 * np.random.default_rng(5).normal(size=on.model.z_work)
+    Q, _, power = on.at(q, v, z=z)
+    z_dot = on.data.state_rate.copy()
+    stored = derivative(lambda h: on.at(q + h * q_dot, v, z=z + h * z_dot)[1])
     assert Q[:-1].ravel() @ v == pytest.approx(power - stored, abs=TOLERANCE)
     reported = [abs(x) for x in (stored, power) if x != 0.0]
     assert reported and min(reported) > 1e4 * TOLERANCE  # one per cent of either would be seen

@@ -18,11 +18,13 @@ from mbsd3d import (
     IntegrationError,
     Polynomial,
     Prismatic,
+    Revolute,
     SlideDriver,
     Spherical,
     SpringDamper,
     System,
     accelerations,
+    arctan2,
     linearize,
     load,
     simulate,
@@ -251,6 +253,56 @@ def compares(t, bodies, z, parameters, loads, z_dot):
     """A comparison that complex numbers do not have."""
     if bodies[0].r[2] < 0.0:
         loads[0, 2] = -1000.0 * bodies[0].r[2]
+
+
+def spring(t, bodies, z, parameters, loads, z_dot):
+    """A torsion spring about y by the angle of the body's x axis."""
+    loads[0, 4] = -parameters[0] * arctan2(-bodies[0].R[2, 0], bodies[0].R[0, 0])
+
+
+def twisting(t, bodies, z, parameters, loads, z_dot):
+    """The same with numpy's arctan2, which has no complex form."""
+    loads[0, 4] = -parameters[0] * np.arctan2(-bodies[0].R[2, 0], bodies[0].R[0, 0])
+
+
+@pytest.mark.slow
+@WITH_COMPILER
+def test_the_angle_of_two_coordinates_has_an_exact_derivative():
+    body = Body("wheel", 1.5, (0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
+    hinge = Revolute(GROUND, body, at=body.position, axis=(0, 1, 0))
+    found = linearize(System([body], [hinge], [CustomForce(spring, on=body, parameters=[4.8])], gravity=(0, 0, 0)))
+    np.testing.assert_allclose(np.sort(found.eigenvalues.imag), [-4.0, 4.0], rtol=1e-12)  # sqrt(4.8 / 0.3)
+    for y, x in ((0.3, -1.2), (-0.4, 0.7), (2.0, 0.0)):
+        h = 1e-30
+        assert arctan2(y, x) == pytest.approx(np.arctan2(y, x), abs=1e-15)
+        slope = arctan2(y + 0.3j * h, x - 0.7j * h).imag / h  # (x dy - y dx) / (x^2 + y^2)
+        assert slope == pytest.approx((0.3 * x + 0.7 * y) / (x * x + y * y), rel=1e-14)
+    with pytest.raises(ValueError, match="'twist'.*does not compile for the complex.*mbsd3d.arctan2"):
+        linearize(System([body], [hinge], [CustomForce(twisting, on=body, parameters=[4.8], name="twist")]))
+
+
+def forgetful(t, bodies, z, parameters, loads, z_dot):
+    """A spring that pulls one of two bodies; the share of the opposite load is a parameter."""
+    loads[0, :3] = 3.0 * (bodies[1].r - bodies[0].r)
+    loads[1, :3] = -parameters[0] * loads[0, :3]
+    loads[1, 3] = parameters[1]
+
+
+@WITH_COMPILER
+def test_loads_between_bodies_balance_or_are_external():
+    bodies = [Body("a", 1.0, (0.1, 0.2, 0.2), position=(0.1, 0.2, 0.3)), BALL]
+
+    def run(*parameters, **more):
+        force = CustomForce(forgetful, on=(bodies[0], BALL), parameters=parameters, name="band", **more)
+        return simulate(System(bodies, [], [force], gravity=(0, 0, 0)), 0.01)
+
+    assert run(1.0, 0.0).certificate.passed
+    for parameters in ((0.0, 0.0), (1.0, 0.2), (0.999, 0.0)):
+        with pytest.raises(ValueError, match="force 'band' .CustomForce.: its loads on 'a', 'ball' leave .*external"):
+            run(*parameters)
+        assert run(*parameters, external=True).certificate.passed
+    with pytest.raises(ValueError, match="'band'.*: external 'yes'; give True or False"):
+        run(1.0, 0.0, external="yes")
 
 
 def beyond(t, bodies, z, parameters, loads, z_dot):

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from models import all_joints_mechanism, consistent_state, pendulum
 
 import validation
-from mbsd3d import GROUND, Body, Revolute, StateFeedback, System, measures, simulate
+from mbsd3d import GROUND, AngleDriver, Body, Ramp, Revolute, StateFeedback, System, measures, simulate
 from mbsd3d.cli import main
 from validation import cross_check
 from validation.cases.mechanisms import chain
@@ -523,3 +523,10 @@ def test_exit_codes(model, arguments, code, text):
     done = run(*arguments)
     assert done.exit_code == code and text in done.output, done.output
     assert not isinstance(done.exception, Exception) or isinstance(done.exception, click.exceptions.Exit | SystemExit)
+
+
+def test_a_mechanism_without_mass_is_refused_in_words():
+    ghost = Body("ghost", 0.0, (0, 0, 0), position=(0.5, 0.1, 0.2))
+    hinge = Revolute(GROUND, ghost, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    with pytest.raises(ValueError, match="cross_check: no body has a mass.*give masses"):
+        cross_check(System([ghost], [hinge, AngleDriver(hinge, Ramp(2.0))]), 1.0)

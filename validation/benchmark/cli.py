@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, ready_folder
 
 PARTS = ("precision", "redundancy", "speed")
@@ -48,7 +49,7 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
 
     unknown = [name for name in names if name not in PROBLEMS]
     if unknown:
-        raise ValueError(f"mechanism {unknown[0]!r} is unknown; give one of {', '.join(PROBLEMS)}")
+        raise InputError(f"mechanism {unknown[0]!r} is unknown; give one of {', '.join(PROBLEMS)}")
     if listed:
         click.echo("\n".join(PROBLEMS))
         return

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbsd3d import IntegrationError
+from mbsd3d.errors import InputError
 from mbsd3d.extend import one_thread, write_atomically
 from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS, Candidate, Run, of_peer, ours
 from validation.benchmark.problems import Poses, Problem
@@ -199,11 +200,11 @@ def save(path: Path, rows: Sequence[Row], machine: str, complete: bool) -> None:
 def load(path: Path) -> list[Row]:
     """The rows of a file of `save`; ValueError if it is missing or something else."""
     if not path.is_file():
-        raise ValueError(f"{path}: not found; measure first, python -m validation.benchmark --out {path.parent}")
+        raise InputError(f"{path}: not found; measure first, python -m validation.benchmark --out {path.parent}")
     try:
         return [from_dict(row) for row in json.loads(path.read_text(encoding="utf-8"))["rows"]]
     except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{path}: no rows of a benchmark ({error}); move it away, or give another --out") from None
+        raise InputError(f"{path}: no rows of a benchmark ({error}); move it away, or give another --out") from None
 
 
 def measure(problem: Problem, say: Callable[[str], None] = lambda text: None) -> Row:

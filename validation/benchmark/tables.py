@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, dress, house, theme
 from validation.benchmark.candidates import CONSTRAINTS, ENGINES, PEERS
 from validation.benchmark.precision import TARGETS, Point, Reached, Row, time_to
@@ -185,7 +186,7 @@ def work_precision(rows: Sequence[Row], dark: bool = False) -> Figure:
     """
     shown = sorted((row for row in rows if row.name in SHOWN), key=lambda row: SHOWN.index(row.name))
     if not shown:
-        raise ValueError(f"none of {', '.join(SHOWN)} was measured; measure one with --mechanism")
+        raise InputError(f"none of {', '.join(SHOWN)} was measured; measure one with --mechanism")
     look = theme(dark)
     count = -(-len(shown) // COLUMNS)
     columns = min(COLUMNS, len(shown))

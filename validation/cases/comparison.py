@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import Solution
+from mbsd3d.errors import InputError
 from validation.cases.reference import REFERENCES, Array, Case, _rotation
 
 
@@ -73,7 +74,7 @@ class _Sample:
         self.rows = np.array([np.argmin(np.abs(t - time)) for time in case.times], dtype=int)
         missing = case.times[np.abs(t[self.rows] - case.times) > 1e-9]
         if missing.size:
-            raise ValueError(f"case '{case.id}': solution has no sample at t = {missing} s; pass output=case.times")
+            raise InputError(f"case '{case.id}': solution has no sample at t = {missing} s; pass output=case.times")
         self.start = {body["name"]: body for body in case.raw["bodies"]}
 
     def read(self, quantity: str, part: str) -> Array:
@@ -193,5 +194,5 @@ def condition(name: str) -> float:
     path = REFERENCES / "conditions.json"
     stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     if name not in stored:
-        raise ValueError(f"case '{name}': no condition stored; measure it with tests/validation/conditions.py")
+        raise InputError(f"case '{name}': no condition stored; measure it with tests/validation/conditions.py")
     return float(stored[name])

@@ -76,6 +76,18 @@ def _rolling(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.RollingDisc(a, b, axis=axis, radius=0.5, crown=0.1, centre=centre, plane=plane)]
 
 
+def _stone(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
+    """An ellipsoid in general position on a plane it touches."""
+    stone = mbsd3d.shapes.Ellipsoid((0.7, 0.5, 0.3), at=0.2 * direction(rng), orientation=random_orientation(rng))
+    turn = mbsd3d.rotations.matrix(b.orientation) @ mbsd3d.rotations.matrix(stone.orientation)
+    normal = direction(rng)
+    local = stone.radii**2 * (turn.T @ normal)
+    lowest = -turn @ local / np.linalg.norm(local / stone.radii)
+    centre = b.position + mbsd3d.rotations.matrix(b.orientation) @ stone.at
+    plane = (centre + lowest + 0.7 * across(rng, normal), normal)
+    return [mbsd3d.Rolling(a, b, stone, plane=plane)]
+
+
 def _universal(rng: Generator, cls: type, a: Any, b: Any, **at: Any) -> list[mbsd3d.Joint]:
     axis = direction(rng)
     return [cls(a, b, axis_a=axis, axis_b=across(rng, axis), **at)]
@@ -149,6 +161,7 @@ JOINTS: dict[type, Factory] = {
     mbsd3d.ConstantVelocity: lambda rng, a, b, c, d: _constant_velocity(rng, a, b),
     mbsd3d.Screw: lambda rng, a, b, c, d: [mbsd3d.Screw(a, b, at=middle(rng, a, b), axis=direction(rng), pitch=0.8)],
     mbsd3d.RollingDisc: lambda rng, a, b, c, d: _rolling(rng, a, b),
+    mbsd3d.Rolling: lambda rng, a, b, c, d: _stone(rng, a, b),
     mbsd3d.KnifeEdge: lambda rng, a, b, c, d: [mbsd3d.KnifeEdge(a, b, at=middle(rng, a, b), lateral=direction(rng))],
 }
 """Class -> factory(rng, a, b, c, d) of a joint of that class between a and b. A new joint needs no other entry."""
@@ -165,7 +178,7 @@ EXAMPLES: dict[type, Factory] = {
 }
 """The same of couplings, which use all four bodies, and drivers: lists of joints that end with one of the class."""
 
-NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
+NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.Rolling, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
 
 
 TREE = [cls for cls in JOINTS if cls in GEOMETRY or cls in VELOCITY]

@@ -11,6 +11,7 @@ wristpin leave the rod no freedom and no redundant row: 9 bodies, 54 coordinates
 import numpy as np
 
 import mbsd3d
+from mbsd3d.errors import InputError
 
 RATE = 2 * np.pi * 10 / 60  # rad/s: 10 rpm, the toy engine of references/engine.json
 SIDES = (1.0, -1.0, -1.0, 1.0)  # throws up or down at the reference pose
@@ -38,7 +39,7 @@ def inline_four(
     0
     """
     if not 0.0 < radius < rod_length:
-        raise ValueError(f"inline_four: rod_length {rod_length} m must exceed the crank radius {radius} m, and that 0")
+        raise InputError(f"inline_four: rod_length {rod_length} m must exceed the crank radius {radius} m, and that 0")
     crank = crankshaft(spacing * PLACES, crank_mass, crank_centre)
     bearing = mbsd3d.Revolute(mbsd3d.GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="bearing")
     bodies, joints = [crank], [bearing, mbsd3d.AngleDriver(bearing, mbsd3d.Ramp(rate), name="motor")]

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import mbsd3d
+from mbsd3d.errors import InputError
 
 Array = NDArray[np.floating]
 Shift = int | Mapping[str, ArrayLike] | None
@@ -66,7 +67,7 @@ def read(name: str) -> dict[str, Any]:
     """
     path = REFERENCES / f"{name}.json"
     if name in NOT_CASES or not path.is_file():
-        raise ValueError(f"case '{name}': not found; choose one of {', '.join(names())}")
+        raise InputError(f"case '{name}': not found; choose one of {', '.join(names())}")
     return json.loads(path.read_text(encoding="utf-8"))
 
 
@@ -143,7 +144,7 @@ def _shifts(raw: Mapping[str, Any], shift: Shift) -> dict[str, Array]:
     if isinstance(shift, Mapping):
         unknown = set(shift) - {spec["name"] for spec in bodies}
         if unknown:
-            raise ValueError(f"shift of {sorted(unknown)}: case '{raw['id']}' has no such body")
+            raise InputError(f"shift of {sorted(unknown)}: case '{raw['id']}' has no such body")
         return {spec["name"]: np.array(shift.get(spec["name"], np.zeros(3)), dtype=float) for spec in bodies}
     scatter = np.random.default_rng(shift).normal(size=(len(bodies), 3))
     return {spec["name"]: SHIFT_SIZE * _size(raw, spec) * x for spec, x in zip(bodies, scatter, strict=True)}
@@ -163,7 +164,7 @@ def _make(
 ) -> Any:
     """Joint or force of the package from its entry in the file."""
     if spec["type"] not in kinds:
-        raise ValueError(f"case '{raw['id']}': part type '{spec['type']}' unknown; add it to JOINTS or FORCES")
+        raise InputError(f"case '{raw['id']}': part type '{spec['type']}' unknown; add it to JOINTS or FORCES")
     return kinds[spec["type"]](spec, part)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import State, System
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Progress, check_state, check_system, number
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
@@ -96,6 +97,8 @@ def cross_check(
     'agrees'
     """
     start, times = check_input(system, t_end, engines, state, tolerance, budget)
+    if not any(body.mass for body in system.bodies):
+        raise InputError("cross_check: no body has a mass, so nothing moves by laws that engines share; give masses")
     with Progress("compare", 0.0, 1.0 + len(engines), progress) as bar:
         ours = ours_at_start(system, start) if t_end is None else ours_at(system, start, times)
         found, interrupted = one_by_one(engines, partial(compare, system, start, ours, tolerance, budget), bar)
@@ -133,18 +136,18 @@ def check_input(
     start = state or system.state()
     end = start.t + 1.0 if t_end is None else number(t_end, "cross_check: t_end")
     if not end > start.t:
-        raise ValueError(f"cross_check: t_end = {end:g} s does not lie after the start at {start.t:g} s; give more")
+        raise InputError(f"cross_check: t_end = {end:g} s does not lie after the start at {start.t:g} s; give more")
     if not system.bodies:
-        raise ValueError("cross_check: the system has no bodies; give one that moves")
+        raise InputError("cross_check: the system has no bodies; give one that moves")
     if isinstance(engines, str) or not engines:
-        raise ValueError(f"cross_check: engines {engines!r}: give a list of {', '.join(ENGINES)}")
+        raise InputError(f"cross_check: engines {engines!r}: give a list of {', '.join(ENGINES)}")
     for engine in engines:
         if engine not in ENGINES:
-            raise ValueError(f"cross_check: engine {engine!r} is unknown; give one of {', '.join(ENGINES)}")
+            raise InputError(f"cross_check: engine {engine!r} is unknown; give one of {', '.join(ENGINES)}")
     if not 1e-9 <= number(tolerance, "cross_check: tolerance") <= 1e-3:
-        raise ValueError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
+        raise InputError(f"cross_check: tolerance {tolerance:g} is outside 1e-9 ... 1e-3; give a number in this range")
     if not number(budget, "cross_check: budget") > 0.0:
-        raise ValueError(f"cross_check: budget {budget:g} s; give seconds above 0")
+        raise InputError(f"cross_check: budget {budget:g} s; give seconds above 0")
     return start, np.linspace(start.t, end, INTERVALS + 1)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import System
+from mbsd3d.errors import InputError
 from validation.crosscheck.ours import POSES, quantities, running_max
 from validation.twins.base import Array, EngineFailed, Motion, finite
 
@@ -55,7 +56,7 @@ def limit_of(runs: Sequence[Array], expected: float, span: int | None = None, fi
     ValueError for fewer than three runs: order and error need three.
     """
     if len(runs) < 3:
-        raise ValueError(f"limit_of: {len(runs)} runs; give three or more with halved steps")
+        raise InputError(f"limit_of: {len(runs)} runs; give three or more with halved steps")
     moves = [fine - coarse for coarse, fine in zip(runs[:-1], runs[1:], strict=True)]
     counts = (np.arange(len(runs[0])) >= first)[:, None, None]
     gaps = tuple(float(np.abs(move[first:span]).max(initial=0.0)) for move in moves)

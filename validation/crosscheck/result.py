@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbsd3d.errors import InputError
+
 AGREES, EXPLAINED, DIFFERS, SKIPPED = "agrees", "explained", "differs", "not compared"
 SURE = 3.0  # Errors of a limit by which another may be away from it: the estimate is the last change, not a bound
 
@@ -154,7 +156,7 @@ class CrossCheck:
         for found in self.engines:
             if found.engine.lower() == engine.lower():
                 return found
-        raise ValueError(f"'{engine}' was not asked for; there are {', '.join(x.engine for x in self.engines)}")
+        raise InputError(f"'{engine}' was not asked for; there are {', '.join(x.engine for x in self.engines)}")
 
     def __str__(self) -> str:
         return self.table()

@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Failure
 
 MASSES = {
@@ -94,7 +95,7 @@ def alone(switch: str, allowed: set[str]) -> None:
         and option.name not in allowed | {"layout", switch.removeprefix("--")}
     ]
     if given:
-        raise ValueError(f"{switch} makes no use of {', '.join(given)}; leave out the one or the other")
+        raise InputError(f"{switch} makes no use of {', '.join(given)}; leave out the one or the other")
 
 
 def published(name: str | None) -> str:
@@ -118,7 +119,7 @@ def written(folder: str, engines: list, gravity: Any, driver: str, gas: float | 
     from validation.engine_balance.pages.site import write_pages
 
     if not folder:
-        raise ValueError("--pages '' names no folder; give one, or . for this one")
+        raise InputError("--pages '' names no folder; give one, or . for this one")
     options = {} if gas is None else {"peak": gas}
     done = write_pages(folder, engines, gravity=gravity, driver=driver, **options)
     click.echo(done.index)
@@ -131,7 +132,7 @@ def tables(engines: list, gravity: Any, driver: str, gas: float | None, shafts: 
     from validation.engine_balance.balance import compare
 
     if len(engines) > 1 and (gas is not None or shafts or sweep):
-        raise ValueError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
+        raise InputError("--gas, --shafts and --sweep study one engine; give a LAYOUT")
     comparisons = [compare(engine, gravity=gravity, driver=driver) for engine in engines]
     wanted = (
         (gas is not None, lambda: report.gas_harmonics(engines[0], gas)),

@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from mbsd3d import Force, System, Table
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.engine_balance.layouts import Engine, Layout
 
@@ -27,7 +28,7 @@ CYCLE = 4 * np.pi
 SEARCHED = 16  # cylinders: each doubles the number of firing orders
 
 
-class FiringOrderError(ValueError):
+class FiringOrderError(InputError):
     """None is known for a layout."""
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
@@ -57,7 +58,7 @@ class Layout:
         counts = {field: len(getattr(self, field)) for field in ("pins", "bores", "stations")}
         if len(set(counts.values())) > 1 or not self.pins:
             listed = ", ".join(f"{n} {field}" for field, n in counts.items())
-            raise ValueError(f"{what}: {listed}; give one of each per cylinder")
+            raise InputError(f"{what}: {listed}; give one of each per cylinder")
         object.__setattr__(self, "spacing", number(self.spacing, f"{what}: spacing", positive=True))
 
     @property
@@ -83,7 +84,7 @@ def layout(name: str) -> Layout:
     ValueError if the name is unknown; it lists the names.
     """
     if name not in names():
-        raise ValueError(f"layout '{name}' is unknown; there are {', '.join(names())}")
+        raise InputError(f"layout '{name}' is unknown; there are {', '.join(names())}")
     record = data()["configurations"][name]
     return Layout(
         name=name,
@@ -137,11 +138,11 @@ class Engine:
         object.__setattr__(self, "spacing", number(spacing, f"{what}: spacing", positive=True))
         if np.ndim(self.piston_mass) and len(self.piston_mass) != len(self.layout.pins):
             n = len(self.layout.pins)
-            raise ValueError(f"{what}: {len(self.piston_mass)} piston masses for {n} cylinders; give one or {n}")
+            raise InputError(f"{what}: {len(self.piston_mass)} piston masses for {n} cylinders; give one or {n}")
         for i, mass in enumerate(self.pistons, start=1):
             number(mass, f"{what}: piston_mass {i}", positive=True)
         if self.radius + abs(self.offset) >= self.rod_length:
-            raise ValueError(
+            raise InputError(
                 f"{what}: rod_length {self.rod_length:g} m must exceed radius {self.radius:g} m and offset "
                 f"{abs(self.offset):g} m together, or the crank cannot turn"
             )
@@ -168,7 +169,7 @@ class Engine:
         ValueError if the engine stands still: nothing is periodic then.
         """
         if self.rpm == 0.0:
-            raise ValueError(f"engine '{self.layout.name}': rpm 0 has no harmonics; give a speed above 0")
+            raise InputError(f"engine '{self.layout.name}': rpm 0 has no harmonics; give a speed above 0")
         return 2 * np.pi * self.rpm / 60.0
 
     @property
@@ -191,7 +192,7 @@ class Engine:
         last = min(np.log(FOLD) / np.log(lam / (1 + np.sqrt(1 - lam**2))), 1e9)
         count = 12 * int(np.ceil((orders + max(last, orders + 1)) / 12))
         if count > MOST:
-            raise ValueError(
+            raise InputError(
                 f"engine '{self.layout.name}': rod_length {self.rod_length:.9g} m hardly exceeds the crank: its orders "
                 f"fall so slowly that a turn takes {count} samples, above {MOST}; give a longer rod"
             )

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from validation.engine_balance.harmonics import Harmonics
 
 SMALLEST = 1e-18  # of the series, relative to their first terms
@@ -88,9 +89,9 @@ def check_lemma(engine: Any) -> None:
     what = f"phasor of engine '{engine.layout.name}'"
     if len(set(engine.pistons)) > 1:
         light, heavy = min(engine.pistons), max(engine.pistons)
-        raise ValueError(f"{what}: pistons from {light:g} to {heavy:g} kg are not alike (H2); use planar or spatial")
+        raise InputError(f"{what}: pistons from {light:g} to {heavy:g} kg are not alike (H2); use planar or spatial")
     if engine.offset:
-        raise ValueError(f"{what}: offset {engine.offset:g} m has no closed form here; use planar or spatial")
+        raise InputError(f"{what}: offset {engine.offset:g} m has no closed form here; use planar or spatial")
 
 
 def terms(engine: Any, orders: int) -> int:

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbsd3d import Body, Fixed, Gear, Revolute, System, inertia
+from mbsd3d.errors import InputError
 from validation.engine_balance import looks
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine
@@ -43,13 +44,13 @@ class Shaft:
 
     def __post_init__(self) -> None:
         if self.order < 1 or self.order != int(self.order) or self.direction not in (1, -1):
-            raise ValueError(
+            raise InputError(
                 f"shaft of order {self.order}, direction {self.direction}: "
                 "the order is a whole number from 1 on, the direction +1 (with the crank) or -1"
             )
         unbalance = self.unbalance or (0j,) * len(self.planes)
         if not self.planes or len(unbalance) != len(self.planes):
-            raise ValueError(f"shaft: {len(self.planes)} planes, {len(unbalance)} unbalances; give one for each plane")
+            raise InputError(f"shaft: {len(self.planes)} planes, {len(unbalance)} unbalances; give one for each plane")
         object.__setattr__(self, "unbalance", tuple(complex(u) for u in unbalance))
 
     @property
@@ -87,7 +88,7 @@ def balance(engine: Engine, harmonics: Harmonics, shafts: Sequence[Shaft], *, to
     """
     orders = sorted({shaft.order for shaft in shafts})
     if len(orders) != 1 or orders[0] >= len(harmonics.force):
-        raise ValueError(
+        raise InputError(
             f"balance: shafts of orders {orders}, harmonics up to {len(harmonics.force) - 1}; "
             "balance one order at a time, and ask for enough harmonics"
         )

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import mbsd3d
+from mbsd3d.errors import InputError
 from validation.engine_balance import looks
 from validation.engine_balance.harmonics import Harmonics
 from validation.engine_balance.layouts import Engine
@@ -55,11 +56,11 @@ def build(
     """
     what = f"engine '{engine.layout.name}'"
     if pins not in ("revolute", "spherical"):
-        raise ValueError(f"{what}: pins {pins!r} are unknown; give 'revolute' or 'spherical'")
+        raise InputError(f"{what}: pins {pins!r} are unknown; give 'revolute' or 'spherical'")
     if driver not in ("block", "dyno"):
-        raise ValueError(f"{what}: driver on {driver!r}; give 'block' or 'dyno'")
+        raise InputError(f"{what}: driver on {driver!r}; give 'block' or 'dyno'")
     if bearings < 1:
-        raise ValueError(f"{what}: {bearings} main bearings; give 1 or more")
+        raise InputError(f"{what}: {bearings} main bearings; give 1 or more")
     places = [place(engine, i) for i in range(len(engine.layout.pins))]
     block = mbsd3d.Body("block", BLOCK_MASS, 3 * (BLOCK_MASS,), shape=looks.block(engine, places))
     crank = crankshaft(engine, places)

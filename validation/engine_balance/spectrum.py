@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import get_window
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 WINDOWS = {"none": "boxcar", "hann": "hann", "flat top": "flattop"}  # name here -> in scipy.signal
@@ -40,7 +41,7 @@ class Spectrum:
         k = int(np.argmin(np.abs(self.orders - order)))
         off = abs(self.orders[k] - order) / (self.orders[1] - self.orders[0])
         if off > (1e-6 if self.window == "none" else 0.5 + 1e-6):
-            raise ValueError(
+            raise InputError(
                 f"spectrum: no bin at order {order:g}, the nearest is {self.orders[k]:g} and the last "
                 f"{self.orders[-1]:g}; give more turns, more samples or a window"
             )
@@ -63,7 +64,7 @@ def spectrum(t: ArrayLike, values: ArrayLike, *, rate: float | None = None, wind
     np.True_
     """
     if window not in WINDOWS:
-        raise ValueError(f"spectrum: window {window!r} is unknown; give one of {', '.join(map(repr, WINDOWS))}")
+        raise InputError(f"spectrum: window {window!r} is unknown; give one of {', '.join(map(repr, WINDOWS))}")
     t, values, step = _checked(t, values)
     n, length, turn = _extent(t.size, step, values, rate, window)
     used = values[:n].reshape(n, -1)
@@ -83,20 +84,20 @@ def _checked(t: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray, f
     t, values = np.asarray(t), np.asarray(values)
     for name, array in (("t", t), ("values", values)):
         if array.dtype.kind not in "iuf":
-            raise ValueError(f"spectrum: {name} of type {array.dtype}; give real numbers")
+            raise InputError(f"spectrum: {name} of type {array.dtype}; give real numbers")
     t, values = t.astype(float), values.astype(float)
     if t.ndim != 1 or t.size < 3 or values.ndim not in (1, 2) or len(values) != t.size:
-        raise ValueError(f"spectrum: t {t.shape} and values {values.shape}; give (n,) and (n,) or (n, k), n >= 3")
+        raise InputError(f"spectrum: t {t.shape} and values {values.shape}; give (n,) and (n,) or (n, k), n >= 3")
     for name, array in (("t", t), ("values", values)):
         if not np.isfinite(array).all():
             bad = int(np.flatnonzero(~np.isfinite(array).reshape(t.size, -1).all(axis=1))[0])
-            raise ValueError(f"spectrum: {name} is not finite at sample {bad}; leave such samples out of the run")
+            raise InputError(f"spectrum: {name} is not finite at sample {bad}; leave such samples out of the run")
     step = (t[-1] - t[0]) / (t.size - 1)
     if not step > 0:
-        raise ValueError(f"spectrum: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
+        raise InputError(f"spectrum: t goes from {t[0]:g} s to {t[-1]:g} s; give times that increase")
     off = np.abs(t - t[0] - step * np.arange(t.size))
     if off.max() > EVEN * step:
-        raise ValueError(
+        raise InputError(
             f"spectrum: sample {int(off.argmax())} is {off.max():.3g} s off even steps of {step:.6g} s; "
             "ask the run for a number of samples (output=361), not for its own steps"
         )
@@ -113,7 +114,7 @@ def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window:
         n = n - 1 if repeats else n
         return n, n * step, 1.0
     if number(rate, "spectrum: rate") == 0.0:
-        raise ValueError("spectrum: rate is 0, so there are no orders; give the speed of the shaft, or none")
+        raise InputError("spectrum: rate is 0, so there are no orders; give the speed of the shaft, or none")
     period = 2 * np.pi / abs(rate)
     for used in (n - 1, n):
         count = round(used * step / period)
@@ -121,7 +122,7 @@ def _extent(n: int, step: float, values: np.ndarray, rate: float | None, window:
             return used, count * period, period
     if window != "none":
         return n, n * step, period
-    raise ValueError(
+    raise InputError(
         f"spectrum: the record is {(n - 1) * step / period:.9g} periods long, {n * step / period:.9g} if its "
         "last sample does not repeat the first; give whole periods, at least one, or a window"
     )

@@ -20,6 +20,7 @@ from validation.theory.common import (
     rotation_matrix,
 )
 from validation.theory.hinge_loop import HingeLoop
+from validation.theory.mounts import bounce_and_pitch, quarter_car, three_coupled, transmissibility
 from validation.theory.one_freedom import (
     arm_slider,
     arm_slider_torque,

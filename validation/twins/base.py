@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from mbsd3d import Joint, State, System
+from mbsd3d.errors import InputError, MbsError
 from mbsd3d.extend import (
     check_quaternions,
     check_signals,
@@ -28,7 +29,7 @@ from mbsd3d.extend import (
 Array = np.ndarray
 
 
-class NotComparable(ValueError):  # noqa: N818 - a verdict, not a mistake
+class NotComparable(MbsError):  # noqa: N818 - a verdict, not a mistake
     """An engine that cannot take part: the verdict is "not compared: <this text>"."""
 
 
@@ -174,7 +175,7 @@ def check_met(system: System, start: State) -> None:
         residual, unit = missed
         worst = int(np.argmax(np.abs(residual) * compiled.model.row["scale"]))
         part = label(system, system.joints[compiled.row_joint[worst]])
-        raise ValueError(
+        raise InputError(
             f"state: {part} is off by {worst_joint(compiled, residual)[1]:.3g} {unit}; "
             "start from system.state() or system.assemble()"
         )
@@ -184,12 +185,12 @@ def check_run(engine: str, system: System, start: float, t_end: float, steps: in
     """ValueError if samples do not lie on steps, the end is not after the start, or tables do not reach it."""
     whole = all(isinstance(n, int | np.integer) and not isinstance(n, bool) and n >= 1 for n in (steps, samples))
     if not whole or steps % samples:
-        raise ValueError(
+        raise InputError(
             f"{engine}: {samples!r} samples do not divide {steps!r} steps; give a whole number >= 1 of samples, and of "
             "steps a multiple of it"
         )
     if not isinstance(t_end, Real) or not start < t_end < np.inf:
-        raise ValueError(
+        raise InputError(
             f"{engine}: a run that is not after the start: t_end = {t_end} s does not lie after the start at "
             f"{start:g} s; give a later, finite one"
         )

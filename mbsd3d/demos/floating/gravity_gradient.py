@@ -34,7 +34,7 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
         SpeedDriver(GROUND, orbit, axis=(0, 1, 0), speed=n, name="orbital motion"),
         Revolute(orbit, satellite, at=(0, 0, 0), axis=(0, 1, 0), name="pitch"),
     ]
-    pull = CustomForce(gradient, on=(orbit, satellite), parameters=(n, *I), name="pull")
+    pull = CustomForce(gradient, on=(orbit, satellite), parameters=(n, *I), external=True, name="pull")
     return System([orbit, satellite], joints, [pull], gravity=(0, 0, 0))
 
 

@@ -8,6 +8,8 @@ from scipy.optimize import least_squares
 
 from mbsd3d import GROUND, AngleDriver, Body, Joint, Kinematic, Polynomial, Revolute, Solution, System, shapes, simulate
 
+from ...base.errors import InputError
+
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
 SAMPLES = 61
 CLOSED = 1e-9  # share of the length, and rad
@@ -50,7 +52,7 @@ class Loop(NamedTuple):
         for _ in range(2):  # down to rounding, which least squares leave at its root
             theta[1:] -= np.linalg.lstsq(found.jac, self.gap(theta), rcond=1e-8)[0]
         if np.abs(self.gap(theta)).max() > CLOSED:
-            raise ValueError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
+            raise InputError(f"the loop does not close near these angles (gap {np.abs(self.gap(theta)).max():.1g}); "
                              "give lengths and angles that close")  # fmt: skip
         return theta
 

@@ -17,6 +17,7 @@ from mbsd3d import (
     simulate,
 )
 
+from ...base.errors import InputError
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 T = 1.0  # s, of the travel
@@ -79,7 +80,7 @@ def near_root(function, guess):
         for low, high in ((guess + step - 0.002, guess + step), (guess - step, guess - step + 0.002)):
             if function(low) * function(high) <= 0:
                 return brentq(function, low, high, xtol=1e-15)
-    raise ValueError("demo 'double_wishbone': the arms do not reach that far; give a smaller arm_deg")
+    raise InputError("demo 'double_wishbone': the arms do not reach that far; give a smaller arm_deg")
 
 
 def upright_axes(p, angle, guess=(0.0, 0.0)):

@@ -31,7 +31,7 @@ def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
         SpeedDriver(GROUND, lab, axis=earth(lat_deg, 1.0), speed=Omega_e, name="day"),
         Distance(lab, bob, at_a=(0, 0, 0), at_b=place, name="rod"),
     ]
-    weight = CustomForce(plumb, on=(lab, bob), parameters=(mass * G,), name="weight")
+    weight = CustomForce(plumb, on=(lab, bob), parameters=(mass * G,), external=True, name="weight")
     return System([lab, bob], joints, [weight], gravity=(0, 0, 0))
 
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...base.inertia import combine
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND, Body
@@ -83,7 +84,7 @@ class Builder:
             shown = "; ".join(left[:20]) + (f"; and {len(left) - 20} more" if len(left) > 20 else "")
             kinds = sorted({kind for kind, _ in self.foreign if kind in KINDS})
             remedy = f"; leave out with drop={kinds}" if kinds else ""
-            raise ValueError(f"cannot import {shown}{remedy}, or change the file")
+            raise InputError(f"cannot import {shown}{remedy}, or change the file")
         system = Mechanism(list(self.bodies.values())[1:], self.joints, self.forces, gravity=self.facts["gravity"])
         dropped = tuple(f"{kind}: {what}" for kind, what in self.foreign)
         return Imported(system, merged, self.renamed, dropped, {k: n for k, n in self.facts["idle"].items() if n})

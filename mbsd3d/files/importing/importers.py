@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ...base.checks import number
+from ...base.errors import InputError
 from .builder import KINDS, Builder, Imported
 from .xml_scan import Scan
 
@@ -22,16 +23,16 @@ def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -
     path, timeout = Path(path), number(timeout, "timeout", positive=True)
     drop = (drop,) if isinstance(drop, str) else tuple(drop)
     if unknown := [x for x in drop if x not in KINDS]:
-        raise ValueError(f"'{path}': drop: {unknown[0]!r} is not a kind of part; give some of {', '.join(KINDS)}")
+        raise InputError(f"'{path}': drop: {unknown[0]!r} is not a kind of part; give some of {', '.join(KINDS)}")
     scan = Scan(path)
     scan.read(path)
     scan.check_named()
     if scan.kind != kind:
-        raise ValueError(f"'{path}': its root is <{scan.kind}>, not <{kind}>; use the reader of its format")
+        raise InputError(f"'{path}': its root is <{scan.kind}>, not <{kind}>; use the reader of its format")
     try:
         return Builder(compiled_facts(path, timeout), scan.unknown, drop).build()
     except ValueError as error:
-        raise ValueError(f"'{path}': {error}") from error
+        raise InputError(f"'{path}': {error}") from error
 
 
 def compiled_facts(path: Path, timeout: float) -> dict[str, Any]:
@@ -44,16 +45,16 @@ def compiled_facts(path: Path, timeout: float) -> dict[str, Any]:
         try:
             done = subprocess.run(command, capture_output=True, cwd=folder, env=os.environ | extra, timeout=timeout)
         except subprocess.TimeoutExpired:
-            raise ValueError(
+            raise InputError(
                 f"MuJoCo takes more than {timeout:g} s to read it; make it smaller, or raise timeout"
             ) from None
     try:
         answer = json.loads(done.stdout)
     except ValueError:
-        raise ValueError(
+        raise InputError(
             f"MuJoCo broke off while reading it (exit code {done.returncode}): a limit of memory or time, or a fault; "
             "make the model smaller"
         ) from None
     if "error" in answer:
-        raise ValueError(f"MuJoCo cannot read it: {answer['error']}")
+        raise InputError(f"MuJoCo cannot read it: {answer['error']}")
     return answer["facts"]

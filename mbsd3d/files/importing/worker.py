@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from ...base.errors import InputError
+
 SHOWN = 3  # groups of geoms below this are shown by MuJoCo; shapes for contacts alone are usually in group 3
 MEMORY = 4 << 30  # [bytes] of address space, most of it never used
 
@@ -206,7 +208,7 @@ def plain(value: Any, what: str) -> Any:
         return [plain(item, what) for item in value]
     if isinstance(value, np.ndarray | np.generic):
         if not np.isfinite(value).all():
-            raise ValueError(f"{what.strip()}: not finite: {value.tolist()}; give finite numbers")
+            raise InputError(f"{what.strip()}: not finite: {value.tolist()}; give finite numbers")
         return value.tolist()
     return value
 

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 from xml.parsers import expat
 
+from ...base.errors import InputError
 from ...base.paths import read_text
 
 LIMIT = 8_000_000  # [bytes] of all files together
@@ -40,7 +41,7 @@ class Scan:
         """Scan one file that is copied ``times`` times."""
         self.files += 1
         if self.files > FILES:
-            raise ValueError(f"'{self.root}': more than {FILES} files are included; put them into one")
+            raise InputError(f"'{self.root}': more than {FILES} files are included; put them into one")
         text = read_text(path, LIMIT - self.bytes)
         self.bytes += path.stat().st_size
         File(self, path, times).parse(text)
@@ -48,7 +49,7 @@ class Scan:
     def check_named(self) -> None:
         """Every file that is named lies in the folder of the model, links followed; URDF may drop its folders."""
         if len(self.named) > NAMED or len(self.folders) > BASES:
-            raise ValueError(f"'{self.root}': names more than {NAMED} files or {BASES} folders; use fewer")
+            raise InputError(f"'{self.root}': names more than {NAMED} files or {BASES} folders; use fewer")
         for name, place in self.named.items():
             for base in self.folders:
                 for candidate in {name, PurePosixPath(name).name}:
@@ -57,7 +58,7 @@ class Scan:
     def inside(self, path: Path, place: str) -> None:
         """Refuse a path whose links lead elsewhere."""
         if not path.resolve().is_relative_to(self.root.parent.resolve()):
-            raise ValueError(f"{place} leads out of the folder of the model; copy '{path.name}' into the folder")
+            raise InputError(f"{place} leads out of the folder of the model; copy '{path.name}' into the folder")
 
 
 def inner(name: str, place: str) -> str:
@@ -66,7 +67,7 @@ def inner(name: str, place: str) -> str:
     parts = PurePosixPath(name.replace("\\", "/")).parts
     outer = name.startswith(("/", "\\", "~")) or ".." in parts or ":" in name or PureWindowsPath(name).drive
     if outer or "\0" in name:
-        raise ValueError(f"{place} names '{name}', outside of the folder of the model; copy it there, give its name")
+        raise InputError(f"{place} names '{name}', outside of the folder of the model; copy it there, give its name")
     return name
 
 
@@ -87,7 +88,7 @@ class File:
             self.parser.Parse(text.encode(), True)
         except expat.ExpatError as error:
             message = expat.ErrorString(error.code)
-            raise ValueError(f"'{self.path}', line {error.lineno}: no XML ({message}); correct the file") from error
+            raise InputError(f"'{self.path}', line {error.lineno}: no XML ({message}); correct the file") from error
 
     def place(self, what: str) -> str:
         """File, line and element for messages."""
@@ -95,7 +96,7 @@ class File:
 
     def entity(self, name: str, *rest: Any) -> None:
         """Models need no entities."""
-        raise ValueError(f"{self.place(f'entity {name}')} is declared; write its text where it is used")
+        raise InputError(f"{self.place(f'entity {name}')} is declared; write its text where it is used")
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
         """One element."""
@@ -105,12 +106,12 @@ class File:
         elif scan.kind == "robot" and "mujoco" not in self.stack and name not in (*URDF, "mujoco"):
             scan.unknown.append(("extension", f"<{name}> in line {self.parser.CurrentLineNumber}"))
         if name in ("plugin", "extension"):
-            raise ValueError(f"{place} asks for a plugin; plugins run foreign code and are not loaded")
+            raise InputError(f"{place} asks for a plugin; plugins run foreign code and are not loaded")
         self.times.append(self.times[-1] * (copies(attributes, place) if name in COUNTED else 1))
         self.stack.append(name)
         scan.copies += self.times[-1]
         if scan.copies > COPIES:
-            raise ValueError(f"{place} makes more than {COPIES} elements of the model; use fewer copies")
+            raise InputError(f"{place} makes more than {COPIES} elements of the model; use fewer copies")
         for key, value in attributes.items():
             if key in FOLDERS:
                 scan.folders.add(inner(value, f"{place} {key}"))
@@ -140,5 +141,5 @@ def copies(attributes: dict[str, str], place: str) -> int:
         try:
             product *= max(int(word), 1)
         except ValueError:
-            raise ValueError(f"{place} has the count '{word[:40]}'; give a whole number") from None
+            raise InputError(f"{place} has the count '{word[:40]}'; give a whole number") from None
     return product

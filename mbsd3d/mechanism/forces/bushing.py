@@ -6,19 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import vector
+from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...kernels.force_laws import push, twist
 from ...kernels.jit import inner_kernel, merged_kernel
-from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, vec
+from ...kernels.vectors import add, arm, columns, cross, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair
-
-
-@inner_kernel
-def columns(body, frame):
-    """Columns of R frame: the axes of an element in world axes."""
-    R, F = mat(body.R), mat(frame)
-    return rotate(R, (F[0], F[3], F[6])), rotate(R, (F[1], F[4], F[7])), rotate(R, (F[2], F[5], F[8]))
 
 
 @inner_kernel
@@ -121,7 +115,7 @@ class Bushing(ForceElement):
             value = getattr(self, name)
             three = vector((value,) * 3 if np.ndim(value) == 0 else value, f"{what}: {name}")
             if (three < 0).any():
-                raise ValueError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
+                raise InputError(f"{what}: {name} {three.tolist()} has a negative entry; give numbers >= 0")
             self.set(**{name: three})
 
     def record(self) -> ForceRecord:

@@ -14,7 +14,8 @@ from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
 from numpy.typing import ArrayLike
 
-from ...base.checks import sequence, vector
+from ...base.checks import sequence, shown, vector
+from ...base.errors import InputError
 from ...kernels.jit import inner_kernel
 from ...kernels.layout import MOST_BODIES, data_records
 from ...kernels.pointer_call import call
@@ -105,7 +106,7 @@ def callback(function: Callable, dtype: type) -> CFunc:
     found = numba.cfunc(signature)(wrapped(compiled))
     returned = compiled.nopython_signatures[-1].return_type
     if returned is not types.none:
-        raise TypeError(f"it returns {returned}, which nobody reads; fill loads and z_dot and return nothing")
+        raise InputError(f"it returns {returned}, which nobody reads; fill loads and z_dot and return nothing")
     return found
 
 
@@ -130,30 +131,33 @@ class FunctionForce(ForceElement):
     states: Sequence[float] | Mapping[str, float] = field(default=(), kw_only=True)
     scales: Sequence[float] | None = field(default=None, kw_only=True)
     labels: Sequence[str] | None = field(default=None, kw_only=True)
+    external: bool = field(default=False, kw_only=True)
 
     def check(self, what: str) -> None:
         if not isinstance(self.on, Body | Ground | list | tuple):
-            raise ValueError(f"{what}: on {self.on!r}; give a Body, GROUND or a tuple of them")
+            raise InputError(f"{what}: on {self.on!r}; give a Body, GROUND or a tuple of them")
         on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
         if not 1 <= len(on) <= MOST_BODIES:
-            raise ValueError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
+            raise InputError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
         for body in on:
             if not isinstance(body, Body | Ground):
-                raise ValueError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+                raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
         points = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else list(self.points)
         if len(points) != len(on):
-            raise ValueError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
+            raise InputError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
         named = isinstance(self.states, Mapping)
         states = sequence(self.states.values() if named else self.states, f"{what}: states")
         labels = tuple(self.states) if named else self.labels
         labels = tuple(str(k) for k in range(len(states))) if labels is None else tuple(labels)
         if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
-            raise ValueError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
+            raise InputError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
         scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
         if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
-            raise ValueError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
+            raise InputError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
         points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(points))
         parameters = sequence(self.parameters, f"{what}: parameters")
+        if not isinstance(self.external, bool):
+            raise InputError(f"{what}: external {shown(self.external)}; give True or False")
         self.set(on=on, points=points, parameters=parameters, states=states, scales=scales, labels=labels)
 
     def record(self) -> ForceRecord:
@@ -199,11 +203,12 @@ class CustomForce(FunctionForce):
 
     It returns nothing. A place beyond the end of an array stops the run with an error, unless the function is jitted
     already: numba then checks it only if told so (``boundscheck=True``).
-    Forces between bodies must be given for each of them, with opposite signs. Nothing is stored (potential 0): the
-    power ``sum(force . velocity + moment . w)`` is integrated as its work, so the energy balance stays exact.
-    The arrays are complex where derivatives are taken by a complex step: use ``np`` functions, and neither ``abs``,
-    ``np.linalg.norm`` nor comparisons of what depends on them (write ``x.real < 0``). One function shared by many
-    forces is compiled once; what differs belongs into ``parameters``.
+    Forces between bodies must be given for each of them, with opposite signs, or a run does not start, unless they are
+    ``external``. Nothing is stored (potential 0): the power ``sum(force . velocity + moment . w)`` is integrated as
+    its work, so the energy balance stays exact.
+    The arrays are complex where derivatives are taken by a complex step: use ``np`` functions, `mbsd3d.arctan2` for the
+    angle of two coordinates, and neither ``abs``, ``np.linalg.norm`` nor comparisons of what depends on them (write
+    ``x.real < 0``). One function shared by many forces is compiled once; what differs belongs into ``parameters``.
 
     Parameters
     ----------
@@ -220,6 +225,8 @@ class CustomForce(FunctionForce):
         Sizes against which errors of the own states are measured while they are smaller; None = 1 for each.
     labels : sequence of str or None
         Names of the own states, where ``states`` does not give them; None = "0", "1", ...
+    external : bool
+        True for a load from outside on several bodies, or on one that depends on others: it need not balance.
 
     Raises
     ------
@@ -251,9 +258,9 @@ class CustomForce(FunctionForce):
         super().check(what)
         plain = getattr(self.function, "py_func", self.function)
         if not inspect.isfunction(plain):
-            raise ValueError(f"{what}: function {self.function!r} is not a function; give a plain or a jitted one")
+            raise InputError(f"{what}: function {self.function!r} is not a function; give a plain or a jitted one")
         if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
-            raise ValueError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
+            raise InputError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
         self.address(float)
 
     def address(self, dtype: type) -> int | Callable:
@@ -263,7 +270,7 @@ class CustomForce(FunctionForce):
             try:
                 self.callbacks[dtype] = callback(self.function, dtype)
             except Exception as error:  # numba has several families of them
-                raise ValueError(self.uncompilable(dtype, reason(error))) from error
+                raise InputError(self.uncompilable(dtype, reason(error))) from error
         return self.callbacks[dtype].address
 
     def uncompilable(self, dtype: type, why: str) -> str:
@@ -272,14 +279,14 @@ class CustomForce(FunctionForce):
         kind, remedy = "", "use what numba supports"
         if dtype is complex:
             kind = " for the complex numbers of exact derivatives (GeneralizedAlpha, linearize)"
-            remedy = "compare real parts, x.real < 0, and use np functions"
+            remedy = "compare real parts, x.real < 0, and use np functions, mbsd3d.arctan2(y, x) for the one of np"
         return f"{force}: function '{self.function.__name__}' does not compile{kind}: {why}; {remedy}"
 
     def saved(self) -> "SavedForce":
         """What of it a file can hold: all but the function."""
         return SavedForce(
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
-            labels=self.labels, name=self.name,
+            labels=self.labels, external=self.external, name=self.name,
         )  # fmt: skip
 
 
@@ -287,7 +294,7 @@ def check_runnable(system: "Mechanism") -> None:
     """ValueError for a system whose custom forces have lost their functions."""
     for force in system.forces:
         if isinstance(force, SavedForce):
-            raise ValueError(
+            raise InputError(
                 f"force '{system.name(force)}': its function was not saved with the solution, so the system cannot be "
                 "run; build it again with CustomForce(function, ...)"
             )

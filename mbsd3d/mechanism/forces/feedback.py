@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...base.checks import number, sequence
+from ...base.errors import InputError
 from ...kernels.coordinates import measure
 from ...kernels.jit import merged_kernel
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
@@ -15,7 +16,7 @@ def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...
     """One finite number per measure."""
     given = sequence(values, what)
     if len(given) != count:
-        raise ValueError(f"{what}: {len(given)} values for {count} measures; give one per measure")
+        raise InputError(f"{what}: {len(given)} values for {count} measures; give one per measure")
     return given
 
 
@@ -84,10 +85,10 @@ class StateFeedback(ForceElement):
         hinge_coordinate(self.on, f"{what}: on")
         seen = (self.measures,) if not isinstance(self.measures, Sequence) else tuple(self.measures)
         if not seen:
-            raise ValueError(f"{what}: no measures; give at least one of mbsd3d.measures")
+            raise InputError(f"{what}: no measures; give at least one of mbsd3d.measures")
         for x in seen:
             if not isinstance(x, Measure):
-                raise ValueError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
+                raise InputError(f"{what}: {x!r} is not a measure; build one with mbsd3d.measures")
         tau = self.time_constant
         wanted = (0.0,) * len(seen) if self.reference is None else self.reference
         self.set(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
+from ...base.errors import InputError
 from ...kernels.force_laws import push
 from ...kernels.jit import merged_kernel
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
@@ -69,7 +70,7 @@ class SpringDamper(ForceElement):
         at_a, at_b = vector(self.at_a, f"{what}: at_a"), vector(self.at_b, f"{what}: at_b")
         span = float(np.linalg.norm(at_b - at_a))
         if span < 1e-12:
-            raise ValueError(f"{what}: the end points coincide, so the force has no direction; move one of them")
+            raise InputError(f"{what}: the end points coincide, so the force has no direction; move one of them")
         self.set(
             at_a=at_a,
             at_b=at_b,

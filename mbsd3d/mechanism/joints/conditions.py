@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.directions import perpendiculars, unit
+from ...base.errors import InputError
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular
@@ -71,7 +72,7 @@ class Distance(Joint):
         span = np.linalg.norm(at_b - at_a)
         length = span if self.length is None else number(self.length, f"{what}: length", positive=True)
         if span < 1e-12:
-            raise ValueError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
+            raise InputError(f"{what}: the end points coincide, so the rod has no direction; use Spherical or move one")
         self.set(at_a=at_a, at_b=at_b, length=float(length))
 
     def point(self) -> np.ndarray:
@@ -127,7 +128,7 @@ class Perpendicular(Joint):
         super().check(what)
         x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
         if abs(x @ y) > 1e-6:
-            raise ValueError(f"{what}: the axes enclose {np.degrees(np.arccos(x @ y)):.6g} degrees; give 90 degrees")
+            raise InputError(f"{what}: the axes enclose {np.degrees(np.arccos(x @ y)):.6g} degrees; give 90 degrees")
         self.set(axis_a=x, axis_b=y)
 
     def rows(self) -> list[Primitive]:
@@ -154,7 +155,7 @@ class ConstantVelocity(PointJoint):
         super().check(what)
         axis_a, axis_b = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
         if axis_a @ axis_b < 1e-6:
-            raise ValueError(f"{what}: axis_a and axis_b enclose 90 degrees or more; point both along the power flow")
+            raise InputError(f"{what}: axis_a and axis_b enclose 90 degrees or more; point both along the power flow")
         self.set(axis_a=axis_a, axis_b=axis_b)
 
     def rows(self) -> list[Primitive]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
+from ...base.errors import InputError
 from ..bodies import Body, Ground, Part
 from ..motion import Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
@@ -36,9 +37,9 @@ class Joint(Part):
         """Validate and convert the fields; errors start with ``what``."""
         for side in ("a", "b"):
             if not isinstance(getattr(self, side), Body | Ground):
-                raise ValueError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
+                raise InputError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
         if self.a is self.b:
-            raise ValueError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
+            raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
     def bodies(self) -> list:
         """All bodies the joint acts on."""
@@ -131,5 +132,5 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     if found is None:
         have = f"{part.name!r} ({type(part).__name__})" if isinstance(part, Joint) else repr(part)
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
-        raise ValueError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
+        raise InputError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
     return found

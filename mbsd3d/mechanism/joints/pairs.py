@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number
 from ...base.directions import cross, perpendiculars, unit
+from ...base.errors import InputError
 from ..primitives import Coordinate, Primitive, coincide, in_plane, perpendicular, ratio
 from .joint import AxisJoint, PointJoint
 
@@ -58,10 +59,10 @@ class Universal(PointJoint):
         super().check(what)
         x, y = unit(self.axis_a, f"{what}: axis_a"), unit(self.axis_b, f"{what}: axis_b")
         if np.linalg.norm(cross(x, y)) < 1e-6:
-            raise ValueError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
+            raise InputError(f"{what}: axis_a and axis_b are parallel; a cross needs two perpendicular axes")
         if abs(x @ y) > 1e-6:
             angle = np.degrees(np.arccos(x @ y))
-            raise ValueError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
+            raise InputError(f"{what}: axis_a and axis_b enclose {angle:.6g} degrees; give perpendicular axes")
         self.set(axis_a=x, axis_b=y)
 
     def rows(self) -> list[Primitive]:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import Frozen, number, vector
 from ...base.directions import perpendiculars
+from ...base.errors import InputError
 from ...base.rotations import AXES, as_quaternion, matrix
 from .surfaces import Mesh, moved
 
@@ -78,7 +79,7 @@ class Round(Solid):
     def check(self, what: str) -> None:
         axis = self.axis if isinstance(self.axis, str) else vector(self.axis, f"{what}: axis")
         if (axis not in AXES) if isinstance(axis, str) else not axis.any():
-            raise ValueError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
+            raise InputError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
         self._store(axis=axis)
         super().check(what)
 
@@ -96,7 +97,7 @@ def positive(values: ArrayLike, what: str) -> np.ndarray:
     """(3,) finite numbers > 0."""
     found = vector(values, what)
     if found.min() <= 0.0:
-        raise ValueError(f"{what}: {found.tolist()} are not all positive; give three numbers > 0 [m]")
+        raise InputError(f"{what}: {found.tolist()} are not all positive; give three numbers > 0 [m]")
     return found
 
 
@@ -108,5 +109,5 @@ def hex_colour(colour: Any, what: str) -> str | None:
 
     known = isinstance(colour, str) and not CYCLE.fullmatch(colour) and is_color_like(colour)
     if not known or to_rgba(colour)[3] < 1.0:
-        raise ValueError(f"{what}: colour {colour!r} is unknown; give '#rrggbb' or a name such as 'steelblue'")
+        raise InputError(f"{what}: colour {colour!r} is unknown; give '#rrggbb' or a name such as 'steelblue'")
     return to_hex(colour)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...base.rotations import quaternion_from_matrix
 from .base import Shape, Shaped
 from .kinds import Box, Cylinder, Ellipsoid, Lines
@@ -33,7 +34,7 @@ def as_shape(body: Shaped) -> str | Shape | tuple[Shape, ...] | None:
     try:
         return Lines(shape)
     except ValueError:
-        raise ValueError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
+        raise InputError(f"body '{body.name}': shape {repr(shape)[:80]} is unknown; {SHAPES}") from None
 
 
 def shapes_of(body: Shaped) -> tuple[Shape, ...]:
@@ -54,7 +55,7 @@ def homogeneous(body: Shaped, kind: str) -> Shape:
     it is long. ValueError, naming the body, without inertia or for a cylinder where no two principal moments are equal.
     """
     if not body.inertia.any():
-        raise ValueError(
+        raise InputError(
             f"body '{body.name}': shape '{kind}' follows from its inertia, which is 0; give a shape with sizes or None"
         )
     moments, axes = principal(body.inertia / body.mass)
@@ -72,7 +73,7 @@ def round_solid(body: Shaped, moments: np.ndarray, place: dict[str, Any]) -> Cyl
     apart = np.abs(np.roll(moments, -1) - np.roll(moments, 1))  # entry k: of the two moments across axis k
     k = 2 - int(np.argmin(apart[::-1]))  # the last of equals: z for a body whose moments all agree
     if apart[k] > EQUAL * moments.max():
-        raise ValueError(
+        raise InputError(
             f"body '{body.name}': shape 'cylinder' needs two equal principal moments, "
             f"not {np.sort(moments * body.mass).tolist()} kg m^2; give 'box' or 'ellipsoid'"
         )

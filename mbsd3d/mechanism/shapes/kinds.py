@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import number
+from ...base.errors import InputError
 from ...base.rotations import matrix
 from .base import Round, Shape, Shaped, Solid, positive
 from .surfaces import SUFFIXES, Mesh, ball, block, capsule, cylinder, moved, read_mesh, torus
@@ -122,7 +123,7 @@ class Torus(Round):
     def check(self, what: str) -> None:
         super().check(what)
         if self.tube >= self.radius:
-            raise ValueError(
+            raise InputError(
                 f"{what}: tube {self.tube} is not below radius {self.radius}; give the radius of the centre line"
             )
 
@@ -165,9 +166,9 @@ class MeshFile(Solid):
         try:
             path = os.fspath(self.path)
         except TypeError:
-            raise ValueError(f"{what}: path is {self.path!r}; give the name of a file") from None
+            raise InputError(f"{what}: path is {self.path!r}; give the name of a file") from None
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise ValueError(f"{what}: path '{path}' is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
+            raise InputError(f"{what}: path '{path}' is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
 
     def origin(self, body: Shaped) -> np.ndarray:
@@ -192,12 +193,12 @@ class Lines(Shape):
         try:
             points = np.array(self.points, dtype=float)
         except (TypeError, ValueError):
-            raise ValueError(f"{what}: points are not numeric; {remedy}") from None
+            raise InputError(f"{what}: points are not numeric; {remedy}") from None
         if points.ndim != 2 or points.shape[1] != 3:
-            raise ValueError(f"{what}: points have shape {points.shape}; {remedy}")
+            raise InputError(f"{what}: points have shape {points.shape}; {remedy}")
         lifted = np.isnan(points).all(axis=1)
         if np.sum(~lifted) < 2 or not np.isfinite(points[~lifted]).all():
-            raise ValueError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
+            raise InputError(f"{what}: {np.sum(~lifted)} points, or some not finite; {remedy}")
         self.set(points=points)
 
     def origin(self, body: Shaped) -> np.ndarray:

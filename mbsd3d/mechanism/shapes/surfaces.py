@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...base.errors import InputError
+
 SUFFIXES = (".stl", ".obj", ".ply", ".glb")
 TRIANGLES = 20_000  # of a mesh file: more make pages that open slowly
 BYTES = 100_000_000  # of a mesh file: more is not even read
@@ -135,15 +137,15 @@ def read_mesh(path: str, what: str) -> Mesh:
         state = file.stat()
         content = b"" if not stat.S_ISREG(state.st_mode) or state.st_size > BYTES else file.read_bytes()
     except OSError as error:
-        raise ValueError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
+        raise InputError(f"{what}: cannot be read: {error.strerror}; give a file that exists") from error
     if not content:
-        raise ValueError(f"{what}: is not a file, is empty or has more than {BYTES} bytes; give a mesh")
+        raise InputError(f"{what}: is not a file, is empty or has more than {BYTES} bytes; give a mesh")
     options = {"skip_materials": True} if kind in ("obj", "glb") else {}
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without
     try:  # from memory, so that a mesh cannot name further files
         found = trimesh.load_mesh(BytesIO(content), file_type=kind, process=False, **options)
     except Exception as error:  # parsers of foreign data fail in their own ways
-        raise ValueError(
+        raise InputError(
             f"{what}: is no {kind.upper()} ({' '.join(str(error).split())[:80]}); save the mesh again"
         ) from error
     return checked(found, what)
@@ -155,14 +157,14 @@ def checked(found: Any, what: str) -> Mesh:
 
     count = len(getattr(found, "faces", ()))
     if count == 0:
-        raise ValueError(f"{what}: has no triangles; give a mesh of a surface")
+        raise InputError(f"{what}: has no triangles; give a mesh of a surface")
     if count > TRIANGLES:
-        raise ValueError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
+        raise InputError(f"{what}: has {count} triangles, at most {TRIANGLES} are drawn; decimate it")
     corners, faces = np.asarray(found.vertices), np.asarray(found.faces)
     if corners.ndim != 2 or corners.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
-        raise ValueError(f"{what}: has corners of {corners.shape[1:]} numbers; give triangles in space")
+        raise InputError(f"{what}: has corners of {corners.shape[1:]} numbers; give triangles in space")
     if not np.isfinite(corners).all() or faces.min() < 0 or faces.max() >= len(corners):
-        raise ValueError(f"{what}: has corners that are not finite or not there; repair it")
+        raise InputError(f"{what}: has corners that are not finite or not there; repair it")
     found.merge_vertices(merge_tex=True, merge_norm=True)
     smooth = trimesh.graph.smooth_shade(found, angle=SHARP)
     faces = np.array(smooth.faces, int)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...base.checks import check_size
+from ...base.errors import InputError
 from .signal import Signal, _row, _store_finite
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
@@ -73,7 +74,7 @@ class Polynomial(Signal):
     def __post_init__(self) -> None:
         values = _row(self.coefficients, "Polynomial: coefficients")
         if values.size == 0:
-            raise ValueError("Polynomial: coefficients is empty; give at least the constant c0")
+            raise InputError("Polynomial: coefficients is empty; give at least the constant c0")
         self._store(coefficients=tuple(values.tolist()))
 
     def terms(self) -> list[Term]:
@@ -99,20 +100,20 @@ class Table(Signal):
     def __post_init__(self) -> None:
         times, values = _row(self.times, "Table: times"), _row(self.values, "Table: values")
         if times.size != values.size:
-            raise ValueError(f"Table: {times.size} times but {values.size} values; give one value per time")
+            raise InputError(f"Table: {times.size} times but {values.size} values; give one value per time")
         if times.size < 4:
-            raise ValueError(f"Table: {times.size} points; a cubic spline needs 4 (Ramp, Polynomial: fewer)")
+            raise InputError(f"Table: {times.size} points; a cubic spline needs 4 (Ramp, Polynomial: fewer)")
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if late.size:
             i = late[0]
-            raise ValueError(
+            raise InputError(
                 f"Table: times[{i + 1}] = {times[i + 1]:.9g} does not come after times[{i}] = {times[i]:.9g}; "
                 f"sort the points and keep one per time"
             )
         self._store(times=times, values=values)
         check_size(times, "Table: times")
         if np.abs(values).max() >= STEEPEST * min(np.diff(times).min(), 1.0) ** 3:
-            raise ValueError(
+            raise InputError(
                 f"Table: times as near as {np.diff(times).min():.3g} s with values up to {np.abs(values).max():.3g} "
                 "make a spline too steep to compute with; check the units, or leave points out"
             )
@@ -153,11 +154,11 @@ class Pulse(Signal):
     def __post_init__(self) -> None:
         _store_finite(self, "height", "start", "edge", *(() if self.duration is None else ("duration",)))
         if not self.edge > 0.0:
-            raise ValueError(f"Pulse: edge is {self.edge:g} s; give a positive time")
+            raise InputError(f"Pulse: edge is {self.edge:g} s; give a positive time")
         if abs(self.height) >= STEEPEST * min(self.edge, 1.0) ** 3:
-            raise ValueError(f"Pulse: an edge of {self.edge:g} s is too steep to compute with; give a longer one")
+            raise InputError(f"Pulse: an edge of {self.edge:g} s is too steep to compute with; give a longer one")
         if self.duration is not None and not self.duration >= 2.0 * self.edge:
-            raise ValueError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
+            raise InputError(f"Pulse: duration is {self.duration:g} s; give at least two edges, {2.0 * self.edge:g} s")
 
     def terms(self) -> list[Term]:
         """Zero, rise, height, fall and zero as cubic pieces; a step ends with its height."""

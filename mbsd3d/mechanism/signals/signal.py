@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import Frozen, floats, number, shown
+from ...base.errors import InputError
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
 EVERYWHERE = (-np.inf, np.inf)
@@ -118,7 +119,7 @@ class Sum(Signal):
     def __post_init__(self) -> None:
         start, end = self.interval
         if not start < end:
-            raise ValueError(
+            raise InputError(
                 f"sum of signals: one starts at {start:.9g} s, when another has ended at {end:.9g} s; "
                 f"give tables of the same interval"
             )
@@ -167,9 +168,9 @@ def as_signal(value: "Signal | float", what: str) -> Signal:
     if isinstance(value, Signal):
         return value
     if not isinstance(value, Real):
-        raise ValueError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
+        raise InputError(f"{what} is {shown(value)}; {remedy}; any other function can be sampled into a Table")
     if value != value or abs(value) == np.inf:
-        raise ValueError(f"{what} is {value}; {remedy}")
+        raise InputError(f"{what} is {value}; {remedy}")
     return Constant(number(value, what))
 
 
@@ -179,7 +180,7 @@ def three_signals(value: "Sequence[Signal | float | None]", what: str, free: boo
         x, y, z = value
     except (TypeError, ValueError):
         none = " (None = free)" if free else ""
-        raise ValueError(f"{what}: give three components, three signals or numbers{none}") from None
+        raise InputError(f"{what}: give three components, three signals or numbers{none}") from None
     named = zip("xyz", (x, y, z), strict=True)
     return tuple(None if free and s is None else as_signal(s, f"{what} along {k}") for k, s in named)
 
@@ -192,7 +193,7 @@ def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
     first, last = signal.interval
     margin = 1e-9 * (last - first)
     if not (start >= first - margin and end <= last + margin):
-        raise ValueError(
+        raise InputError(
             f"{what}: the table covers {first:.9g} s to {last:.9g} s and is asked for {start:.9g} s to {end:.9g} s; "
             f"extend the table or stay inside it"
         )
@@ -203,7 +204,7 @@ def _store_finite(signal: Signal, *names: str) -> None:
     for name in names:
         value = getattr(signal, name)
         if not isinstance(value, Real) or value != value or abs(value) == np.inf:
-            raise ValueError(f"{type(signal).__name__}: {name} is {shown(value)}; give a finite number")
+            raise InputError(f"{type(signal).__name__}: {name} is {shown(value)}; give a finite number")
         signal._store(**{name: number(value, f"{type(signal).__name__}: {name}")})
 
 
@@ -211,5 +212,5 @@ def _row(values: ArrayLike, what: str) -> np.ndarray:
     """Own copy of a row of finite floats."""
     row = floats(values, what, "a row of finite numbers")
     if row.ndim != 1:
-        raise ValueError(f"{what} has shape {row.shape}; give a row of finite numbers")
+        raise InputError(f"{what} has shape {row.shape}; give a row of finite numbers")
     return row

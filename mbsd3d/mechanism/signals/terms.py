@@ -9,6 +9,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
+from ...base.errors import InputError
+
 POLYNOMIAL, SINE, SPLINE = 0, 1, 2
 
 
@@ -39,7 +41,7 @@ def evaluate(terms: list[Term], t: ArrayLike, order: int = 0) -> np.ndarray:
     ValueError.
     """
     if order not in (0, 1, 2):
-        raise ValueError(f"evaluate: order is {order!r}; give 0, 1 or 2")
+        raise InputError(f"evaluate: order is {order!r}; give 0, 1 or 2")
     t = np.asarray(t, dtype=float)
     return sum((_EVALUATE[term.kind](term.data, t, order) for term in terms), np.zeros(t.shape))
 

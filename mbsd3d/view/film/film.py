@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from ...base.checks import number
+from ...base.errors import InputError
 from ...base.paths import ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
@@ -31,7 +32,7 @@ NO_FFMPEG = (
 def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object) -> Path:
     """See `Solution.export_gif`; ``options`` as `FilmFrames`."""
     if number(fps, "fps", positive=True) > GIF_FASTEST:
-        raise ValueError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
+        raise InputError(f"fps = {fps:g} is more than viewers show; give at most {GIF_FASTEST:g}")
     path = ready_path(path, ".gif")
     film = FilmFrames(motion, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(film) - 1, PROBES).astype(int))
@@ -57,7 +58,7 @@ def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
     film = FilmFrames(motion, **options)
     for side, length in (("width", film.width), ("height", film.height)):
         if length % 2:
-            raise ValueError(f"{side} = {length} is odd; give an even one")
+            raise InputError(f"{side} = {length} is odd; give an even one")
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{film.width}x{film.height}", "-r", f"{film.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
@@ -84,7 +85,7 @@ def pour(command: list[str], film: FilmFrames, path: Path) -> None:
             raise
     if process.returncode:
         said = complaint.decode(errors="replace").strip().splitlines()
-        raise ValueError(f"export_mp4: ffmpeg cannot write '{path}': {said[-1] if said else 'it says nothing'}")
+        raise InputError(f"export_mp4: ffmpeg cannot write '{path}': {said[-1] if said else 'it says nothing'}")
 
 
 def ffmpeg() -> str:
@@ -94,7 +95,7 @@ def ffmpeg() -> str:
         with contextlib.suppress(ImportError, RuntimeError):
             found = importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe()
     if found is None:
-        raise ValueError(NO_FFMPEG)
+        raise InputError(NO_FFMPEG)
     return found
 
 

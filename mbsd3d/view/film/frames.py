@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from ...base.checks import number
+from ...base.errors import InputError
 from ...base.style import Theme, dress, house, theme
 from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
@@ -31,19 +32,19 @@ FEW = 60  # poses that say how far the motion reaches
 def whole(value: int, what: str, least: int, most: int) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise ValueError(f"{what} = {value!r}; give a whole number from {least} to {most}")
+        raise InputError(f"{what} = {value!r}; give a whole number from {least} to {most}")
     return int(value)
 
 
 def paced(t: np.ndarray, fps: float, speed: float | None, usual: tuple[float, float]) -> tuple[float, float, int]:
     """(frames per second, model time per real time, number of frames), checked."""
     if t.size < 2 or t[-1] <= t[0]:
-        raise ValueError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
+        raise InputError("a film needs motion, this has one moment only; run it longer, or use solution.picture")
     fps, span = number(fps, "fps", positive=True), float(t[-1] - t[0])
     speed = sensible_speed(span, *usual) if speed is None else number(speed, "speed", positive=True)
     count = round(span * fps / speed) + 1
     if not 2 <= count <= MOST:
-        raise ValueError(
+        raise InputError(
             f"speed: {span:g} s at speed {speed:g} and {fps:g} frames per second make {count} frames, "
             f"not 2 ... {MOST}; give another speed"
         )
@@ -93,7 +94,7 @@ class FilmFrames:
         )  # fmt: skip
         found = curves_of(motion, self.frames, curves)
         if found and self.width < LEGIBLE:
-            raise ValueError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
+            raise InputError(f"width = {self.width} is too small for curves; give at least {LEGIBLE}")
         self.strip = Strip(found, self.frames.t, self.width, self.dpi, self.sheet) if found else None
         self.height = rows + (self.strip.height if self.strip else 0)
 

@@ -10,6 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...base.paths import package_version, with_suffix, write_atomically
 from ...base.rotations import rotation
 from ...base.style import GREY, SHADED
@@ -48,7 +49,7 @@ def gltf_library() -> ModuleType:
     try:
         import pygltflib
     except ImportError:
-        raise ValueError("export_glb needs the package pygltflib; install it: pip install 'mbsd3d[view]'") from None
+        raise InputError("export_glb needs the package pygltflib; install it: pip install 'mbsd3d[view]'") from None
     return pygltflib
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from ...base.errors import InputError
 from ...base.templates import HtmlPage, page_template
 from .content import Content, scene_and_data
 from .recorder import client_head, printable
@@ -45,7 +46,7 @@ class View(HtmlPage):
         """Write the page to a temporary file and show it in the browser; ValueError if there is none."""
         path = self.save(Path(tempfile.mkdtemp(prefix="mbsd3d-")) / "view.html")
         if not has_browser() or not webbrowser.open(path.as_uri()):
-            raise ValueError(f"no browser could be started; open '{path}' in one, or use .save(path)")
+            raise InputError(f"no browser could be started; open '{path}' in one, or use .save(path)")
         return path
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...base.errors import InputError
 from .content import Content
 from .guard import guarded_serving, new_token
 from .html import has_browser
@@ -76,7 +77,7 @@ class LiveView:
     def open(self) -> None:
         """Show it in the default browser; raises ValueError if there is no browser."""
         if not self.can_open() or not webbrowser.open(self.url):
-            raise ValueError(f"no browser was found on this machine; open {self.url} in one")
+            raise InputError(f"no browser was found on this machine; open {self.url} in one")
 
     def wait(self) -> None:
         """Return after Ctrl-C or `stop`; the view is stopped then."""

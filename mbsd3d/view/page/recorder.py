@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, get_type_hints
 
+from ...base.errors import InputError
+
 if TYPE_CHECKING:
     from types import ModuleType
 
@@ -24,9 +26,9 @@ def import_viser(user: str) -> "ModuleType":
     try:
         import viser
     except ImportError as error:
-        raise ValueError(NEEDED.format(user)) from error
+        raise InputError(NEEDED.format(user)) from error
     if not viser.__version__.startswith(CLIENT):
-        raise ValueError(
+        raise InputError(
             f"{user} needs viser {CLIENT}x, found {viser.__version__}; install it: pip install 'viser=={CLIENT}*'"
         )
     remember_hints()
@@ -91,7 +93,7 @@ def client_head() -> str:
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
     start, end = page.find("<script data-p="), page.find("</head>")
     if start < 0 or end < start:
-        raise ValueError("the client of viser has an unknown form; reinstall it: pip install 'viser==1.1.*'")
+        raise InputError("the client of viser has an unknown form; reinstall it: pip install 'viser==1.1.*'")
     return page[start:end]
 
 

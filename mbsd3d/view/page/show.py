@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.checks import number
+from ...base.errors import InputError
 from ...base.paths import ready_path
 from ...base.progress import Progress
 from ...mechanism.bodies import GROUND, Body, Ground
@@ -38,7 +39,7 @@ def show_system(
     """See `System.show`."""
     check_options(path, title, dark, live)
     if not (state is None or isinstance(state, State)):
-        raise ValueError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
+        raise InputError(f"show: state = {state!r}; give a State (see System.assemble, Solution.state), or None")
     (r, e), t = poses_of(system, state), np.array([0.0 if state is None else state.t])
     title = title or f"{title_of(system)}: {'reference pose' if state is None else 'a pose'}"
     still, layers = Frames(t, r[None], e[None]), page_layers(system, shown, hidden)
@@ -98,7 +99,7 @@ def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool)
         way = float(np.ptp(motion.com(system.bodies[heaviest]), axis=0).max(initial=0.0)) if motion.t.size else 0.0
         return heaviest if way > TRAVELS * size else -1
     if live:
-        raise ValueError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
+        raise InputError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
     body = system.part(follow)
     return next(i for i, other in enumerate(system.bodies) if other is body)
 
@@ -113,11 +114,11 @@ def check_options(path: str | Path | None, title: str | None, dark: bool | None,
     if path is not None:
         ready_path(path, ".html")
     if not (title is None or isinstance(title, str)):
-        raise ValueError(f"title = {title!r}; give a text, or None")
+        raise InputError(f"title = {title!r}; give a text, or None")
     if dark is not None and not isinstance(dark, bool | np.bool_):
-        raise ValueError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
+        raise InputError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
     if not isinstance(live, bool | np.bool_):
-        raise ValueError(f"live = {live!r}; give True for a server on this machine, or False")
+        raise InputError(f"live = {live!r}; give True for a server on this machine, or False")
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> View | LiveView:

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...base.checks import number
+from ...base.errors import InputError
 from ...base.style import house, theme
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
@@ -36,14 +37,14 @@ def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: 
     few = len(system.bodies) + len(system.joints) <= LEGIBLE
     layers = layers_of(shown, hidden, (*USUAL, *NAMES) if few else USUAL)
     if not moving and set(ARROWS) & set(layers):
-        raise ValueError(f"shown: a system at rest has no arrows; give some of {', '.join((*NAMES, *MARKS))}")
+        raise InputError(f"shown: a system at rest has no arrows; give some of {', '.join((*NAMES, *MARKS))}")
     return layers
 
 
 def pair(value: Sequence[float], what: str) -> tuple[float, float]:
     """Two numbers."""
     if np.shape(value) != (2,):
-        raise ValueError(f"{what}: {value!r} is not a pair; give two numbers")
+        raise InputError(f"{what}: {value!r} is not a pair; give two numbers")
     return number(value[0], what), number(value[1], what)
 
 
@@ -67,7 +68,7 @@ def painter_of(
     if view is not None:
         azimuth, elevation = pair(view, "view")
         if not -89.0 <= elevation <= 89.0:
-            raise ValueError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
+            raise InputError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
         camera = turned(camera, azimuth, elevation)
     reach = REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
@@ -140,12 +141,12 @@ def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Fr
     except (TypeError, ValueError):
         times = np.empty(0)
     if times.ndim != 1 or not times.size:
-        raise ValueError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
+        raise InputError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
     if isinstance(motion, Continuous):
         poses = [poses_of(motion.system, motion.at(float(time))) for time in times]
         return Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     if not (run.t[0] <= times.min() and times.max() <= run.t[-1]):
-        raise ValueError(f"picture: t = {t!r} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
+        raise InputError(f"picture: t = {t!r} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
     return frames_at(motion, times)
 
 

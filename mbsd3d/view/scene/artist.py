@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...base.directions import perpendiculars
+from ...base.errors import InputError
 from ...base.rotations import quaternion_from_matrix
 from ...base.style import GREY, INNER, MARK, colour
 from ...mechanism.bodies import GROUND, Body
@@ -42,7 +43,7 @@ class Artist:
                     else:
                         self.drawing.pieces.append(Piece(body.name, "bodies", i, shape.mesh(body), tint))
                 except ValueError as error:
-                    raise ValueError(f"body '{body.name}': {error}") from error
+                    raise InputError(f"body '{body.name}': {error}") from error
 
     def shapes(self, body: Body) -> tuple[Shape, ...]:
         """Those of a body; a wheel's ellipsoid would reach into the road."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND
 from ...mechanism.mechanism import Mechanism
@@ -91,18 +92,18 @@ def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> 
     more, less = known(shown, "shown"), known(hidden, "hidden")
     for layer in more:
         if layer in less:
-            raise ValueError(f"shown, hidden: layer {layer!r} is in both; take it out of one")
+            raise InputError(f"shown, hidden: layer {layer!r} is in both; take it out of one")
     return tuple(layer for layer in LAYERS if (layer in usual or layer in more) and layer not in less)
 
 
 def known(wanted: Layers, option: str) -> tuple[str, ...]:
     """Names of layers, checked; a text is a single one."""
     if not isinstance(wanted, Iterable):
-        raise ValueError(f"{option} = {wanted!r}; give a list of layers, e.g. ['angular velocity']")
+        raise InputError(f"{option} = {wanted!r}; give a list of layers, e.g. ['angular velocity']")
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     for layer in wanted:
         if layer not in LAYERS:
-            raise ValueError(f"{option}: layer {layer!r} is unknown; give some of {', '.join(LAYERS)}")
+            raise InputError(f"{option}: layer {layer!r} is unknown; give some of {', '.join(LAYERS)}")
     return wanted
 
 
@@ -114,7 +115,7 @@ def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray,
     else:
         q, n = state.q.reshape(-1, 7), len(system.bodies)
         if len(q) != n:
-            raise ValueError(f"state has {len(q)} bodies, the system {n}; give a state of this system")
+            raise InputError(f"state has {len(q)} bodies, the system {n}; give a state of this system")
         r, e = q[:, :3], q[:, 3:]
     e = e / np.linalg.norm(e, axis=1, keepdims=True)
     return np.vstack([r, GROUND.position]), np.vstack([e, GROUND.orientation])

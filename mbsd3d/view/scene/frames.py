@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...base.quaternions import H
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
@@ -39,9 +40,9 @@ def frames_of(motion: Poses, count: int | None = None) -> Frames:
     """
     t = motion.t
     if not t.size:
-        raise ValueError("the solution has no samples, so nothing can be shown; run it to a later time")
+        raise InputError("the solution has no samples, so nothing can be shown; run it to a later time")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
-        raise ValueError(f"frames = {count!r}; give a whole number >= 2, or None")
+        raise InputError(f"frames = {count!r}; give a whole number >= 2, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(motion)) if t[-1] > t[0] else 1)
     return frames_at(motion, times)
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.checks import vector
+from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
 from ...mechanism.bodies import GROUND, Body
@@ -141,7 +142,7 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
     system = motion.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
     if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
-        raise ValueError(f"traces = {points!r}; give a list of (body, (x, y, z))")
+        raise InputError(f"traces = {points!r}; give a list of (body, (x, y, z))")
     if points is not None:
         found = [trace_point(system, entry) for entry in points]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
@@ -158,7 +159,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
         body = system.part(entry)
         return body, body.com
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise ValueError(f"trace {entry!r} is no body and no pair; give a body, or (body, (x, y, z))")
+        raise InputError(f"trace {entry!r} is no body and no pair; give a body, or (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
@@ -174,7 +175,7 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
     if not isinstance(motion, RunResult):
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
-        raise ValueError(f"curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
+        raise InputError(f"curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
     scale = scales_of(motion)
     least = {
         "[N]": scale.force,

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import Progress, digits, page_template, write_atomically
 from validation.engine_balance import gas, report, spatial
 from validation.engine_balance.balance import Comparison, compare
@@ -46,12 +47,12 @@ def write_pages(
     """
     engines = [Engine(name) for name in names()] if engines is None else list(engines)
     if not engines:
-        raise ValueError("pages: no engines; give at least one, or None for all layouts of the data file")
+        raise InputError("pages: no engines; give at least one, or None for all layouts of the data file")
     folder, files = Path(folder), file_names(engines)
     try:
         (folder / "views").mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ValueError(f"pages: folder '{folder}' cannot be made ({error.strerror}); give another one") from error
+        raise InputError(f"pages: folder '{folder}' cannot be made ({error.strerror}); give another one") from error
     truth, sheets = rows(), []
     with Progress(f"pages of {len(engines)} engines", 0, 2 * len(engines), progress) as bar:
         for engine in engines:
@@ -81,7 +82,7 @@ def file_names(engines: Sequence[Engine]) -> list[str]:
     files = [re.sub(r"[^A-Za-z0-9_.+-]+", "-", engine.layout.name).strip(".") + ".html" for engine in engines]
     for engine, file in zip(engines, files, strict=True):
         if [other.lower() for other in (*files, "index.html")].count(file.lower()) > 1:
-            raise ValueError(f"pages: engine '{engine.layout.name}' would share '{file}' with another page; rename it")
+            raise InputError(f"pages: engine '{engine.layout.name}' would share '{file}' with another page; rename it")
     return files
 
 

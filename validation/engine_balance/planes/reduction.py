@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import System
+from mbsd3d.errors import InputError
 from validation.engine_balance.planes.carried import carried_loads, heavy, moved
 from validation.engine_balance.planes.shaft import EXACT, Failure, Shaft, cut, find_shaft, tensor, throw
 from validation.engine_balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
@@ -76,7 +77,7 @@ class Reduction:
         ValueError if no planes could be formed; the message says why.
         """
         if not self.planes:
-            raise ValueError(f"block_load: {self}")
+            raise InputError(f"block_load: {self}")
         force, moment = 0.0, 0.0
         for plane in self.planes:
             run = planar.kinematics(plane.system, times)

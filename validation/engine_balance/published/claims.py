@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from validation.engine_balance import phasor
 from validation.engine_balance.harmonics import Harmonics, half_axes
 from validation.engine_balance.layouts import Engine, layout, names
@@ -41,7 +42,7 @@ def family(beginnings: str) -> tuple[str, ...]:
     found = {word: [name for name in names() if name.startswith(word)] for word in beginnings.split()}
     for word, layouts in found.items():
         if not layouts:
-            raise ValueError(f"no layout begins with '{word}'; there are {', '.join(names())}")
+            raise InputError(f"no layout begins with '{word}'; there are {', '.join(names())}")
     return tuple(name for layouts in found.values() for name in layouts)
 
 

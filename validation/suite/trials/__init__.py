@@ -1,6 +1,7 @@
 """The trials of the suite in the order of the report: what is run, and who judges it."""
 
-from validation.suite.trials import bicycles, engines, families, loops, references
+from mbsd3d.errors import InputError
+from validation.suite.trials import bicycles, engines, families, loops, nvh, references
 from validation.suite.trials.trial import Trial
 
 
@@ -9,7 +10,7 @@ def trials(quick: bool = False) -> list[Trial]:
 
     ``quick``: whether the run must be short. Names are unique.
     """
-    some = families.ladders, loops.trials, families.demonstrations, engines.trials, families.randoms
+    some = families.ladders, loops.trials, families.demonstrations, engines.trials, nvh.trials, families.randoms
     return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
 
 
@@ -21,5 +22,5 @@ def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
     known = {trial.name: trial for trial in everything}
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"--case '{unknown[0]}': there is no such case; --list names them all")
+        raise InputError(f"--case '{unknown[0]}': there is no such case; --list names them all")
     return [known[name] for name in dict.fromkeys(names)] if names else everything

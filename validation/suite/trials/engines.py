@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import GROUND, Constant, Joint, Kinematic, Prismatic, Revolute, SpeedDriver, SpringDamper, System, Torque
+from mbsd3d.errors import InputError
 from validation import reduce_to_planes
 from validation.cases.inline_four import RATE, block_force, inline_four
 from validation.engine_balance import balance, spatial
@@ -28,7 +29,7 @@ LIMIT = 1e-5
 """Largest error of the finest run where it falls at the right order: what is left is the planar method's own."""
 
 
-class NotPlanarError(ValueError):
+class NotPlanarError(InputError):
     """A mechanism that the planar solver has no words for; the text names the part."""
 
 

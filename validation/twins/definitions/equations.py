@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbsd3d import GROUND, SpringDamper, State, System
+from mbsd3d.errors import InputError
 from validation.twins.definitions.rows import Array, Motion, Series, dot, law_of, sqrt
 
 RANK = 1e-9
@@ -81,7 +82,7 @@ def mass_and_force(system: System, state: State) -> tuple[Array, Array]:
         F[part][3:] -= np.cross(w, inertia @ w)
     for spring in system.forces:
         if not isinstance(spring, SpringDamper):
-            raise ValueError(
+            raise InputError(
                 f"reference_point: {type(spring).__name__} '{system.name(spring)}' is not formulated; use springs"
             )
         ends = [(body, now.point(body, at)) for body, at in ((spring.a, spring.at_a), (spring.b, spring.at_b))]

@@ -224,6 +224,25 @@ def contact(k: Motion, j: Any) -> Series:
     return k.point(j.b, j.centre) + ring - n * j.crown
 
 
+def touching(k: Motion, j: Any) -> Series:
+    """Point of a sphere, an ellipsoid or a torus nearest to a plane: there the gradient of the surface is along -n."""
+    form, n = j.surface, k.axis(j.a, j.plane[1])
+    R, own = mbsd3d.rotations.matrix(j.b.orientation), mbsd3d.rotations.matrix(form.orientation)
+    centre = k.point(j.b, j.b.position + R @ (j.b.com if form.at is None else form.at))
+    if isinstance(form, mbsd3d.shapes.Sphere):
+        return centre - n * form.radius
+    if isinstance(form, mbsd3d.shapes.Torus):
+        axis = dict(zip("xyz", np.eye(3), strict=True))[form.axis] if isinstance(form.axis, str) else form.axis
+        u = k.axis(j.b, R @ own @ axis / np.linalg.norm(axis))
+        steepest = cross(u, cross(u, n))
+        return centre + steepest * (form.radius / sqrt(dot(steepest, steepest))) - n * form.tube
+    away, square = series(np.zeros(3)), series(np.zeros(1))
+    for radius, e in zip(form.radii, (R @ own).T, strict=True):
+        part = dot(k.axis(j.b, e), n) * radius
+        away, square = away + k.axis(j.b, e) * part * radius, square + part * part
+    return centre - away / sqrt(square)
+
+
 def position(k: Motion, j: Any) -> list[Series]:
     """Displacement along the driven world axes less the signals."""
     way = k.point(j.body, j.at) - j.at
@@ -265,6 +284,7 @@ GEOMETRY: dict[type, Callable] = {
 VELOCITY: dict[type, Callable] = {
     mbsd3d.GearMesh: mesh,
     mbsd3d.RollingDisc: lambda k, j: [k.slip(j.a, j.b, contact(k, j))],
+    mbsd3d.Rolling: lambda k, j: [k.slip(j.a, j.b, touching(k, j))],
     mbsd3d.KnifeEdge: lambda k, j: [dot(k.axis(j.b, j.lateral), k.slip(j.a, j.b, k.point(j.b, j.at_b)))],
     mbsd3d.SpeedDriver: lambda k, j: [
         dot(k.axis(j.a, j.axis), k.rates(j.b)[1] - k.rates(j.a)[1]) - k.signal(j.speed)

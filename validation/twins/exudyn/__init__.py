@@ -3,6 +3,7 @@
 from typing import Any
 
 from mbsd3d import State, System
+from mbsd3d.errors import InputError
 from validation.twins.base import EngineFailed, Twin, check_met, start_of
 from validation.twins.exudyn.assembly import ROTATIONS
 from validation.twins.exudyn.bodies import BodyTwin
@@ -68,7 +69,7 @@ def twin(
         ("formulation", formulation, FORMULATIONS), ("rotation", rotation, tuple(ROTATIONS)),
     ):  # fmt: skip
         if value not in known:
-            raise ValueError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
+            raise InputError(f"{name} {value!r} is unknown; give one of {', '.join(map(repr, known))}")
     module = exudyn()
     start = start_of(system, state, "Exudyn")
     check_met(system, start)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from validation.twins.base import Array, EngineFailed, EngineMissing, release
 
 OLDEST = (1, 13, 6)
@@ -94,15 +95,15 @@ class Scheme:
     def __post_init__(self) -> None:
         for name, known in (("solver", SOLVERS), ("linear", LINEAR)):
             if getattr(self, name) not in known:
-                raise ValueError(
+                raise InputError(
                     f"{name} {getattr(self, name)!r} is unknown; give one of {', '.join(map(repr, known))}"
                 )
         if not 0.0 <= self.spectral_radius <= 1.0:
-            raise ValueError(f"spectral_radius {self.spectral_radius} is not a share; give 0 <= spectral_radius <= 1")
+            raise InputError(f"spectral_radius {self.spectral_radius} is not a share; give 0 <= spectral_radius <= 1")
         if self.adaptive and self.solver != "dopri5":
-            raise ValueError(f"solver {self.solver!r} has fixed steps; adaptive=True goes with 'dopri5'")
+            raise InputError(f"solver {self.solver!r} has fixed steps; adaptive=True goes with 'dopri5'")
         if not self.tolerance > 0.0:
-            raise ValueError(f"tolerance {self.tolerance} is not positive; give a number > 0")
+            raise InputError(f"tolerance {self.tolerance} is not positive; give a number > 0")
 
     @property
     def implicit(self) -> bool:
@@ -122,7 +123,7 @@ class Scheme:
         """
         if self.adaptive:
             if samples > 1:
-                raise ValueError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
+                raise InputError(f"{samples} samples: steps that dopri5 chooses do not end on them; give samples=1")
             return 1
         most = max(1, min(PULSES, steps * bodies // LONG) // samples)
         return next(k for k in range(most, 0, -1) if steps // samples % k == 0)

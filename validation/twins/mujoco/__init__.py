@@ -10,6 +10,7 @@ from typing import Any
 
 import mbsd3d
 from mbsd3d import State, System
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.base import NotExpressible, refused, release, start_of
 from validation.twins.mujoco.build import sketch
@@ -80,7 +81,7 @@ def twin(
     softness = number(softness, "MuJoCo: softness", positive=True)
     dampratio = number(dampratio, "MuJoCo: dampratio", positive=True)
     if rods not in ("joints", "tendons"):
-        raise ValueError(f"MuJoCo: rods {rods!r} is unknown; give 'joints' or 'tendons'")
+        raise InputError(f"MuJoCo: rods {rods!r} is unknown; give 'joints' or 'tendons'")
     start = start_of(system, state, "MuJoCo")
     for joint in system.joints:
         if type(joint) not in EXPRESSES:

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from mbsd3d import Distance, Joint, State
+from mbsd3d.errors import InputError
 from mbsd3d.extend import driven_coordinates, key_of, matrix, quaternion_from_matrix
 from validation.twins.base import Kinetic
 from validation.twins.mujoco import rods
@@ -101,7 +102,7 @@ def velocities(made: Sketch, mujoco: Any, model: Any, data: Any, state: State) -
         S, wanted = data.cdof[first : first + count].T, twist(piece, centre) - twist(piece.parent, centre)
         rates = np.linalg.lstsq(S, wanted, rcond=None)[0]
         if np.abs(S @ rates - wanted).max() > FITS * scale * max(1.0, np.abs(S).max()):
-            raise ValueError(
+            raise InputError(
                 f"state: the velocity of body '{piece.body.name}' does not fit its joint "
                 f"'{made.system.name(piece.joint)}'; start from system.state() or system.assemble()"
             )

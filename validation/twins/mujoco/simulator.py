@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d import Distance, State
+from mbsd3d.errors import InputError
 from mbsd3d.extend import evaluate, matrix
 from validation.twins.base import (
     EngineFailed,
@@ -111,7 +112,7 @@ class MujocoTwin:
         worst = int(np.argmax(np.maximum(gaps, turns)))
         if max(gaps[worst] / max(1.0, np.abs(q[:, :3]).max()), turns[worst]) > FITS:
             body = self.made.system.bodies[worst]
-            raise ValueError(
+            raise InputError(
                 f"state: body '{body.name}' is {gaps[worst]:.3g} m and {turns[worst]:.3g} rad off what its joints "
                 "allow; start from system.state() or system.assemble()"
             )
@@ -132,7 +133,7 @@ class MujocoTwin:
         worst = int(np.argmax(np.abs(d.efc_pos))) if d.efc_pos.size else 0
         if d.efc_pos.size and abs(d.efc_pos[worst]) > FITS * max(1.0, np.abs(self.state.q.reshape(-1, 7)[:, :3]).max()):
             part = self.made.held[self.model.equality(int(d.efc_id[worst])).name]
-            raise ValueError(
+            raise InputError(
                 f"state: {label(self.made.system, part)} is off by {abs(d.efc_pos[worst]):.3g} m or rad in MuJoCo, by "
                 "turns that its hinges have made; give them as ``coordinates`` of the state"
             )

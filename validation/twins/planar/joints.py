@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
 from validation.twins.planar.parts import NONE, Ground, Motion, Part, Row, check_bodies, direction, ends, pair
@@ -135,13 +136,13 @@ class Rolling(PointJoint):
     def check(self, what: str) -> None:
         super().check(what)
         if isinstance(self.b, Ground):
-            raise ValueError(f"{what}: the ground cannot roll; give (ground, body)")
+            raise InputError(f"{what}: the ground cannot roll; give (ground, body)")
         along, radius = direction(self.along, f"{what}: along"), number(self.radius, f"{what}: radius", positive=True)
         local = self.b.com if self.centre is None else self.b.local_point(pair(self.centre, f"{what}: centre"))
         world = self.b.position + self.b.local(np.eye(2)).T @ local
         gap = along[0] * (world - self.at)[1] - along[1] * (world - self.at)[0]
         if abs(abs(gap) - radius) > 1e-9 * radius:
-            raise ValueError(
+            raise InputError(
                 f"{what}: radius {radius:.12g} m, but the centre is {abs(gap):.12g} m from the line; make them equal"
             )
         self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
@@ -165,7 +166,7 @@ def check_kind(joint: Any, kind: type, what: str) -> None:
     """A joint of the kind, or a ValueError."""
     if not isinstance(joint, kind):
         have = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
-        raise ValueError(f"{what}: {have} is not a {kind.__name__}; give one")
+        raise InputError(f"{what}: {have} is not a {kind.__name__}; give one")
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,10 +181,10 @@ class Gear(Joint):
         check_kind(self.hinge_a, Revolute, what)
         check_kind(self.hinge_b, Revolute, what)
         if self.hinge_a is self.hinge_b:
-            raise ValueError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
+            raise InputError(f"{what}: both hinges are '{self.hinge_a.name}'; give two")
         self.set(ratio=number(self.ratio, f"{what}: ratio"))
         if self.ratio == 0.0:
-            raise ValueError(f"{what}: ratio is 0; give angle_b / angle_a")
+            raise InputError(f"{what}: ratio is 0; give angle_b / angle_a")
 
     def point(self) -> np.ndarray:
         return self.hinge_b.at
@@ -208,7 +209,7 @@ class Driver(Joint):
     def check(self, what: str) -> None:
         check_kind(self.through, self.kind, what)
         if not isinstance(self.motion, Motion):
-            raise ValueError(f"{what}: {self.motion!r} is not a motion; give rate(w), Sine or Polynomial")
+            raise InputError(f"{what}: {self.motion!r} is not a motion; give rate(w), Sine or Polynomial")
 
     def point(self) -> np.ndarray:
         return self.through.at

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
 from validation.twins.planar.parts import GROUND, UNIT, Body, Motion, Part, Row, check_bodies, ends, pair
@@ -24,9 +25,9 @@ class Force(Part):
 
     def check(self, what: str) -> None:
         if not isinstance(self.body, Body):
-            raise ValueError(f"{what}: {self.body!r} is not a planar body; give a Body")
+            raise InputError(f"{what}: {self.body!r} is not a planar body; give a Body")
         if self.frame not in ("world", "body"):
-            raise ValueError(f"{what}: frame {self.frame!r} is unknown; give 'world' or 'body'")
+            raise InputError(f"{what}: frame {self.frame!r} is unknown; give 'world' or 'body'")
         self.set(force=pair(self.force, f"{what}: force"), torque=number(self.torque, f"{what}: torque"))
         at = self.body.com if self.at is None else self.body.local_point(pair(self.at, f"{what}: at"))
         self.set(at=at)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 
@@ -38,7 +39,7 @@ class Polynomial(Motion):
 
     def __post_init__(self) -> None:
         if not 0 < len(self.coefficients) <= 6:
-            raise ValueError(f"Polynomial: {len(self.coefficients)} coefficients; give 1 to 6")
+            raise InputError(f"Polynomial: {len(self.coefficients)} coefficients; give 1 to 6")
         values = tuple(number(c, f"Polynomial: c_{k}") for k, c in enumerate(self.coefficients))
         object.__setattr__(self, "coefficients", values)
 
@@ -77,11 +78,11 @@ class Table(Motion):
     def __post_init__(self) -> None:
         times, values = np.array(self.times, dtype=float), np.array(self.values, dtype=float)
         if times.ndim != 1 or times.size < 4 or values.shape != times.shape:
-            raise ValueError(
+            raise InputError(
                 f"Table: times {times.shape}, values {values.shape}; give two rows of four numbers or more"
             )
         if not (np.isfinite(values).all() and np.isfinite(times).all() and (np.diff(times) > 0).all()):
-            raise ValueError("Table: times do not increase or a number is not finite; sort the points, leave such out")
+            raise InputError("Table: times do not increase or a number is not finite; sort the points, leave such out")
         for name, array in (("times", times), ("values", values)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -108,7 +109,7 @@ def pair(value: ArrayLike, what: str) -> np.ndarray:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (2,) or not np.isfinite(array).all():
-        raise ValueError(f"{what}: {value!r} is not a pair of finite numbers; give (x, y)")
+        raise InputError(f"{what}: {value!r} is not a pair of finite numbers; give (x, y)")
     array.setflags(write=False)
     return array
 
@@ -118,7 +119,7 @@ def direction(value: ArrayLike, what: str) -> np.ndarray:
     array = pair(value, what)
     length = np.hypot(*array)
     if length < 1e-12:
-        raise ValueError(f"{what} has zero length; give a direction")
+        raise InputError(f"{what} has zero length; give a direction")
     return array / length
 
 
@@ -215,9 +216,9 @@ def check_bodies(part: Any, what: str) -> None:
     """a and b are two bodies."""
     for side in ("a", "b"):
         if not isinstance(getattr(part, side), Body | Ground):
-            raise ValueError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
+            raise InputError(f"{what}: {side} = {getattr(part, side)!r} is not a planar body; give a Body or GROUND")
     if part.a is part.b:
-        raise ValueError(f"{what}: joins '{part.a.name}' to itself; give two different bodies")
+        raise InputError(f"{what}: joins '{part.a.name}' to itself; give two different bodies")
 
 
 def ends(part: Any, what: str, remedy: str) -> float:
@@ -225,5 +226,5 @@ def ends(part: Any, what: str, remedy: str) -> float:
     part.set(at_a=pair(part.at_a, f"{what}: at_a"), at_b=pair(part.at_b, f"{what}: at_b"))
     span = float(np.hypot(*(part.at_b - part.at_a)))
     if span < 1e-12:
-        raise ValueError(f"{what}: the end points coincide, {remedy}")
+        raise InputError(f"{what}: the end points coincide, {remedy}")
     return span

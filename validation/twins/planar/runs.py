@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d import AssemblyError, IntegrationError
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.twins.planar import rows as kinds
 from validation.twins.planar.joints import Driver, Rolling, SlideDriver
@@ -113,7 +114,7 @@ class Solution:
         """(k,) torque [N m] or force along the axis [N] of a driver on body b."""
         joint = self.system.joints[self.system.part(driver, "joints")]
         if not isinstance(joint, Driver):
-            raise ValueError(f"{self.system.name(joint)} is not a driver; ask for its reaction")
+            raise InputError(f"{self.system.name(joint)} is not a driver; ask for its reaction")
         reaction = self.reaction(joint)
         if not isinstance(joint, SlideDriver):
             return reaction.moment
@@ -156,7 +157,7 @@ def simulate(
     """
     t_end, dt = number(t_end, "simulate: t_end", positive=True), number(dt, "simulate: dt", positive=True)
     if output is not None and (output != int(output) or output < 2):
-        raise ValueError(f"simulate: output {output}; give None or a count of at least 2")
+        raise InputError(f"simulate: output {output}; give None or a count of at least 2")
     steps = max(int(np.ceil(t_end / dt * (1 - 1e-12))), 1)
     samples = steps if output is None else int(output) - 1
     every = -(-steps // samples)
@@ -180,12 +181,12 @@ def kinematics(system: System, times: ArrayLike, *, centripetal: bool = True) ->
     """
     times = np.atleast_1d(np.asarray(times, dtype=float))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all():
-        raise ValueError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
+        raise InputError(f"kinematics: times of shape {times.shape}; give a row of finite numbers [s]")
     covered(system, min(0.0, times.min()), max(0.0, times.max()))
     lowered = system.lowered if centripetal else lower(system, centripetal=False)
     left = 3 * len(system.bodies) - lowered.model.kind.size
     if left:
-        raise ValueError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
+        raise InputError(f"kinematics: {left} freedoms are not driven; add as many drivers, or use simulate")
     work, q, out = lowered.work(), lowered.q.copy(), storage(lowered, times.size + 1)
     began = time.perf_counter()
     status, row, t = in_pieces(trace, (lowered.model, work, q, np.concatenate([[0.0], times]), out), times.size + 1)
@@ -211,7 +212,7 @@ def covered(system: System, low: float, high: float) -> None:
     for part in (*system.joints, *system.loads):
         first, last = part.motion.interval if hasattr(part, "motion") else (-np.inf, np.inf)
         if low < first or high > last:
-            raise ValueError(
+            raise InputError(
                 f"{system.name(part)}: its table covers {first:g} s to {last:g} s and is asked for {low:g} s to "
                 f"{high:g} s; extend it or stay inside"
             )
@@ -245,7 +246,7 @@ def initial_velocity(system: System, lowered: Lowered, work: Any, q: np.ndarray)
         m = lowered.model.kind.size
         worst = int(np.argmax(wrong[:m])) if m and wrong[:m].max() > 1e-3 * wrong.max() else None
         where = "" if worst is None else f" of {system.name(system.joints[lowered.joint_of[worst]])}"
-        raise ValueError(
+        raise InputError(
             f"System: the initial velocities contradict the rows{where} by {wrong.max():.3g}; "
             "correct them, or leave None what the joints decide"
         )

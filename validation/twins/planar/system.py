@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from mbsd3d.errors import InputError
 from validation.twins.planar import rows as kinds
 from validation.twins.planar.joints import Joint
 from validation.twins.planar.march import evaluate
@@ -37,10 +38,10 @@ class System:
             parts = tuple(getattr(self, key))
             for part in parts:
                 if not isinstance(part, kind) or (key == "loads" and not hasattr(part, "load")):
-                    raise ValueError(f"System: {part!r} in {key} is not a planar {kind.__name__}")
+                    raise InputError(f"System: {part!r} in {key} is not a planar {kind.__name__}")
             object.__setattr__(self, key, parts)
         if not self.bodies:
-            raise ValueError("System: no bodies; give at least one Body")
+            raise InputError("System: no bodies; give at least one Body")
         object.__setattr__(self, "gravity", pair(self.gravity, "System: gravity"))
         self._check_names()
         self._check_members()
@@ -50,7 +51,7 @@ class System:
         names = [part.name for key, _ in KINDS for part in getattr(self, key) if part.name is not None]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"System: two parts are named '{name}'; give every part a unique name")
+                raise InputError(f"System: two parts are named '{name}'; give every part a unique name")
 
     def _check_members(self) -> None:
         """Joints and loads act on bodies of the system and through joints of it."""
@@ -59,11 +60,11 @@ class System:
             rows = [part.load()] if hasattr(part, "load") else part.rows()
             for body in (body for row in rows for body in row.bodies):
                 if id(body) not in members:
-                    raise ValueError(f"{self.name(part)}: body '{body.name}' is not in the system; add it to bodies")
+                    raise InputError(f"{self.name(part)}: body '{body.name}' is not in the system; add it to bodies")
         for joint in self.joints:
             for other in joint.partners():
                 if other not in self.joints:
-                    raise ValueError(
+                    raise InputError(
                         f"{self.name(joint)}: its joint '{other.name}' is not in the system; add it to joints"
                     )
 
@@ -78,7 +79,7 @@ class System:
             if part is key or (isinstance(key, str) and part.name == key):
                 return i
         have = ", ".join(f"'{part.name}'" for part in parts) or "none"
-        raise ValueError(f"{getattr(key, 'name', key)!r} is not one of the {kind}; there are {have}")
+        raise InputError(f"{getattr(key, 'name', key)!r} is not one of the {kind}; there are {have}")
 
     @cached_property
     def lowered(self) -> "Lowered":
@@ -164,7 +165,7 @@ def body_row(body: Body | Ground, even: bool) -> tuple:
     if body is GROUND:
         return (0.0,) * 6
     if body.inertia == 0.0 and not even:
-        raise ValueError(
+        raise InputError(
             f"body '{body.name}': inertia 0, but its rate can change; give a number > 0 or hold it by a Slider"
         )
     inertia = body.inertia or body.mass
@@ -222,7 +223,7 @@ def refuse_redundant(system: System, lowered: Lowered) -> None:
         return
     guilty = np.abs(left[:, kept:]).max(axis=1) > 1e-6
     names = dict.fromkeys(system.name(system.joints[i]) for i in lowered.joint_of[guilty])
-    raise ValueError(
+    raise InputError(
         f"System: {m - kept} of {m} rows are redundant or singular, within {', '.join(names)}; "
         "remove a joint, or move the reference pose off the dead point"
     )

@@ -1,0 +1,57 @@
+"""The command on riders: five loops over a course, and balance assist."""
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mbsd3d.extend import ready_folder
+
+from . import bicycle_argument, dark_option, out_option, report, saved, tyre_options
+
+if TYPE_CHECKING:
+    from ..parameters import Parameters
+
+COURSE_NAMES = ("lane-change", "slalom")
+ASSIST = (0.0, -5.0, -10.0, -25.0, -50.0)
+
+
+@click.command()
+@bicycle_argument
+@click.option(
+    "--course", type=click.Choice(COURSE_NAMES), default="lane-change", show_default=True, help="Where to go."
+)
+@click.option("--speed", type=float, default=5.0, show_default=True, help="At the start [m/s].")
+@click.option(
+    "--gains", type=float, nargs=5, default=None, metavar="STEER RATE ROLL HEADING WAY",
+    help="Of the five loops, from the inside out; default: by rule, for this bicycle and speed.",
+)  # fmt: skip
+@click.option("--t-end", type=float, default=12.0, show_default=True, help="End of the ride [s].")
+@tyre_options
+@dark_option
+@out_option
+def rider(
+    parameters: "Parameters", course: str, speed: float, gains: tuple[float, ...] | None, t_end: float,
+    fittings: dict[str, Any], dark: bool, out: str,
+) -> None:  # fmt: skip
+    """A rider who closes five loops: gains, factors of the closed loops, and a course in the nonlinear model.
+
+    Also prints the self-stable speeds with roll-rate feedback (balance assist). Writes a figure and a table (.csv).
+    Next: mbsd3d bicycle ride
+    """
+    from ..linear.assist import roll_rate, stable_ranges
+    from ..linear.rider import LOOPS, Gains, eigenvalues, factors, gains_of
+    from ..rides.course import COURSES, figure, run
+
+    folder = ready_folder(out)
+    given = Gains(*gains) if gains else gains_of(parameters, speed)
+    for count, name in enumerate(LOOPS, 1):
+        click.echo(f"{name:18} {given[count - 1]:10.5g}  {factors(eigenvalues(parameters, speed, given, count))}")
+    for k in ASSIST:
+        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, roll_rate(k))]
+        click.echo(f"roll-rate feedback {k:4g} N m s/rad: self-stable {', '.join(ranges) or 'nowhere'}")
+    found = run(parameters, COURSES[course], speed=speed, gains=given, tyres=fittings.get("tyres"), t_end=t_end)
+    click.echo(str(found))
+    target = folder / f"{parameters.name}_{course}{'_tyres' * bool(fittings)}"
+    report(*saved(figure(found, course.replace("-", " "), dark=dark), target), found.to_csv(target))
+    if not found.ride.solution.certificate.passed:
+        raise click.exceptions.Exit(1)

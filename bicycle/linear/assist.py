@@ -1,0 +1,85 @@
+"""Balance assist: steer torque from what a sensor sees, and the speeds it makes self-stable.
+
+    T = -K (phi, delta, phi_dot, delta_dot)
+
+with roll-rate feedback, K = (0, 0, k, 0); steer into the fall, K = (k, 0, c, 0); or the linear-quadratic regulator.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import solve_continuous_are
+from scipy.optimize import brentq
+
+from mbsd3d.extend import number, on_one_thread
+
+from ..parameters import Parameters
+from .equations import canonical
+
+Law = Callable[[float], np.ndarray]
+"""K (4,) at a speed [m/s]."""
+GRID = np.linspace(0.05, 15.0, 600)
+"""[m/s] between two of which a limit is sought."""
+
+
+class Range(NamedTuple):
+    """Speeds at which a straight run is stable [m/s]."""
+
+    low: float
+    high: float
+
+
+def roll_rate(gain: float) -> Law:
+    """T = -k phi_dot: k < 0 [N m s/rad] steers into the fall."""
+    k = number(gain, "assist: gain")
+    return lambda speed: np.array([0.0, 0.0, k, 0.0])
+
+
+def into_the_fall(roll: float, rate: float) -> Law:
+    """T = -(k phi + c phi_dot), with k [N m/rad] and c [N m s/rad]."""
+    k, c = number(roll, "assist: roll"), number(rate, "assist: rate")
+    return lambda speed: np.array([k, 0.0, c, 0.0])
+
+
+def regulator(parameters: Parameters, weights: Sequence[float] = (1.0, 1.0, 1.0, 1.0), effort: float = 1e-2) -> Law:
+    """The K that makes the integral of sum w_i x_i^2 + effort T^2 least, at every speed anew."""
+    Q, linear = np.diag([number(w, "assist: weight", minimum=0.0) for w in weights]), canonical(parameters)
+    R = np.array([[number(effort, "assist: effort", positive=True)]])
+    B = input_of(parameters)
+    return lambda speed: np.linalg.solve(R, B.T @ solve_continuous_are(linear.A(speed), B, Q, R))[0]
+
+
+def input_of(parameters: Parameters) -> np.ndarray:
+    """(4, 1) rates of (lean, steer, rates) by a unit steer torque."""
+    return np.r_[0.0, 0.0, np.linalg.solve(canonical(parameters).M, (0.0, 1.0))][:, None]
+
+
+def eigenvalues(parameters: Parameters, speeds: ArrayLike, law: Law) -> np.ndarray:
+    """(n, 4) complex [1/s] at speeds (n,) [m/s], by real part."""
+    linear, B = canonical(parameters), input_of(parameters)
+    matrices = [linear.A(v) - B * law(v) for v in np.asarray(speeds, float).ravel().tolist()]
+    return np.sort_complex(np.linalg.eigvals(np.array(matrices)))
+
+
+@on_one_thread
+def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike = GRID) -> list[Range]:
+    """Ranges of self-stable speeds within the first and the last one given [m/s].
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007, assist
+    >>> [(round(x.low, 5), round(x.high, 5)) for x in assist.stable_ranges(Meijaard2007(), assist.roll_rate(-10.0))]
+    [(2.81174, 6.02426)]
+    """
+    grid = np.unique(np.asarray(speeds, float))
+
+    def growth(v: float) -> float:
+        return float(eigenvalues(parameters, [v], law).real.max())
+
+    grown = eigenvalues(parameters, grid, law).real.max(axis=1)
+    turns = np.flatnonzero(np.diff(np.signbit(grown)))
+    edges = [grid[0], *(brentq(growth, grid[k], grid[k + 1], xtol=1e-12, rtol=1e-14) for k in turns), grid[-1]]
+    pairs = zip(edges, edges[1:], strict=False)
+    return [Range(float(low), float(high)) for low, high in pairs if growth(0.5 * (low + high)) < 0.0]

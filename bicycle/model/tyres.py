@@ -1,0 +1,61 @@
+"""The tyres of a bicycle: two `mbsd3d.Tyre` that carry its weight at the radii of its parameters."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from mbsd3d import GROUND, Body, Tyre
+from mbsd3d.errors import InputError
+
+from ..parameters import Parameters
+from .kinematics import hubs
+
+Tyres = Mapping[str, Any] | Sequence[Mapping[str, Any]]
+"""What `mbsd3d.Tyre` takes besides geometry: for both wheels, or (rear, front)."""
+
+TYPICAL: Mapping[str, Any] = {
+    "cornering": 14.3, "camber": 1.0, "longitudinal": 20.0, "relaxation": 0.1, "trail": 0.02, "mu": 0.9,
+    "stiffness": 2e5, "damping": 400.0,
+}  # fmt: skip
+"""Of a bicycle tyre under a usual load."""
+
+
+def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    """(rear, front), or a ValueError."""
+    given = (tyres, tyres) if isinstance(tyres, Mapping) else tuple(tyres)
+    if len(given) != 2 or not all(isinstance(one, Mapping) for one in given):
+        raise InputError(
+            f"tyres = {tyres!r}; give the arguments of mbsd3d.Tyre in a dict, or two of them: (rear, front)"
+        )
+    for one in given:
+        unknown = [key for key in one if key not in ARGUMENTS]
+        if unknown:
+            raise InputError(f"tyres: {', '.join(unknown)} unknown; give some of {', '.join(ARGUMENTS)}")
+    return given
+
+
+ARGUMENTS = tuple(
+    key
+    for key in Tyre.__dataclass_fields__
+    if key not in ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
+)
+
+
+def loads(p: Parameters) -> tuple[float, float]:
+    """Weight on the rear and the front wheel of the upright bicycle [N]."""
+    front = p.front_load * p.mass * p.g
+    return p.mass * p.g - front, front
+
+
+def tyres_of(p: Parameters, bodies: Sequence[Body], tyres: Tyres) -> list[Tyre]:
+    """Tyres on the rear and the front wheel; pressed by the weight they have the radius r and the crown t.
+
+    A tyre pressed by N/k runs like a rigid torus whose tube is as much thinner: its own is t + N/k.
+    """
+    made = []
+    for wheel, hub, load, given, part in zip((bodies[0], bodies[3]), hubs(p), loads(p), both(tyres), "RF", strict=True):
+        given = {"stiffness": TYPICAL["stiffness"], **given}
+        pressed = max(load, 0.0) / given["stiffness"]
+        radius, crown = getattr(p, f"r{part}") + pressed, getattr(p, f"t{part}") + pressed
+        name = f"{'rear' if part == 'R' else 'front'} tyre"
+        made.append(Tyre(GROUND, wheel, axis=(0, 1, 0), radius=radius, crown=crown, centre=hub, name=name, **given))
+    return made

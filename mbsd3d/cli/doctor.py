@@ -1,0 +1,80 @@
+"""What is installed, where compiled kernels are, what is missing: the first thing to send with a report of a bug."""
+
+import os
+import platform
+import re
+import sys
+from importlib import metadata
+
+import click
+
+from ..base.version import __version__
+
+NAME, EXTRA = re.compile(r"[\w.-]+"), re.compile(r"extra == ['\"]([\w-]+)")
+BASE = "base"
+
+
+def needed() -> dict[str, list[str]]:
+    """Extra (`BASE` for what is always needed) -> names of distributions; empty where mbsd3d is not installed."""
+    found: dict[str, list[str]] = {}
+    try:
+        lines = metadata.requires("mbsd3d") or []
+    except metadata.PackageNotFoundError:
+        return {}
+    for line in lines:
+        extra = EXTRA.search(line)
+        found.setdefault(extra[1] if extra else BASE, []).append(NAME.match(line)[0])
+    return found
+
+
+def installed(name: str) -> str | None:
+    """The version of a distribution; None if it is missing."""
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def packages() -> list[str]:
+    """One line an extra: versions, and how to get what is missing."""
+    lines = []
+    for extra, names in needed().items():
+        versions = {name: installed(name) for name in names}
+        text = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+        lacking = [name for name, version in versions.items() if not version]
+        if lacking:
+            remedy = "pip install mbsd3d" if extra == BASE else f'pip install "mbsd3d[{extra}]"'
+            text += f"{'; ' if text else ''}missing {', '.join(lacking)}: {remedy}"
+        lines.append(f"{extra:<12}{text}")
+    return lines or ["packages    mbsd3d is not installed: pip install ."]
+
+
+def kernels() -> list[str]:
+    """Where compiled kernels are kept, and whether all of them are there."""
+    from ..kernels.jit import CACHE, is_warm
+
+    size = sum(path.stat().st_size for path in CACHE.rglob("*") if path.is_file()) / 1e6
+    state = "compiled" if is_warm() else "not all compiled yet: mbsd3d warmup"
+    return [f"kernels     {state}; {size:.0f} MB in {CACHE}"]
+
+
+def threads() -> list[str]:
+    """Cores that this process may use, and the settings that change them."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "MBSD3D_CACHE")
+    settings = [f"{name}={os.environ[name]}" for name in names if name in os.environ]
+    return [f"threads     {cores} of {os.cpu_count()} cores{'; ' if settings else ''}{' '.join(settings)}"]
+
+
+@click.command()
+def doctor() -> None:
+    """Print versions, compiled kernels, threads and what is missing."""
+    lines = [
+        f"mbsd3d      {__version__}",
+        f"python      {platform.python_version()} ({sys.executable})",
+        f"system      {platform.platform()}, {platform.machine()}",
+        *threads(),
+        *kernels(),
+        *packages(),
+    ]
+    click.echo("\n".join(lines))

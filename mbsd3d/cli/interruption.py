@@ -1,0 +1,76 @@
+"""Ctrl-C is answered at once, in the compiler too."""
+
+import atexit
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+
+INTERRUPTED = 130  # what a shell gives a program that Ctrl-C ended
+SAID = "mbsd3d: interrupted"
+PATIENCE = 0.15  # s until Python has had its turn wherever it can have one: chunks of the time loop take 0.05 s
+
+
+@contextmanager
+def answered_at_once() -> Iterator[None]:
+    """Inside, Ctrl-C in the compiler ends the process: Python is not asked for seconds there, and nothing is lost.
+
+    Python marks a signal and acts when it is its turn; a thread that reads the marks sees whether it was. Elsewhere
+    Ctrl-C is the usual KeyboardInterrupt: runs and sweeps keep what they have.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    answered = threading.Event()
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        answered.set()
+        raise KeyboardInterrupt
+
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    before, handler = signal.set_wakeup_fd(writer, warn_on_full_buffer=False), signal.signal(signal.SIGINT, interrupt)
+    threading.Thread(target=listen, args=(reader, answered), daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        signal.set_wakeup_fd(before)
+        os.close(writer)  # the thread reads the end, and ends
+
+
+def listen(reader: int, answered: threading.Event) -> None:
+    """Wait for Ctrl-C; end the process if the main thread is in the compiler."""
+    while signs := os.read(reader, 1):
+        if signs[0] == signal.SIGINT and not answered.wait(PATIENCE) and compiling():
+            sys.stderr.write(f"{SAID}\n")
+            sys.stderr.flush()
+            os._exit(INTERRUPTED)
+        answered.clear()
+    os.close(reader)
+
+
+def end_now() -> None:
+    """End the process in order, but without waiting for threads nor taking modules apart."""
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(INTERRUPTED)
+
+
+def compiling() -> bool:
+    """Whether another thread holds the lock of numba's compiler, for longer than it takes to read a kernel."""
+    module = sys.modules.get("numba.core.compiler_lock")
+    if module is None:
+        return False
+    for _ in range(5):
+        if module.global_compiler_lock._lock.acquire(blocking=False):
+            module.global_compiler_lock._lock.release()
+            return False
+        time.sleep(0.01)
+    return True

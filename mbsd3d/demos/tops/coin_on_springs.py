@@ -1,0 +1,101 @@
+"""A coin that rolls because friction holds it comes ever closer to the coin of the textbook that cannot slip."""
+
+import numpy as np
+
+from mbsd3d import DOP853, GROUND, Body, Contact, Rolling, System, rotation, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+
+G = 9.81  # m/s^2
+PER_WEIGHT = (1e3, 1e4, 1e5, 1e6)  # 1/m: stiffness of the table over the weight of the coin
+
+
+def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0, mu=0.6, stiffness=1e5) -> System:
+    """Coin whose edge is a tube rho [m] about a circle R [m], moments (I1, I1, I3) [kg m^2], its axis tilted from the
+    vertical, on a table of ``stiffness`` [1/m] times its weight and friction mu, or without slip (0).
+
+    It starts in the steady motion in which its axis goes round at W [rad/s].
+    """
+    tilt, up = np.radians(tilt_deg), np.array([0, 0, 1])
+    axis = np.array([np.sin(tilt), 0, np.cos(tilt)])
+    omega = W * up + steady_spin(m, R, rho, I1, I3, tilt, W) * axis
+    lowest = np.array([R * np.cos(tilt), 0, -R * np.sin(tilt) - rho])
+    centre = np.array([0, 0, -lowest[2] - (1 / stiffness if stiffness else 0)])
+    form = shapes.Torus(R, rho, colour="goldenrod")
+    coin = Body("coin", m, (I1, I1, I3), position=centre, orientation=rotation("y", tilt), omega=omega,
+                velocity=-np.cross(omega, lowest), shape=[form, shapes.Disc(R, rho)])  # fmt: skip
+    if stiffness == 0:
+        return System([coin], [Rolling(GROUND, coin, form, name="table")], gravity=(0, 0, -G))
+    k = stiffness * m * G
+    table = Contact(GROUND, coin, form, stiffness=k, damping=np.sqrt(k * m), friction=mu, name="table")
+    return System([coin], forces=[table], gravity=(0, 0, -G))
+
+
+def steady_spin(m, R, rho, I1, I3, tilt, W):
+    """Spin s about its own axis, from W z x L = l x m (g z - W^2 X), linear in s.
+
+    L_x = sin(tilt) (I3 s + (I3 - I1) W cos(tilt)); the centre goes round at X = -(W R cos(tilt) + s h)/W from the
+    vertical of the circle, h = R + rho sin(tilt).
+    """
+    c, s = np.cos(tilt), np.sin(tilt)
+    drop, h = R * s + rho, R + rho * s
+    per_spin = W * (s * I3 + m * drop * h)
+    return -(W**2 * c * (s * (I3 - I1) + m * drop * R) + m * G * R * c) / per_spin
+
+
+def theory(*, W, R, rho, tilt_deg):
+    """The steady motion goes on; what the table gives way falls with one over its stiffness."""
+    require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90 degrees")
+    return {"limit_rad_s": W, "order": 1.0, "exact_rad_s": W}
+
+
+def rate_of(system, t, terms):
+    """Mean rate at which the axis goes round, and the run."""
+    run = simulate(system, t, method=DOP853(stiff="run"), rtol=1e-11, output=401, **terms)
+    axis = run.rotation("coin")[:, :, 2]
+    turn = np.unwrap(np.arctan2(axis[:, 1], axis[:, 0]))
+    return (turn[-1] - turn[0]) / t, run
+
+
+def measure(build, terms, *, tilt_deg, t=2.0) -> Measured:
+    """Rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
+    rates, runs = zip(*(rate_of(build(stiffness=k), t, terms) for k in (*PER_WEIGHT, 0.0)), strict=True)
+    off = np.log10(np.abs(np.array(rates[:-1]) - rates[-1]))
+    ratio, powers = PER_WEIGHT[-1] / PER_WEIGHT[-2], np.log10(PER_WEIGHT)
+    values = {
+        "limit_rad_s": (ratio * rates[-2] - rates[-3]) / (ratio - 1),
+        "order": (off[-2] - off[-1]) / np.log10(ratio),
+        "exact_rad_s": rates[-1],
+    }
+    lean = [np.degrees(np.arccos(run.rotation("coin")[:, 2, 2])) for run in runs]
+    curves = [
+        Curve("log of the difference in rate [rad/s]", powers, off, (powers, off[-1] + powers[-1] - powers),
+              "log of stiffness over weight [1/m]", "the slope is -1"),
+        Curve("tilt on the softest table [deg]", runs[0].t, lean[0], (runs[0].t, np.full_like(lean[0], tilt_deg))),
+    ]  # fmt: skip
+    return Measured(values, runs[:1], curves)
+
+
+demo = Demo(
+    __name__,
+    title="Springs that become a rule",
+    question="Is a coin that must not slip the same as a coin that is held by friction and a stiff table?",
+    why="Rolling without slip is a rule: three numbers of the motion are given, and whatever force that takes is there. "
+    "A real edge sinks in a little and its friction gives way a little before it holds. Both need the same forces, so "
+    "the way is as large as the force over the stiffness: ten times stiffer is ten times closer. The rule is the limit, "
+    "and far cheaper to compute.",
+    equation="W z x L = l x m (g z - W^2 X);  |W_k - W| ~ 1/k",
+    source="Routh, Advanced Rigid Dynamics; Brogliato, Nonsmooth Mechanics, on compliant contact as its limit",
+    quantities={
+        "limit_rad_s": Quantity("rate on springs, in the limit", "rad/s", relative=1e-5),
+        "order": Quantity("power of 1/k with which the difference falls", absolute=0.1),
+        "exact_rad_s": Quantity("rate without slip", "rad/s"),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("friction", "without friction it falls, whatever the stiffness", {"mu": 0.0},
+                      values=lambda W: {"exact_rad_s": W}),
+    show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5},
+    ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": None},
+)  # fmt: skip

@@ -1,0 +1,99 @@
+"""A Celtic stone refuses to spin one way: it starts to rock, stops and turns back."""
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from mbsd3d import GROUND, Body, Rolling, System, rotation, shapes, simulate
+
+from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..quadrature import cross, dot, motion
+
+G = 9.81  # m/s^2
+
+
+def mechanism(
+    *, m=1.0, radii=(0.2, 0.03, 0.02), I=(2e-4, 16e-4, 17e-4), delta_deg=-2.0, wobble=0.05, spin=5.0
+) -> System:
+    """Ellipsoid of half axes ``radii`` [m] with principal moments I [kg m^2] about axes that are turned by delta about
+    its short one; it spins about the vertical and wobbles about its long axis [rad/s]."""
+    form = shapes.Ellipsoid(radii, orientation=rotation("z", -delta_deg, degrees=True))
+    stone = Body("stone", m, I, position=(0, 0, radii[2]), orientation=rotation("z", delta_deg, degrees=True),
+                 velocity=(0, -wobble * radii[2], 0), omega=(wobble, 0, spin), shape=form)  # fmt: skip
+    return System([stone], [Rolling(GROUND, stone, form, name="table")], gravity=(0, 0, -G))
+
+
+def own(times, *, m, radii, I, delta_deg, wobble, spin):
+    """(times, 7) of the vertical n and of w in axes of the surface, and of the turn: Newton and Euler without slip.
+
+    (I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n) with a = D n / sqrt(n'D n) from the contact to G.
+    """
+    c, s = np.cos(np.radians(delta_deg)), np.sin(np.radians(delta_deg))
+    xx, yy, xy, zz = c * c * I[0] + s * s * I[1], s * s * I[0] + c * c * I[1], c * s * (I[0] - I[1]), I[2]
+    A, B, C = (x * x for x in radii)
+
+    def rate(_, y):
+        n, w = y[:3].tolist(), y[3:6].tolist()  # plain numbers: ten times faster here
+        n_dot, h = cross(n, w), (A * n[0] ** 2 + B * n[1] ** 2 + C * n[2] ** 2) ** 0.5
+        a = (A * n[0] / h, B * n[1] / h, C * n[2] / h)
+        along = dot(n_dot, a)
+        a_dot = (
+            (A * n_dot[0] - along * a[0]) / h,
+            (B * n_dot[1] - along * a[1]) / h,
+            (C * n_dot[2] - along * a[2]) / h,
+        )
+        L = (xx * w[0] + xy * w[1], xy * w[0] + yy * w[1], zz * w[2])
+        turn = cross(w, a)
+        pull = cross(w, [a_dot[k] + turn[k] for k in range(3)])
+        spin, lever = cross(w, L), cross(a, [pull[k] + G * n[k] for k in range(3)])
+        load = [-spin[k] - m * lever[k] for k in range(3)]
+        first = (xx + m * (a[1] ** 2 + a[2] ** 2), xy - m * a[0] * a[1], -m * a[0] * a[2])
+        second = (first[1], yy + m * (a[0] ** 2 + a[2] ** 2), -m * a[1] * a[2])
+        third = (first[2], second[2], zz + m * (a[0] ** 2 + a[1] ** 2))
+        minors = cross(second, third), cross(third, first), cross(first, second)
+        return [*n_dot, *(dot(load, minor) / dot(first, minors[0]) for minor in minors), dot(n, w)]
+
+    return motion(rate, np.array([0, 0, 1, wobble, 0, spin, 0]), times, 1e-11)
+
+
+def theory(*, m, radii, I, delta_deg, wobble, spin, t):
+    """Own equations: spin about the vertical and its integral."""
+    y = own(np.array([0.0, t]), m=m, radii=radii, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)[-1]
+    return {"spin_at_t_rad_s": y[:3] @ y[3:6], "turned_rad": y[6]}
+
+
+def measure(build, terms, *, m, radii, I, delta_deg, wobble, spin, t=4.0) -> Measured:
+    """Spin about the vertical and its integral."""
+    run = simulate(build(), t, rtol=1e-12, output=1601, **terms)
+    y = own(run.t, m=m, radii=radii, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)
+    vertical = run.omega("stone")[:, 2]
+    turned = CubicHermiteSpline(run.t, vertical, run.alpha("stone")[:, 2]).integrate(0, t)
+    lift = np.degrees(np.arccos(np.clip(run.rotation("stone")[:, 2, 2], -1, 1)))
+    curves = [
+        Curve("spin [rad/s]", run.t, vertical, (run.t, np.sum(y[:, :3] * y[:, 3:6], axis=1))),
+        Curve("rocking [deg]", run.t, lift, (run.t, np.degrees(np.arccos(np.clip(y[:, 2], -1, 1))))),
+    ]
+    return Measured({"spin_at_t_rad_s": vertical[-1], "turned_rad": turned}, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="The rattleback",
+    question="Why does a Celtic stone refuse to spin one way and turn back?",
+    why="The stone's mass lies a little askew to its surface. So a spin and a rocking that are independent in a "
+    "symmetric stone now feed each other: spun the wrong way, the slightest rocking grows and takes all the energy "
+    "of the spin, and the rocking then pushes the stone around the other way. It rolls without slip, which needs no "
+    "energy but forgets no direction: the motion run backwards is possible too, but it does not start from a quiet "
+    "spin.",
+    equation="(I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n),  a = D n / sqrt(n'D n)",
+    source="Walker (1896); Bondi, Proc. R. Soc. A 405 (1986) 265; Garcia, Hubbard, Proc. R. Soc. A 418 (1988) 165",
+    quantities={
+        "spin_at_t_rad_s": Quantity("spin about the vertical at the end", "rad/s", relative=1e-6),
+        "turned_rad": Quantity("turned by", "rad", relative=1e-6),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("skew", "with the mass along the surface it spins on", {"delta_deg": 0.0}),
+    show={"curves": [("omega", "stone")], "traces": [], "follow": "stone", "speed": 0.5},
+    ranges={"I": [(1.9e-4, 2.1e-4), (15.5e-4, 16.5e-4), (16.5e-4, 17.5e-4)], "radii": None},
+)

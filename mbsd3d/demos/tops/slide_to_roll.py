@@ -1,0 +1,70 @@
+"""A ball that is pushed slides at first; when it rolls, a share of its speed is left that no friction can change."""
+
+import numpy as np
+
+from mbsd3d import DOP853, GROUND, Body, Contact, System, shapes, simulate
+
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+
+G = 9.81  # m/s^2
+STIFFNESS = 1e7  # N/m for a mass of 1 kg: the time to roll is late by mu m g / (k slip)
+
+
+def mechanism(*, r=0.1, beta=0.4, mu=0.3, v=5.0, spin=0.0) -> System:
+    """Body of 1 kg, radius r [m], inertia beta m r^2, at v [m/s] along x and spin [rad/s] about y, on friction mu."""
+    ball = Body("ball", 1.0, (beta * r**2,) * 3, position=(0, 0, r - G / STIFFNESS), velocity=(v, 0, 0),
+                omega=(0, spin, 0), shape=[shapes.Sphere(r), shapes.Sphere(0.2 * r, at=(0.85 * r, 0, 0))])  # fmt: skip
+    table = Contact(GROUND, ball, shapes.Sphere(r), stiffness=STIFFNESS, friction=mu, name="table")
+    return System([ball], forces=[table], gravity=(0, 0, -G))
+
+
+def theory(*, r, beta, mu, v, spin):
+    """Friction mu m g takes from the speed and gives to the spin until the slip v - r w is gone."""
+    slip = v - r * spin
+    require(slip != 0, "the ball rolls from the start: give v different from r spin")
+    if mu == 0:
+        return {"rolls_after_s": np.inf, "rolls_at_m_s": v, "heat_J": 0.0}
+    time = abs(slip) * beta / ((1 + beta) * mu * G)
+    return {"rolls_after_s": time, "rolls_at_m_s": (v + beta * r * spin) / (1 + beta),
+            "heat_J": 0.5 * beta / (1 + beta) * slip**2}  # fmt: skip
+
+
+def measure(build, terms, *, r, beta, v, spin, t=1.0) -> Measured:
+    """Speed when it rolls; the time to there from the path, as the speed falls evenly; the energy that is gone."""
+    run = simulate(build(), t, method=DOP853(stiff="run"), rtol=1e-10, output=401, **terms)
+    x, speed, rim = run.position("ball")[:, 0], run.velocity("ball")[:, 0], r * run.omega("ball")[:, 1]
+    last = speed[-1]
+    time = 2 * (x[-1] - x[0] - last * t) / (v - last) if abs(rim[-1] - last) < 1e-6 * abs(v - r * spin) else np.inf
+    total = run.energy().total
+    share, rolls = np.minimum(run.t / build.theory["rolls_after_s"], 1), build.theory["rolls_at_m_s"]
+    curves = [
+        Curve("speed [m/s]", run.t, speed, (run.t, v + (rolls - v) * share)),
+        Curve("speed of the rim [m/s]", run.t, rim, (run.t, r * spin + (rolls - r * spin) * share)),
+    ]
+    return Measured({"rolls_after_s": time, "rolls_at_m_s": last, "heat_J": total[0] - total[-1]}, [run], curves)
+
+
+demo = Demo(
+    __name__,
+    title="From sliding to rolling",
+    question="Why does a pushed ball end up rolling at 5/7 of its speed, on ice as on felt?",
+    why="Friction slows the ball and spins it up, and its moment about any point of the table is zero: the angular "
+    "momentum about the table stays. When the slip is gone friction ends, so the speed at which it rolls is settled "
+    "from the start, and with it the heat. More friction only makes it come sooner. With enough backspin the ball "
+    "comes back.",
+    equation="t = |v - r w| b / ((1 + b) mu g),  v_1 = (v + b r w) / (1 + b),  b = I / m r^2",
+    source="Coriolis, Theorie mathematique des effets du jeu de billard (1835); Hopkins, Patterson, Am. J. Phys. 45 "
+    "(1977) 263",
+    quantities={
+        "rolls_after_s": Quantity("it rolls after", "s", relative=1e-6),
+        "rolls_at_m_s": Quantity("at the speed", "m/s", relative=1e-8),
+        "heat_J": Quantity("energy lost", "J", relative=1e-6),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("friction", "without friction it slides for ever", {"mu": 0.0}),
+    against=Against("spin", -120.0, 40.0, "spin at the start [rad/s]"),
+    show={"curves": [("velocity", "ball"), ("omega", "ball")], "follow": "ball", "speed": 0.5},
+    ranges={"mu": (0.25, 0.4)},
+)  # fmt: skip

@@ -1,0 +1,229 @@
+"""Contact of a smooth surface with a plane: it presses, rubs, resists rolling, and lifts off."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ...base.checks import number
+from ...base.directions import perpendiculars
+from ...base.errors import InputError
+from ...kernels.force_laws import push, twist
+from ...kernels.jit import inner_kernel, merged_kernel
+from ...kernels.surfaces import meeting, pressure
+from ...kernels.vectors import add, dot, scale, sub, vec
+from ..bodies import Body, Ground
+from ..contacts import checked_plane
+from ..force_element import ForceElement, ForceRecord, check_body, check_pair
+from ..motion import Motion
+from ..rounded import Rounded, rounded
+from ..shapes import Shape
+
+WEIGHT = 9.81  # m/s^2, of the load under which a default of the grip is as stiff as the contact itself
+
+
+@inner_kernel
+def gripped(k, c, x, y, u, v, most):
+    """(f, x_dot) of two components: f = k x + c u, but no more than ``most``, and x_dot = (f - k x) / c."""
+    f, g = k * x + c * u, k * y + c * v
+    square = f * f + g * g
+    if square.real > most.real * most.real:
+        share = most / np.sqrt(square)
+        f, g = share * f, share * g
+    return f, g, (f - k * x) / c, (g - k * y) / c
+
+
+@inner_kernel
+def smooth(most, u, v, still):
+    """f = most (u, v) / sqrt(u^2 + v^2 + still^2)."""
+    share = most / np.sqrt(u * u + v * v + still * still)
+    return share * u, share * v
+
+
+@merged_kernel
+def rub(m, d, p, out, normal, slip, turn):
+    """(friction, moment) in the axes of the plane, against the slip and the relative rotation; fills rates and energy.
+
+    Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
+    """
+    mu, rolling, spinning, still = m.number[p.number], m.number[p.number + 1], m.number[p.number + 2], p.value[10]
+    k, c, size = p.value[8], p.value[9], p.value[11]
+    kr, cr = k * size * size, c * size * size
+    if p.states == 0:
+        f, g = smooth(mu * normal, slip[0], slip[1], still)
+        r, s = smooth(rolling * normal, turn[0], turn[1], still / size)
+        q, _ = smooth(spinning * normal, turn[2], 0.0 * turn[2], still / size)
+        return (f, g), (r, s, q)
+    i = p.state
+    x, y = d.z[i], d.z[i + 1]
+    f, g, x_dot, y_dot = gripped(k, c, x, y, slip[0], slip[1], mu * normal)
+    d.state_rate[i], d.state_rate[i + 1] = x_dot, y_dot
+    out.potential += 0.5 * k * (x * x + y * y)
+    out.power += k * (x * x_dot + y * y_dot)
+    r, s, q = 0.0 * f, 0.0 * f, 0.0 * f
+    if p.states > 2:
+        x, y, z = d.z[i + 2], d.z[i + 3], d.z[i + 4]
+        r, s, x_dot, y_dot = gripped(kr, cr, x, y, turn[0], turn[1], rolling * normal)
+        q, _, z_dot, _ = gripped(kr, cr, z, 0.0 * z, turn[2], 0.0 * z, spinning * normal)
+        d.state_rate[i + 2], d.state_rate[i + 3], d.state_rate[i + 4] = x_dot, y_dot, z_dot
+        out.potential += 0.5 * kr * (x * x + y * y + z * z)
+        out.power += kr * (x * x_dot + y * y_dot + z * z_dot)
+    return (f, g), (r, s, q)
+
+
+@merged_kernel
+def contact(m, d, p, out, t):
+    """Normal force, friction, and moments against rolling and spinning, at the lowest point.
+
+    value = half axes (3), tube, k, exponent, c, loss; grip, its damping, creep, size.
+    """
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    plane, on_a, on_b, gap, velocity = meeting(p, a, b)
+    spin = sub(vec(b.w), vec(a.w))
+    slip = (dot(plane[0], velocity), dot(plane[1], velocity), -dot(plane[2], velocity))
+    turn = (dot(plane[0], spin), dot(plane[1], spin), dot(plane[2], spin))
+    normal, elastic, depth = pressure(p, gap, slip[2])
+    out.potential = elastic * depth / (p.value[5] + 1.0)
+    out.power = (elastic - normal) * slip[2]
+    friction, moment = rub(m, d, p, out, normal, slip, turn)
+    out.power -= friction[0] * slip[0] + friction[1] * slip[1]
+    out.power -= moment[0] * turn[0] + moment[1] * turn[1] + moment[2] * turn[2]
+    force = sub(scale(normal, plane[2]), add(scale(friction[0], plane[0]), scale(friction[1], plane[1])))
+    couple = add(add(scale(moment[0], plane[0]), scale(moment[1], plane[1])), scale(moment[2], plane[2]))
+    push(b, force, on_b)
+    twist(b, scale(-1.0, couple))
+    push(a, scale(-1.0, force), on_a)
+    twist(a, couple)
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(ForceElement):
+    """A sphere, an ellipsoid or a torus of body b touches a plane of body a: it presses, rubs and lifts off.
+
+    All acts at the lowest point of the surface over the plane, which is known in closed form (see
+    `mbsd3d.kernels.surfaces`). With its penetration d and the slip velocity V of b over a there:
+
+    - normal force ``N = k d^m (1 + x d_dot) + c d_dot``, never below 0: it does not pull;
+    - friction ``F = -clip(k_t z + c_t V, mu N)``, where the deflection z is an own state,
+      ``z_dot = (|F| - k_t z) / c_t`` along F: it sticks with ``z_dot = V``, so that what stands does not creep, slips
+      with ``|F| = mu N`` exactly, and forgets z in the air. It dissipates in every case;
+    - moments against rolling and spinning by the same law, with ``rolling N``, ``spinning N`` in place of ``mu N``.
+
+    Energy ``k d^(m+1) / (m+1) + k_t z'z / 2`` (and that of the rotations); the rest of the power is dissipated.
+    `measures.clearance` and `measures.normal_force` read it; `measures.touches`, `measures.leaves` stop a run.
+    Contacts are stiff: give `RadauIIA` or `GeneralizedAlpha` to `simulate` where they last, `DOP853` where they bounce.
+
+    Parameters
+    ----------
+    surface : Sphere, Ellipsoid or Torus
+        One of `mbsd3d.shapes`, in axes of body b; its centre is the centre of mass unless it says ``at``.
+    stiffness, exponent : float
+        k > 0 [N/m^m] and m >= 1: 1 for a linear spring, 1.5 for Hertz.
+    damping, loss : float
+        c >= 0 [N s/m], which acts at once at the touch, and x >= 0 [s/m] (Hunt and Crossley), which grows with d^m.
+    friction : float
+        mu >= 0 of Coulomb.
+    rolling, spinning : float
+        Arms >= 0 [m] of the moments against rolling and against spinning about the normal.
+    grip, grip_damping : float or None
+        k_t > 0 [N/m], c_t > 0 [N s/m]; None: the stiffness of the normal force under the weight of b, and
+        ``sqrt(k_t mass)``. The rotations have k_t s^2 and c_t s^2, with the farthest point s of the surface.
+    creep : float or None
+        A speed v0 > 0 [m/s]: ``F = -mu N V / sqrt(V'V + v0^2)`` without states instead, which is smooth but never
+        stands on a slope; the rotations likewise with v0 / s.
+    plane : (point, normal) or None
+        Plane fixed in a, world at the reference pose; None = z = 0. The surface is where the normal points.
+
+    Raises
+    ------
+    ValueError
+        For another surface, a number out of its range, or a default of the grip that a body without mass cannot give.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Contact, System, accelerations, shapes
+    >>> ball = Body("ball", mass=2.0, inertia=(0.008, 0.008, 0.008), position=(0, 0, 0.099))
+    >>> floor = Contact(GROUND, ball, shapes.Sphere(0.1), stiffness=4e4)
+    >>> now = accelerations(System([ball], forces=[floor]))
+    >>> round(float(now.acceleration(ball)[0, 2]), 9)  # 4e4 * 0.001 / 2 - 9.81
+    10.19
+    """
+
+    law = staticmethod(contact)
+
+    a: Body | Ground
+    b: Body | Ground
+    surface: Shape
+    stiffness: float = field(kw_only=True)
+    exponent: float = field(default=1.0, kw_only=True)
+    damping: float = field(default=0.0, kw_only=True)
+    loss: float = field(default=0.0, kw_only=True)
+    friction: float = field(default=0.0, kw_only=True)
+    rolling: float = field(default=0.0, kw_only=True)
+    spinning: float = field(default=0.0, kw_only=True)
+    grip: float | None = field(default=None, kw_only=True)
+    grip_damping: float | None = field(default=None, kw_only=True)
+    creep: float | None = field(default=None, kw_only=True)
+    plane: Sequence | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_pair(self.a, self.b, what)
+        check_body(self.b, f"{what}: b")
+        rounded(self.surface, self.b, what)
+        self.set(
+            plane=checked_plane(self.plane, what),
+            stiffness=number(self.stiffness, f"{what}: stiffness", positive=True),
+            exponent=number(self.exponent, f"{what}: exponent", minimum=1.0),
+        )
+        for name in ("damping", "loss", "friction", "rolling", "spinning"):
+            self.set(**{name: number(getattr(self, name), f"{what}: {name}", minimum=0.0)})
+        if self.creep is not None:
+            self.set(creep=number(self.creep, f"{what}: creep", positive=True))
+        if self.states():
+            self.check_grip(what)
+
+    def check_grip(self, what: str) -> None:
+        """Stiffness and damping of the deflection, given or by default."""
+        if self.b.mass == 0.0 and (self.grip is None or self.grip_damping is None):
+            raise InputError(f"{what}: '{self.b.name}' has no mass to choose grip by; give grip and grip_damping")
+        grip, damping = self.grip, self.grip_damping
+        if grip is None:
+            depth = (self.b.mass * WEIGHT / self.stiffness) ** (1.0 / self.exponent)
+            grip = self.exponent * self.stiffness * depth ** (self.exponent - 1.0)
+        grip = number(grip, f"{what}: grip", positive=True)
+        damping = np.sqrt(grip * self.b.mass) if damping is None else damping
+        self.set(grip=grip, grip_damping=number(damping, f"{what}: grip_damping", positive=True))
+
+    def states(self) -> int:
+        """Number of own states: 2 deflections, and 3 rotations with friction against rolling or spinning."""
+        if self.creep is not None or self.friction == self.rolling == self.spinning == 0.0:
+            return 0
+        return 5 if self.rolling > 0.0 or self.spinning > 0.0 else 2
+
+    @cached_property
+    def outline(self) -> Rounded:
+        """The surface, world at the reference pose."""
+        return rounded(self.surface, self.b, "surface")
+
+    def record(self) -> ForceRecord:
+        (at, normal), form, states = self.plane, self.outline, self.states()
+        along = perpendiculars(normal)[0]
+        law = (self.stiffness, self.exponent, self.damping, self.loss)
+        grip = (self.grip or 0.0, self.grip_damping or 0.0, self.creep or 1.0, form.size)
+        return ForceRecord(
+            (self.a, self.b), (at, form.centre), frame=np.column_stack([along, np.cross(normal, along), normal]),
+            frame_b=form.axes, values=(*form.radii, form.tube, *law, *grip),
+            numbers=(self.friction, self.rolling, self.spinning), states=(0.0,) * states,
+            scales=((1.0, 1.0, 0.0),) * 2 * (states > 0) + ((1.0, 0.0, 0.0),) * 3 * (states > 2),
+        )  # fmt: skip
+
+    def state_names(self) -> tuple[str, ...]:
+        return ("deflection x", "deflection y", "turn x", "turn y", "turn z")[: self.states()]
+
+    def acting_points(self, motion: Motion) -> np.ndarray:
+        """(samples, 3) lowest points, where the force acts on both bodies."""
+        return self.outline.moving(motion, self.a, self.b, self.plane[1])
+
+    def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
+        return self.b, self.outline.lowest(self.outline.centre, self.outline.axes, self.plane[1])

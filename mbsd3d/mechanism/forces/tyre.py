@@ -1,0 +1,285 @@
+"""Tyres: a torus pressed into a plane, two deflections with relaxation lengths, and the brush curve of their forces."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...base.checks import number, vector
+from ...base.directions import unit
+from ...base.errors import InputError
+from ...kernels.force_laws import push, twist
+from ...kernels.jit import merged_kernel
+from ...kernels.signals import signal
+from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
+from ..bodies import GROUND, Body, Ground
+from ..force_element import ForceElement, ForceRecord, check_pair
+from ..signals import Signal, as_signal
+
+CREEP = 0.05
+"""Speed of the tread [m/s] at which rolling resistance has 76 % of its size."""
+FAST = 20.0
+"""Where tanh is 1 to rounding."""
+LEAST = 0.1
+"""Share of grip and stiffness that no load takes away."""
+FULL = 0.1
+"""Size of the deflections at full grip."""
+SLIDING = 1.5
+"""Deflection, in units of that of full grip, from which all of the contact patch slides."""
+
+
+@merged_kernel
+def sensitive(k, load):
+    """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
+    share = 1.0 - k * (load - 1.0)
+    return share if share.real > LEAST else LEAST + 0.0 * share
+
+
+@merged_kernel
+def rolling(x):
+    """tanh(x), without the powers of e that overflow in its derivative."""
+    way = 1.0 + 0.0 * x
+    if x.real < -FAST:
+        way = -way
+    elif x.real < FAST:
+        way = np.tanh(x)
+    return way
+
+
+@merged_kernel
+def brush(q):
+    """(force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
+
+    With the theoretical slip s = q/(1 - q/3) the force is mu N (1 - (1 - s/3)^3): the steady deflection under s is q.
+    """
+    force, trail = 1.0 + 0.0 * q, 1.0 + 0.0 * q
+    if q.real < SLIDING:
+        s = q / (1.0 - q / 3.0)
+        rest, adhesion = 1.0 - s / 3.0, 1.0 - s / 3.0 + s * s / 27.0
+        force, trail = adhesion / (1.0 - q / 3.0), rest * rest * rest / adhesion
+    else:
+        force, trail = 1.0 / q, 0.0 * q
+    return force, trail
+
+
+@merged_kernel
+def tyre(m, d, p, out, t):
+    """Forces of a tyre at its contact point and its rates of deflection; values, numbers: see `Tyre.record`."""
+    ground, wheel, x, z = d.body[p.body[0]], d.body[p.body[1]], p.value, d.z[p.state : p.state + 2]
+    n = rotate(mat(ground.R), (p.frame[0, 2], p.frame[0, 5], p.frame[0, 8]))
+    axle = rotate(mat(wheel.R), (p.frame[1, 0], p.frame[1, 3], p.frame[1, 6]))
+    lean = dot(axle, n)  # its sine, to the right
+    level = 1.0 / np.sqrt(1.0 - lean * lean)
+    ahead = scale(level, cross(axle, n))
+    left = cross(n, ahead)
+    hub = arm(wheel, p.point[1])
+    lowest = add(hub, scale(x[0] * level, sub(scale(lean, axle), n)))  # of the circle of tube centres
+    above = sub(point(wheel, lowest), point(ground, arm(ground, p.point[0])))
+    height = dot(above, n)
+    s = sub(lowest, scale(height, n))  # the contact point from O of the wheel,
+    s_ground = sub(point(wheel, s), vec(ground.r))  # and from O of the ground
+    there = point_velocity(ground, s_ground)
+    v, w = sub(point_velocity(wheel, s), there), sub(vec(wheel.w), vec(ground.w))
+    speed = dot(sub(point_velocity(wheel, hub), there), ahead)
+    slip_x, slip_y, climb = dot(v, ahead), dot(v, left), dot(v, n)
+
+    sink = x[1] - height
+    spring = x[2] * sink if sink.real > 0.0 else 0.0 * sink
+    N = spring - x[3] * climb
+    if sink.real <= 0.0 or N.real <= 0.0:
+        N = 0.0 * N  # neither tension nor a pull on release
+    load = N / m.number[p.number]
+    share = sensitive(m.number[p.number + 2], load)
+    C_x, C_y, C_g = share * x[4], share * x[5], share * x[6]
+    instant = m.number[p.number + 5]
+
+    V = speed if speed.real >= 0.0 else -speed
+    grip = speed * 0.0 + np.inf
+    limit = 0.0 * V
+    if p.signal[0] >= 0:
+        grip = signal(m, p.signal[0], t)[0] * sensitive(m.number[p.number + 1], load)
+        limit = np.sqrt(C_x * C_x * slip_x * slip_x + C_y * C_y * slip_y * slip_y) / (3.0 * grip)
+    d.state_rate[p.state] = (-slip_x - (V + limit) * z[0]) / x[7]
+    lag = (1.0 - instant) * V * C_g / C_y * lean
+    d.state_rate[p.state + 1] = (-slip_y - lag - (V + limit) * z[1]) / x[8]
+
+    slow = speed / m.number[p.number + 4]
+    damping = m.number[p.number + 3] / (1.0 + slow * slow)
+    pull_x, pull_y = C_x * z[0] - damping * slip_x, C_y * z[1] - damping * slip_y
+    q, force, trail = 0.0 * V, 1.0 + 0.0 * V, 1.0 + 0.0 * V
+    if p.signal[0] >= 0:
+        q = np.sqrt(pull_x * pull_x + pull_y * pull_y) / grip
+        force, trail = brush(q)
+    F_x, F_y = N * force * pull_x, N * (force * pull_y - instant * C_g * lean)
+    by_slip = N * force * (pull_y + (1.0 - instant) * C_g * lean)
+    M_z = N * m.number[p.number + 6] * lean - x[9] * trail * by_slip
+    reach = sub(s, hub)
+    radius = np.sqrt(dot(reach, reach))
+    M_y = -x[10] * N * radius * rolling(dot(w, axle) * radius / CREEP)
+
+    F = add(scale(N, n), add(scale(F_x, ahead), scale(F_y, left)))
+    M = add(scale(M_y, left), scale(M_z, n))
+    push(wheel, F, s)
+    push(ground, scale(-1.0, F), s_ground)
+    twist(wheel, M)
+    twist(ground, scale(-1.0, M))
+    out.potential = 0.5 * spring * sink
+    out.power = dot(F, v) + dot(M, w) - spring * climb
+    put(out.shown, point(wheel, s))
+    put(out.shown[3:6], (N, F_x, F_y))
+    put(out.shown[6:9], (M_z, slip_x, slip_y))
+    put(out.shown[9:12], (V, lean, force * q))
+
+
+@dataclass(frozen=True, eq=False)
+class Tyre(ForceElement):
+    """A tyre of wheel b on a plane of a: spring and damper along the normal, slip forces with relaxation lengths.
+
+    The tyre is a torus with the outer ``radius`` and the tube radius ``crown`` that the plane presses flat by ``d``.
+    At P, its lowest point put onto the plane, N = k d + c d' >= 0 presses. With the slip velocities V_x (ahead) and V_y
+    (left) of the wheel at P, the speed V of the hub ahead, and the sine of the lean to the right, the own states
+    "longitudinal" and "lateral", deflections over relaxation lengths, follow
+
+        s_x z_x' = -V_x - (|V| + W) z_x
+        s_y z_y' = -V_y - |V| C_g/C_y sin(lean) - (|V| + W) z_y,     W = |(C_x V_x, C_y V_y)|/(3 mu)
+
+    which holds at rest too. The forces are those of the brush model, with q = |C z|/mu:
+
+        F = mu N (1 - (1 - s/3)^3) C z/|C z|,     s = q/(1 - q/3), 3 from q = 1.5 on
+
+    so in steady running s is the theoretical slip, and F never leaves the circle mu N. Moments about P: about the
+    normal m_g N sin(lean) - t (1 - s/3)^3/(1 - s/3 + s^2/27) F_s, with the part F_s of F_y that is not by camber; about
+    the left the rolling resistance -f N r tanh(r spin/(0.05 m/s)). Energy k d^2/2; the rest of the power is counted.
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        Axle, to the left of a wheel that rolls forward, world at the reference pose.
+    radius, crown : float
+        Of the tyre without load [m], outside and of its tube, 0 <= crown <= radius.
+    stiffness, damping : float
+        k > 0 [N/m], c >= 0 [N s/m] of the normal force.
+    cornering, longitudinal, camber : float
+        C_y > 0, C_x > 0 (None = C_y), C_g [1/rad]: stiffnesses over the load.
+    relaxation, relaxation_x : float
+        s_y > 0, s_x > 0 (None = s_y) [m].
+    mu : float, Signal or None
+        Grip > 0; None = no limit, a linear tyre.
+    trail, twisting : float
+        t [m], m_g [m]; the camber force has no trail.
+    rolling_resistance : float
+        f >= 0.
+    nominal_load : float or None
+        N0 [N], at which grip and stiffnesses have the values given.
+    grip_sensitivity, stiffness_sensitivity : float
+        k in x (1 - k (N/N0 - 1)) for mu and for C_x, C_y, C_g; at least a tenth of x is left.
+    standing_damping, standing_speed : float
+        c_0 [s/m] and V_0 [m/s]: -c_0 V_xy/(1 + (V/V_0)^2) is added to C z. About 0.5 s/m keeps a parked wheel from
+        ringing; it is within the circle too.
+    camber_lag : bool
+        False: the camber force has no lag, -C_g N sin(lean) beside the brush and its circle.
+    centre : (3,) array_like or None
+        Hub, world [m]; None = centre of mass of the wheel.
+    plane : (point, normal) or None
+        Plane fixed in a, world at the reference pose; None = z = 0.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, System, Tyre, accelerations
+    >>> wheel = Body("wheel", mass=20.0, inertia=(0.5, 1.0, 0.5), position=(0, 0, 0.299))
+    >>> tyre = Tyre(GROUND, wheel, axis=(0, 1, 0), radius=0.3, crown=0.02, stiffness=1.5e5)
+    >>> round(float(accelerations(System([wheel], forces=[tyre])).acceleration(wheel)[0, 2]), 9)  # 150/20 - g
+    -2.31
+    """
+
+    law = staticmethod(tyre)
+    shows: ClassVar[tuple[str, ...]] = (
+        "normal", "longitudinal", "lateral", "aligning", "slip_x", "slip_y", "speed", "camber", "saturation",
+    )  # fmt: skip
+
+    a: Body | Ground
+    b: Body
+    axis: ArrayLike = field(kw_only=True)
+    radius: float = field(kw_only=True)
+    crown: float = field(default=0.0, kw_only=True)
+    stiffness: float = field(kw_only=True)
+    damping: float = field(default=400.0, kw_only=True)
+    cornering: float = field(default=14.0, kw_only=True)
+    longitudinal: float | None = field(default=None, kw_only=True)
+    camber: float = field(default=0.0, kw_only=True)
+    relaxation: float = field(default=0.1, kw_only=True)
+    relaxation_x: float | None = field(default=None, kw_only=True)
+    mu: Signal | float | None = field(default=0.9, kw_only=True)
+    trail: float = field(default=0.0, kw_only=True)
+    twisting: float = field(default=0.0, kw_only=True)
+    rolling_resistance: float = field(default=0.0, kw_only=True)
+    nominal_load: float | None = field(default=None, kw_only=True)
+    grip_sensitivity: float = field(default=0.0, kw_only=True)
+    stiffness_sensitivity: float = field(default=0.0, kw_only=True)
+    standing_damping: float = field(default=0.0, kw_only=True)
+    standing_speed: float = field(default=0.1, kw_only=True)
+    camber_lag: bool = field(default=True, kw_only=True)
+    centre: ArrayLike | None = field(default=None, kw_only=True)
+    plane: Sequence | None = field(default=None, kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_pair(self.a, self.b, what)
+        if self.b is GROUND:
+            raise InputError(f"{what}: the ground has no tyre; give (ground, wheel)")
+        self.set(**self.checked_numbers(what))
+        if self.crown > self.radius:
+            raise InputError(f"{what}: crown {self.crown} exceeds the outer radius {self.radius}; give crown <= radius")
+        if self.nominal_load is None and (self.grip_sensitivity or self.stiffness_sensitivity):
+            raise InputError(f"{what}: sensitive to the load, but without nominal_load; give it in N")
+        if not isinstance(self.camber_lag, bool):
+            raise InputError(f"{what}: camber_lag = {self.camber_lag!r}; give True or False")
+        if self.mu is not None and not isinstance(self.mu, Signal):
+            number(self.mu, f"{what}: mu", positive=True)
+        at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
+        plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
+        axis = unit(self.axis, f"{what}: axis")
+        if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
+            raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")
+        self.set(
+            mu=None if self.mu is None else as_signal(self.mu, f"{what}: mu"),
+            axis=axis,
+            plane=plane,
+            centre=self.b.centre if self.centre is None else vector(self.centre, f"{what}: centre"),
+        )
+
+    def checked_numbers(self, what: str) -> dict[str, float | None]:
+        """The plain numbers, with those that stand for others filled in."""
+        positive = ("radius", "stiffness", "cornering", "relaxation", "standing_speed")
+        at_least_zero = ("crown", "damping", "trail", "rolling_resistance", "standing_damping")
+        at_least_zero += ("grip_sensitivity", "stiffness_sensitivity")
+        found = {key: number(getattr(self, key), f"{what}: {key}", positive=True) for key in positive}
+        found |= {key: number(getattr(self, key), f"{what}: {key}", minimum=0.0) for key in at_least_zero}
+        found |= {key: number(getattr(self, key), f"{what}: {key}") for key in ("camber", "twisting")}
+        for key, usual in (("longitudinal", self.cornering), ("relaxation_x", self.relaxation), ("nominal_load", None)):
+            given = usual if getattr(self, key) is None else getattr(self, key)
+            found[key] = None if given is None else number(given, f"{what}: {key}", positive=True)
+        return found
+
+    def record(self) -> ForceRecord:
+        """Values: R, rho, k, c, C_x, C_y, C_g, s_x, s_y, t, f; numbers: N0, sensitivities, c_0, V_0, instant, m_g."""
+        return ForceRecord(
+            (self.a, self.b),
+            (self.plane[0], self.centre),
+            frame=np.column_stack([self.axis, np.zeros(3), self.plane[1]]),
+            values=(
+                self.radius - self.crown, self.crown, self.stiffness, self.damping, self.longitudinal, self.cornering,
+                self.camber, self.relaxation_x, self.relaxation, self.trail, self.rolling_resistance,
+            ),
+            signals=(self.mu, None, None),
+            numbers=(
+                self.nominal_load or 1.0, self.grip_sensitivity, self.stiffness_sensitivity, self.standing_damping,
+                self.standing_speed, float(not self.camber_lag), self.twisting,
+            ),
+            states=(0.0, 0.0),
+            scales=((FULL, 0.0, 0.0), (FULL, 0.0, 0.0)),
+        )  # fmt: skip
+
+    def state_names(self) -> tuple[str, ...]:
+        return ("longitudinal", "lateral")

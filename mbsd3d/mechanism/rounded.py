@@ -1,0 +1,79 @@
+"""Shapes whose lowest point is known in closed form: ellipsoids thickened by a ball; see `kernels.surfaces`."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.directions import perpendiculars
+from ..base.errors import InputError
+from ..base.rotations import AXES, matrix
+from .bodies import Body, Ground
+from .motion import Motion
+from .shapes import Ellipsoid, Sphere, Torus
+
+Smooth = Sphere | Ellipsoid | Torus
+"""Surfaces that roll and touch: a sphere, an ellipsoid, the outside of a torus."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rounded:
+    """Half axes ``radii`` (3,) [m] along the columns of ``axes`` about ``centre``, thickened by ``tube`` [m].
+
+    World coordinates at the reference pose. Radii (R, R, 0) are a circle and give a torus.
+    """
+
+    centre: np.ndarray
+    axes: np.ndarray
+    radii: np.ndarray
+    tube: float
+
+    @property
+    def size(self) -> float:
+        """Farthest point from the centre [m]."""
+        return float(self.radii.max()) + self.tube
+
+    def lowest(self, centre: np.ndarray, axes: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """(..., 3) points that are lowest over planes of these normals, for the surface at (centre, axes), world."""
+        along = np.einsum("...ji,...j->...i", axes, normal)
+        spread = np.einsum("...ij,...j->...i", axes, self.radii**2 * along)
+        height = np.sqrt(np.sum(normal * spread, axis=-1, keepdims=True))
+        return centre - spread / np.maximum(height, 1e-12 * self.size) - self.tube * normal
+
+    def height(self, normal: np.ndarray) -> float:
+        """Of the centre over the plane it touches [m], at the reference pose."""
+        return float(normal @ (self.centre - self.lowest(self.centre, self.axes, normal)))
+
+    def moving(self, motion: Motion, a: Body | Ground, b: Body, normal: np.ndarray) -> np.ndarray:
+        """(samples, 3) lowest points of the surface of b over a plane of a with this normal, given at the start."""
+        axes = np.stack([motion.body_axis(b, axis) for axis in self.axes.T], axis=-1)
+        return self.lowest(motion.body_point(b, self.centre), axes, motion.body_axis(a, normal))
+
+    def lies_flat(self, normal: np.ndarray) -> bool:
+        """True for a torus with its axis along the normal: it touches in a circle."""
+        return bool(np.linalg.norm(self.radii * (self.axes.T @ normal)) < 1e-9 * self.size)
+
+
+def rounded(surface: Any, body: Body, what: str) -> Rounded:
+    """The surface of a body, or an InputError."""
+    if not isinstance(surface, Smooth):
+        raise InputError(
+            f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
+        )
+    centre = body.position + body.axes @ surface.origin(body)
+    axes, tube = body.axes @ matrix(surface.orientation), 0.0
+    if isinstance(surface, Sphere):
+        radii = np.full(3, surface.radius)
+    elif isinstance(surface, Ellipsoid):
+        radii = surface.radii
+    else:
+        axis = axes @ np.asarray(AXES[surface.axis] if isinstance(surface.axis, str) else surface.axis, float)
+        return circle(centre, axis / np.linalg.norm(axis), surface.radius, surface.tube)
+    return Rounded(centre, axes, radii, tube)
+
+
+def circle(centre: np.ndarray, axis: np.ndarray, radius: float, tube: float) -> Rounded:
+    """A circle of this radius about an axis, thickened; a ball where the radius is 0."""
+    axes = np.column_stack([*perpendiculars(axis), axis])
+    ball = radius == 0.0
+    return Rounded(centre, axes, np.full(3, tube) if ball else np.array([radius, radius, 0.0]), 0.0 if ball else tube)

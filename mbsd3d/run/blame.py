@@ -1,0 +1,39 @@
+"""Who is to blame where a run fails: the part whose numbers are not finite, the drivers and where they have come to."""
+
+import numpy as np
+
+from ..dynamics.loads import loads
+from ..equations.at_state import load_rows
+from ..equations.compiled import Compiled
+from ..kernels.layout import Data
+from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
+
+UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
+
+
+def driven_to(compiled: Compiled, t: float) -> str:
+    """The drivers, with the positions that they prescribe at t."""
+    drivers = list({id(driver): driver for driver, _ in compiled.drives}.values())
+    return " and ".join(f"driver '{compiled.system.name(x)}' ({type(x).__name__}){reached(x, t)}" for x in drivers)
+
+
+def reached(driver: Driver, t: float) -> str:
+    """The position that a driver prescribes; nothing for one that prescribes a speed."""
+    unit = UNITS.get(type(driver))
+    values = [float(row.signal(t)) for row in driver.primitives if row.signal is not None]
+    return f" at {', '.join(f'{value:.6g}' for value in values)} {unit}" if unit and values else ""
+
+
+def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:
+    """Name of the joint or force whose numbers are not finite at t or just after it, if any."""
+    for time_of in (t, t + 1e-9 * max(abs(t), 1.0), t + max(h, 0.0), t + 1e-3 * max(abs(t), 1.0)):
+        load_rows(compiled, data, y, time_of)
+        loads(compiled.model, data, time_of)
+        for joint in compiled.system.joints:
+            rows = compiled.rows[id(joint)]
+            if not np.isfinite(data.row["gamma"][rows]).all() or not np.isfinite(data.row["c"][rows]).all():
+                return f"joint '{compiled.system.name(joint)}'"
+        for k, force in enumerate(compiled.system.forces):
+            if not np.isfinite(data.force["power"][k]) or not np.isfinite(data.force["potential"][k]):
+                return f"force '{compiled.system.name(force)}'"
+    return None

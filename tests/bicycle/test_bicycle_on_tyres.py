@@ -1,0 +1,184 @@
+"""The bicycle on tyres against an independent program, Sharp's motorcycle against its printed table, the limit of ideal
+wheels, rides at the limit of grip."""
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from bicycle import Meijaard2007, named, on_tyres, ride, stability, whipple
+from bicycle.parameters import fittings, machines
+from bicycle.turns import on_tyres as turns_on_tyres
+from mbsd3d import Pulse, simulate
+from mbsd3d.cli import main
+
+TRUTHS = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
+P = Meijaard2007()
+BRUSH = {
+    "cornering": 14.3, "camber": 1.0, "relaxation": 0.1, "longitudinal": 20.0, "trail": 0.02, "mu": 0.9,
+    "stiffness": 2e5, "damping": 400.0,
+}  # fmt: skip
+
+
+def numbers(row):
+    """Arguments of `Tyre`, and crown radius, of a row of the truths."""
+    words = {"ca": "cornering", "cg": "camber", "sig": "relaxation", "trail": "trail", "camber_lag": "camber_lag"}
+    return {words[key]: x for key, x in row.items() if key in words}, row.get("rho", 0.0)
+
+
+def complexes(pairs):
+    return np.sort_complex([complex(*pair) for pair in pairs])
+
+
+@pytest.mark.parametrize("row", TRUTHS["straight_running"]["rows"], ids=lambda row: str(row["tyre"]))
+@pytest.mark.parametrize("speed", ["1.5", "5.0", "12.0"])
+def test_eigenvalues_of_an_independent_program(row, speed):
+    """Printed to 13 digits; both sides agree to 5e-12 of an eigenvalue."""
+    tyres, crown = numbers(row["tyre"])
+    found = on_tyres.eigenvalues(partial(whipple, tyres=tyres), replace(P, tR=crown, tF=crown), [float(speed)])[0]
+    wanted = complexes(row["eigenvalues"][speed])
+    assert (np.abs(found - wanted) / np.abs(wanted)).max() < 1e-10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [3, 4, 5])
+def test_stable_range_of_an_independent_program(k):
+    row = TRUTHS["straight_running"]["rows"][k]
+    tyres, crown = numbers(row["tyre"])
+    found = stability.study(replace(P, tR=crown, tF=crown), [3.5, 4.4, 5.0, 7.0], tyres=tyres)
+    wanted = row["stability_limits"]
+    assert [at.speed for at in found.limits] == pytest.approx([at["v"] for at in wanted], rel=1e-9)
+    assert [at.frequency for at in found.limits] == pytest.approx([at["omega"] for at in wanted], abs=1e-7)
+
+
+def test_stiff_tyres_are_ideal_wheels():
+    """The difference is of first order in 1/C: tenfold less per decade, and as an independent program has it."""
+    wanted, gaps = complexes(TRUTHS["limit_to_whipple"]["whipple_v5"]), []
+    for row in TRUTHS["limit_to_whipple"]["rows"][:4]:
+        build = partial(whipple, tyres={"cornering": row["ca"], "camber": 1.0, "relaxation": row["sig"]})
+        found = on_tyres.eigenvalues(build, P, [5.0])[0]
+        gaps.append(max(np.abs(found - s).min() for s in wanted))
+        assert gaps[-1] == pytest.approx(row["max_diff"], abs=1e-8)  # rounding beside tyre modes of 1e7 1/s
+    assert np.divide(gaps[:-1], gaps[1:]) == pytest.approx(10.0, rel=0.01)
+
+
+@pytest.mark.parametrize("speed", ["10", "50", "160"])
+def test_sharp_1971(speed):
+    """Computed to 1e-6 of an eigenvalue; printed to 0.011 1/s and 0.05 rad/s, three digits of a table of 1971."""
+    p = named("Sharp1971")
+    found = on_tyres.eigenvalues(partial(whipple, **fittings(p)), p, [0.3048 * float(speed)])[0]
+    wanted = complexes(TRUTHS["sharp_1971"][speed]["all"])
+    assert max(np.abs(found - s).min() / abs(s) for s in wanted) < 1e-8
+    _, capsize, weave, weave_w, wobble, wobble_w = next(
+        row for row in machines()["Sharp1971"]["printed"]["rows"] if row[0] == float(speed)
+    )
+    for s in (complex(capsize), complex(weave, weave_w), complex(wobble, wobble_w)):
+        near = found[np.argmin(np.abs(found - s))]
+        assert abs(near.real - s.real) < 0.011 and abs(near.imag - s.imag) < 0.05
+
+
+def test_nine_freedoms_and_the_published_radius():
+    system = whipple(P, speed=5.0, tyres=BRUSH)
+    found = system.check()
+    assert (found.configuration_freedom, found.velocity_freedom) == (9, 9)
+    run = simulate(system, 1.0, output=2)
+    assert run.position("rear wheel")[:, 2] == pytest.approx(P.rR, abs=1e-9)
+    loads = [run.force(f"{wheel} tyre").normal[-1] for wheel in ("rear", "front")]
+    share = P.front_load * P.mass * P.g
+    assert loads == pytest.approx([P.mass * P.g - share, share], abs=1e-4)  # 2e5 N/m times 1e-10 m of the run
+
+
+def test_history_of_an_independent_program():
+    """Two seconds from a lean rate on brush tyres; both agree to 3e-11."""
+    rows = TRUTHS["bicycle_on_brush_tyres"]["history"]["rows"]
+    found = ride.run(P, 2.0, speed=5.0, lean_rate=0.1, tyres=BRUSH, rtol=1e-11, output=[row["t"] for row in rows])
+    hub, table = found.solution.position("rear wheel"), {key: [row[key] for row in rows] for key in rows[0]}
+    for key, values in {"lean": found.lean, "steer": found.steer, "yaw": found.heading, "x": hub[:, 0]}.items():
+        assert values == pytest.approx(table[key], abs=1e-9), key
+    assert -hub[:, 1] == pytest.approx(table["y"], abs=1e-9)
+    assert hub[:, 2] == pytest.approx(table["z"], abs=1e-9)
+    for wheel, key in (("rear", "zyR"), ("front", "zyF")):
+        states = found.solution.force(f"{wheel} tyre").states["lateral"]
+        assert states == pytest.approx(-np.array(table[key]), abs=1e-9)
+    assert found.solution.certificate.passed and found.solution.certificate["energy balance"].error < 1e-8
+
+
+def test_braking_lifts_the_rear_wheel():
+    """As soon as the deceleration times the height of the centre of mass exceeds its distance from the front wheel."""
+    weight = P.mass * P.g
+    height = (P.mB * -P.zB + P.mH * -P.zH + P.mR * P.rR + P.mF * P.rF) / P.mass
+    ahead = P.w * (1.0 - P.front_load)
+    torque = weight * ahead / height * P.rF  # of the ground on the front wheel, at which the rear one is without load
+    held = ride.run(P, 0.8, speed=8.0, brake=Pulse(0.85 * torque, 0.1, 0.2), tyres=BRUSH)
+    lifted = ride.run(P, 0.8, speed=8.0, brake=Pulse(1.1 * torque, 0.1, 0.2), tyres=BRUSH)
+    normal = [found.contacts["rear"].normal for found in (held, lifted)]
+    assert 0.0 < normal[0].min() < 0.3 * weight
+    assert normal[1].min() == 0.0
+    assert lifted.pitch.min() < -0.005
+
+
+def test_a_slide_on_a_wet_patch():
+    """Grip that falls to a tenth for a while: the bicycle slides within the circle, and falls."""
+    wet = 0.9 - Pulse(0.85, start=0.8, edge=0.05, duration=3.0)
+    found = ride.run(P, 4.0, speed=6.0, lean=0.25, steer=0.1, tyres={**BRUSH, "mu": wet})
+    used = np.array([found.solution.force(f"{wheel} tyre").saturation for wheel in ("rear", "front")])
+    assert used.max() > 0.99 and used.max() <= 1.0 + 1e-14
+    assert found.event.name == "fallen"
+
+
+@pytest.mark.slow
+def test_study_figure_and_command(tmp_path):
+    found = stability.study(P, np.linspace(3.0, 8.0, 6), tyres=BRUSH)
+    assert {"weave", "capsize", "castering"} <= {*found.names} and len(found.names) == 8
+    assert "self-stable between 3 and 8 m/s: 4.49779 ... 6.84322 m/s" in str(found)
+    weave = found.mode("weave", 5.0).eigenvalue
+    every = complexes(TRUTHS["straight_running"]["rows"][3]["eigenvalues"]["5.0"])
+    assert min(abs(weave - s) for s in every) < 1e-9 and abs(abs(weave.imag) - 4.1) < 0.01
+    out = ["--from", "3", "--to", "8", "--count", "4", "--tyre", "trail=0", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, ["bicycle", "stability", *out], catch_exceptions=False)
+    assert done.exit_code == 0 and "4.25414 ... 5.95697 m/s" in done.output
+    assert (tmp_path / "stability_Meijaard2007_tyres.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("tyres", "text"), [({"grip": 1.0}, "grip unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")]
+)
+def test_errors(tyres, text):
+    with pytest.raises(ValueError, match=text):
+        whipple(P, tyres=tyres)
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        pytest.param(row, marks=[pytest.mark.slow] * (row["lean"] > 0.1))
+        for row in TRUTHS["bicycle_on_brush_tyres"]["steady"]
+    ],
+    ids=lambda row: f"{row['v']} m per s, {row['lean']} rad",
+)
+def test_steady_turns_of_an_independent_program(row):
+    """Which has its y axis to the left and turns to the left where the lean is positive."""
+    found = turns_on_tyres.turn(P, BRUSH, speed=row["v"], lean=row["lean"])
+    keys = {"steer": "steer", "yaw_rate": "yaw_rate", "steer_torque": "steer_torque", "radius": "radius_rear_hub"}
+    for name, key in keys.items():
+        assert getattr(found, name) == pytest.approx(row[key], rel=1e-9), name
+    assert found.drive_torque == pytest.approx(row["drive_torque_on_rear_wheel"], abs=1e-8)
+    assert found.at.position("rear wheel")[0, 2] == pytest.approx(row["z_hub"], abs=1e-11)
+    for wheel in ("rear", "front"):
+        load, wanted = found.at.force(f"{wheel} tyre"), row[wheel]
+        assert load.normal[0] == pytest.approx(wanted["N"], rel=1e-10)
+        assert load.longitudinal[0] == pytest.approx(wanted["Fx"], abs=1e-7)
+        assert load.lateral[0] == pytest.approx(-wanted["Fy"], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_turns_end_at_the_limit_of_grip(tmp_path):
+    found = turns_on_tyres.turns(P, BRUSH, 8.0, np.arange(0.1, 1.3, 0.1))
+    assert 0.9 < found[-1].saturation < 1.0 and found[-1].lean < np.arctan(0.9)
+    out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
+    done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
+    assert done.exit_code == 0 and "5 m/s: up to a lean of 14.3°" in done.output

@@ -1,0 +1,113 @@
+"""The pages of docs/: their blocks print what they show, and what they name exists."""
+
+import inspect
+import re
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from shown import blocks, run
+
+import mbsd3d
+from mbsd3d.demos.discovery import discover
+from validation.cases.examples import JOINTS
+
+DOCS = Path(__file__).parents[2] / "docs"
+SLOW = {  # films, sweeps, other engines, compiled functions: a second or more
+    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md",
+    "coming_from/mujoco.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md", "how/own_method.md",
+    "how/see.md", "how/sweeps.md",
+}  # fmt: skip
+PAGES = {str(path.relative_to(DOCS)): path for path in sorted(DOCS.rglob("*.md"))}
+WITH_BLOCKS = [
+    pytest.param(path, id=name, marks=pytest.mark.slow if name in SLOW else ())
+    for name, path in PAGES.items()
+    if blocks(path)
+]
+THEORY = sorted((DOCS / "theory").glob("*.md"))
+NAME = r"`((?:mbsd3d|validation|bicycle)\.[\w.]+)`"
+
+
+@pytest.mark.parametrize("page", WITH_BLOCKS)
+def test_blocks_of_a_page_print_what_is_shown(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(page)
+
+
+def test_slow_pages_exist():
+    assert set(PAGES) >= SLOW
+
+
+def resolved(name):
+    """The object of a dotted name; ImportError or AttributeError if there is none."""
+    parts = name.split(".")
+    for k in range(len(parts), 0, -1):
+        try:
+            found = import_module(".".join(parts[:k]))
+        except ModuleNotFoundError:
+            continue
+        for attribute in parts[k:]:
+            found = getattr(found, attribute)
+        return found
+    raise ImportError(name)
+
+
+@pytest.mark.parametrize("page", THEORY, ids=lambda page: page.stem)
+def test_every_equation_names_a_function_that_exists(page):
+    text = page.read_text(encoding="utf-8")
+    after = re.split(r"^\$\$.*\$\$$", text, flags=re.MULTILINE)[1:]
+    for k, rest in enumerate(after):
+        assert re.match(rf"\s*\*Computed by\* {NAME}", rest), f"{page.name}: equation {k + 1}"
+    for name in re.findall(NAME, text):
+        assert callable(resolved(name)), name
+    assert after or page.stem == "index"
+
+
+def public_names():
+    """All names that users import, with those of the public modules."""
+    for name in mbsd3d.__all__:
+        value = getattr(mbsd3d, name)
+        if not inspect.ismodule(value):
+            yield name
+            continue
+        for inner in (n for n in getattr(value, "__all__", dir(value)) if not n.startswith("_")):
+            twin = inner if inner in mbsd3d.__all__ and getattr(mbsd3d, inner) is getattr(value, inner) else None
+            yield twin or f"{name}.{inner}"
+
+
+API = {name: PAGES[name].read_text(encoding="utf-8") for name in PAGES if name.startswith("api/")}
+
+
+@pytest.mark.parametrize("name", sorted(set(public_names()) - {"__version__"}))
+def test_every_public_name_is_in_the_reference_with_an_example(name):
+    pages = [text for text in API.values() if re.search(rf"^\.\. auto\w+:: mbsd3d\.{re.escape(name)}$", text, re.M)]
+    assert len(pages) == 1
+    examples = "".join(re.findall(r"^```python\n(.*?)^```", pages[0], re.DOTALL | re.MULTILINE))
+    used = re.search(rf"\b{name.split('.')[-1]}\b", examples)
+    shown = ">>>" in (inspect.getdoc(resolved(f"mbsd3d.{name}")) or "")
+    assert used or shown or name == "GROUND"
+
+
+def test_every_joint_has_its_row_and_picture():
+    text = PAGES["how/joints.md"].read_text(encoding="utf-8")
+    for joint in JOINTS:
+        assert f"| `{joint.__name__}` |" in text and (DOCS / "pictures/joints" / f"{joint.__name__}.png").exists()
+
+
+def test_every_demo_is_in_the_gallery():
+    listed = set(re.findall(r"^\| `(\w+)` \|", PAGES["gallery.md"].read_text(encoding="utf-8"), re.MULTILINE))
+    assert listed == set(discover())
+
+
+@pytest.mark.parametrize("page", PAGES.values(), ids=list(PAGES))
+def test_links_of_a_page_lead_somewhere(page):
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+        assert target.startswith("http") or (page.parent / target).exists(), target
+
+
+def test_forty_questions_have_a_page():
+    text = PAGES["questions.md"].read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| .*\]\(([\w/.]+)\) \|$", text, re.MULTILINE)
+    assert [int(number) for number, _ in rows] == list(range(1, 41))
+    assert {page for _, page in rows} <= set(PAGES)

@@ -1,0 +1,85 @@
+"""Compiled code on disk: damaged, without room, or written by two at once, it is compiled anew and never wrong."""
+
+import errno
+
+import numba
+import numpy as np
+import pytest
+
+from mbsd3d.errors import InputError
+from mbsd3d.kernels import code_files
+from mbsd3d.kernels.code_files import keep_code
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+
+
+def area(a, b):
+    return 0.5 * a * b
+
+
+def fresh(folder):
+    """The function as a new process finds it."""
+    code_files.say_once.cache_clear()
+    return keep_code(numba.njit(area), folder)
+
+
+def hits(function):
+    return sum(function._cache_hits.values())
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """A folder with the code of one signature, and its file."""
+    assert fresh(tmp_path)(3.0, 4.0) == 6.0
+    (file,) = tmp_path.rglob("*.code")
+    return tmp_path, file
+
+
+def test_code_is_read_back(kept):
+    again = fresh(kept[0])
+    assert again(3.0, 4.0) == 6.0 and hits(again) == 1
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.5, 0.999])
+@pytest.mark.parametrize("how", ["cut", "changed"])
+def test_damaged_code_is_compiled_anew(kept, capsys, share, how):
+    folder, file = kept
+    content = bytearray(file.read_bytes())
+    place = int(share * len(content))
+    if how == "cut":
+        content = content[:place]
+    else:
+        content[place] ^= 0x10
+    file.write_bytes(content)
+    again = fresh(folder)
+    assert again(3.0, 4.0) == 6.0 and hits(again) == 0
+    assert "is damaged; what is, is compiled anew" in capsys.readouterr().err
+    mended = fresh(folder)
+    assert mended(3.0, 4.0) == 6.0 and hits(mended) == 1 and capsys.readouterr().err == ""
+
+
+def test_signatures_have_files_of_their_own(kept):
+    """Whoever writes first: no name is given twice, as numbers from an index are by two processes at once."""
+    folder, file = kept
+    other = fresh(folder)
+    assert other(3.0 + 1e-20j, 4.0).imag == 2e-20 and file in (files := set(folder.rglob("*.code")))
+    assert len(files) == 2
+    again = fresh(folder)
+    assert np.isrealobj(again(3.0, 4.0)) and np.iscomplexobj(again(3.0 + 0j, 4.0)) and hits(again) == 2
+
+
+def test_without_room_it_is_said_once_and_used_all_the_same(tmp_path, monkeypatch, capsys):
+    def full(path, content):
+        raise InputError(f"'{path}' cannot be written") from OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(code_files, "write_atomically", full)
+    function = fresh(tmp_path)
+    assert function(3.0, 4.0) == 6.0 and function(3, 4) == 6.0
+    said = capsys.readouterr().err
+    assert said.count("No space left on device") == said.count("MBSD3D_CACHE") == 1
+
+
+def test_a_folder_that_cannot_be_made(tmp_path, capsys):
+    (tmp_path / "taken").write_text("a file")
+    assert fresh(tmp_path / "taken")(3.0, 4.0) == 6.0
+    assert "compiled code cannot be kept" in capsys.readouterr().err

@@ -1,0 +1,147 @@
+"""Engines with real dimensions: counterweights, gas, loads on the block, main bearings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from validation.engine_balance import gas, phasor, planar_sum, spatial
+from validation.engine_balance.pages.portrait import upright
+from validation.engine_balance.spectrum import spectrum
+from validation.nvh.engine import presets
+from validation.nvh.engine.combustion import Cycle, cycle_of
+from validation.nvh.engine.loads import Source
+from validation.nvh.engine.main_bearings import cut_engine, cycle_run, main_bearings
+from validation.twins import planar
+
+ROUNDING = 1e-11  # of sums over some hundred samples, relative
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_every_engine_has_dimensions_of_the_stated_ranges(name):
+    chosen = presets.preset(name)
+    engine, area = chosen.engine(chosen.redline), np.pi / 4 * (100 * chosen.bore) ** 2
+    assert 5.0 < 1e3 * chosen.piston_mass / area < 9.0 and 5.0 < 1e3 * chosen.rod_mass / area < 10.0
+    assert 1.45 < chosen.rod_length / chosen.stroke < 1.9
+    assert np.linalg.eigvalsh(chosen.block.inertia).min() > 0.0
+    assert engine.crank_centre < 0.0 < engine.rate
+    mean_speed = 2 * chosen.stroke * chosen.redline / 60
+    assert 15.0 < mean_speed < 27.0  # m/s of the pistons: what engines of series bear
+
+
+def test_half_of_the_reciprocating_mass_in_the_counterweights_balances_a_cross_plane_v8():
+    chosen = presets.preset("v8_cross")
+    loads = [phasor.block_load(replace(chosen, balanced=share).engine(4000.0)).moment[1, :2] for share in (0.5, 0.4)]
+    assert np.abs(loads[0]).max() < ROUNDING * np.abs(loads[1]).max()
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (dict(compression=1.0), "compression 1 is not above 1"),
+        (dict(start=10.0, duration=150.0), "burning must end before the outlet opens"),
+        (dict(bore=-0.1), "bore"),
+        (dict(opening=200.0), "at 180 or before"),
+    ],
+)
+def test_impossible_cycles_are_refused(change, text):
+    with pytest.raises(ValueError, match=text):
+        replace(cycle_of(presets.preset("inline_4")), **change)
+
+
+@pytest.mark.parametrize("call", [lambda: presets.preset("v9"), lambda: presets.preset("v10").engine(0.0)])
+def test_unknown_engines_and_speeds_are_refused(call):
+    with pytest.raises(ValueError, match="v9.*there are single|rpm"):
+        call()
+
+
+@pytest.mark.parametrize("load", [0.05, 1.2, float("nan")])
+def test_loads_that_no_throttle_gives_are_refused(load):
+    with pytest.raises(ValueError, match="load"):
+        cycle_of(presets.preset("single"), load)
+
+
+def test_sudden_burning_has_the_efficiency_of_otto():
+    """Burning within a degree around dead centre, outlet at bottom dead centre, no work of gas exchange."""
+    cycle = replace(cycle_of(presets.preset("boxer_4")), start=-0.5, duration=1.0, opening=180.0, inlet=1e5, outlet=1e5)
+    # the volume changes by 2e-4 of itself within the degree
+    assert cycle.work / cycle.heat == pytest.approx(1 - cycle.compression ** (1 - cycle.gamma), rel=1e-4)
+
+
+def test_without_heat_compression_is_adiabatic():
+    cycle = replace(cycle_of(presets.preset("v12")), used=1e-12, opening=180.0)
+    psi, p = cycle.samples
+    closed = psi < np.pi - 0.1
+    constant = p[closed] * cycle.volume(psi[closed]) ** cycle.gamma
+    assert np.ptp(constant) < 1e-9 * constant.mean()
+
+
+@pytest.mark.parametrize("name", ["inline_3", "v6_90", "boxer_6"])
+def test_mean_torque_is_the_work_of_all_cylinders_over_two_turns(name):
+    """The torque comes from virtual power at the crank, the work from the area of the p-V diagram."""
+    source = Source(presets.preset(name), 0.8)
+    cylinders = len(source.preset.layout.pins)
+    # the spline of p is integrated by different rules
+    assert source.mean_torque == pytest.approx(cylinders * source.cycle.work / (4 * np.pi), rel=1e-8)
+
+
+@pytest.mark.parametrize(("name", "rpm"), [("inline_4", 2300.0), ("v6_60", 4100.0)])
+def test_load_on_the_block_is_that_of_the_engine_in_space_with_its_gas(name, rpm):
+    source, count = Source(presets.preset(name), 0.7), 240
+    engine = source.preset.engine(rpm)
+    system = gas.with_gas(spatial.build(engine, driver="dyno"), engine, source.cycle.force, 4 * count)
+    solution = spatial.turn(system, engine, turns=2, count=count)
+    R = upright(engine.layout)
+    seen = spectrum(solution.t, np.hstack([part @ R.T for part in spatial.block_load(solution)]), rate=engine.rate)
+    known = source.at(rpm)
+    found = np.array([seen.at(order) for order in known.orders])
+    scale = np.abs(known.six).max()
+    # orders that 240 samples a turn fold back of a gas that has all orders
+    assert np.abs(found - known.six).max() < 1e-5 * scale
+
+
+def test_main_bearings_of_a_throw_share_what_the_planar_crank_bears():
+    source = Source(presets.preset("single"), 0.0)
+    solution, mains = cycle_run(source, 5300.0)
+    engine = source.preset.engine(5300.0)
+    known = planar.kinematics(planar_sum.build(engine, 0), solution.t).reaction("bearing").force / 2
+    for bearing in main_bearings(source, 5300.0):
+        assert np.abs(bearing.force - known).max() < ROUNDING * np.abs(known).max()
+    assert mains == pytest.approx(engine.ends)
+
+
+def test_bearings_and_bores_together_are_the_load_on_the_block():
+    """With gas: forces of bearings, bores and heads in the cut engine against the closed form of the whole."""
+    source, rpm = Source(presets.preset("v8_flat"), 1.0), 3700.0
+    solution, mains = cycle_run(source, rpm)
+    engine = source.preset.engine(rpm)
+    force = np.zeros((solution.t.size, 3))
+    for k in range(1, mains.size):
+        force -= solution.reaction(f"front {k}").force + solution.reaction(f"rear {k}").force
+    for i in range(len(engine.stations)):
+        force -= solution.reaction(f"bore {i + 1}").force + solution.force(f"gas {i + 1}").force
+    seen = spectrum(solution.t, force, rate=engine.rate)
+    known = phasor.block_load(engine).force
+    found = np.array([seen.at(order) for order in range(len(known))])
+    assert np.abs(found - known).max() < 1e-9 * np.abs(known).max()
+
+
+def test_a_cut_crank_is_determinate():
+    system, _ = cut_engine(Source(presets.preset("inline_3"), 1.0), 3000.0)
+    found = system.check()
+    assert found.redundant == 0 and found.velocity_freedom == 0
+
+
+def test_rating_life_follows_from_the_loads():
+    source = Source(presets.preset("twin_270"), 1.0)
+    bearing = main_bearings(source, 4000.0)[1]
+    mean = np.mean(bearing.radial[:-1] ** (10 / 3)) ** 0.3  # whole cycles: the mean is the trapezoidal rule
+    hours = (source.preset.roller_rating / mean) ** (10 / 3) * 1e6 / (60 * 4000.0)
+    assert bearing.mean == pytest.approx(mean, rel=1e-12) and bearing.hours == pytest.approx(hours, rel=1e-12)
+    area = source.preset.main_diameter * source.preset.main_width
+    assert bearing.pressure == pytest.approx(bearing.radial.max() / area)
+
+
+def test_a_motored_engine_has_no_gas():
+    assert isinstance(Source(presets.preset("v10"), 0.5).cycle, Cycle)
+    assert Source(presets.preset("v10"), 0.0).cycle is None and Source(presets.preset("v10"), 0.0).mean_torque == 0.0

@@ -1,0 +1,1 @@
+"""From crank to cabin: real engines on mounts, in cars, on roads."""

@@ -1,0 +1,1 @@
+"""Powertrains on elastic mounts: modes, small motions, the full motion."""

@@ -1,0 +1,114 @@
+"""Tables, figure and page of a ride."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from bicycle.output import new_figure
+from mbsd3d import linearize, simulate
+from mbsd3d.errors import InputError
+from mbsd3d.extend import LINE, digits, dress, inline_svg, page_template, write_atomically
+from validation.engine_balance.pages.site import TEMPLATES, playing
+from validation.nvh.held.mounts import Car
+from validation.nvh.road.comfort import verdict, weight
+from validation.nvh.road.profile import Road
+from validation.nvh.road.ride import Ride, rms
+from validation.nvh.road.vehicle import KINDS, Vehicle
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Rows = list[list[str]]
+SPEEDS = np.arange(5.0, 45.1, 2.5)  # m/s
+SHOWN = "ABCD"  # classes of a figure
+FILM, FRAMES = 4.0, 201  # s and pictures of the animation
+
+
+def ride_of(car: Car, kind: str, road: str, speed: float) -> Ride:
+    """A car over a road; ValueError if nothing is known of its wheels."""
+    if car.ride is None:
+        raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
+    return Ride(Vehicle(kind, car.ride), Road(road), speed)
+
+
+def comfort(rides: list[Ride]) -> Rows:
+    """Quarter, half and whole car: vibration at the seat, by small motions and in the full motion."""
+    rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
+    for ride in rides:
+        full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
+        numbers = f"{rms(ride.seat):.4f}", f"{ride.weighted:.4f}", f"{full:.4f}", f"{100 * ride.difference:.2g}"
+        rows.append([ride.vehicle.kind, ride.verdict, *numbers, str(ride.vehicle.at_seat.size)])
+    return rows
+
+
+def modes(ride: Ride) -> Rows:
+    """Small motions of the car on its wheels."""
+    rows, r = [["mode", "mostly", "Hz", "damping"]], ride.vehicle.ride
+    system = ride.vehicle.system()
+    for mode in linearize(system).modes:
+        if mode.frequency > 0.0:
+            up, (roll, pitch, _) = np.abs(mode.translation[:, 2]), np.abs(mode.rotation[0])
+            moved = {"heave": up[0], "roll": roll * r["track"] / 2, "pitch": pitch * r["wheelbase"] / 2}
+            moved |= {f"hop of {body.name}": z for body, z in zip(system.bodies[1:], up[1:], strict=True)}
+            name = max(moved, key=moved.__getitem__)
+            rows.append([str(len(rows)), name, f"{mode.frequency:.3f}", f"{mode.damping_ratio:.3f}"])
+    return rows
+
+
+def struts(ride: Ride) -> Rows:
+    """What springs, dampers and tyres see in the full motion."""
+    rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre load rms [N]"]]
+    for corner in ride.vehicle.corners:
+        strut, tyre = (ride.run.force(f"{part} of {corner.name}") for part in ("spring", "tyre"))
+        travel, force = strut.length - strut.length.mean(), np.linalg.norm(strut.force, axis=1)
+        road = ride.road.height(ride.speed * ride.run.t + corner.x, corner.side)
+        if ride.vehicle.kind == "half":
+            road = (road + ride.road.height(ride.speed * ride.run.t + corner.x, 1)) / 2
+        rate = np.gradient(road, ride.run.t, edge_order=2)
+        load = tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate
+        values = 1e3 * travel.std(), 1e3 * np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), load.std()
+        rows.append([corner.name, "", *(f"{x:.4g}" for x in values)])
+    return rows
+
+
+def figure(ride: Ride) -> "Figure":
+    """Acceleration at the seat over frequency, and weighted over the speed on several roads."""
+    f = ride.rates / (2 * np.pi)
+    with new_figure(7.5, 5.4) as (made, look):
+        upper, lower = made.subplots(2, 1)
+        for axes in (upper, lower):
+            dress(axes, look)
+        width = f[1] - f[0]
+        band = np.abs(ride.seat) / np.sqrt(2 * width)
+        upper.loglog(f, np.abs(ride.run_seat) / np.sqrt(2 * width), ".", color=look.colour(1), markersize=3)
+        upper.loglog(f, band, color=look.colour(0), linewidth=LINE)
+        upper.loglog(f, band * np.abs(weight(f)), color=look.ink, linewidth=LINE)
+        upper.set(xlabel="frequency [Hz]", ylabel="m/s² per √Hz")
+        upper.set_title("line: small motions; dots: full motion; black: weighted by W_k", loc="left")
+        for axis in (upper.xaxis, upper.yaxis):
+            axis.set_major_formatter(lambda x, _: f"{x:g}")
+        for k, kind in enumerate(SHOWN):
+            over = [Ride(ride.vehicle, Road(kind), speed).weighted for speed in SPEEDS]
+            lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
+        lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
+        lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))
+        made.legend(frameon=False, labelcolor=look.ink, ncols=len(SHOWN), loc="outside lower right")
+    return made
+
+
+def write_page(car: Car, ride: Ride, folder: str | Path) -> Path:
+    """Write ``ride-CAR.html`` and its view into a folder that exists; where the page is."""
+    folder, view = Path(folder), f"ride-{car.name}-view.html"
+    run, end = ride.run, float(ride.run.t[0]) + FILM
+    film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
+    shown = film.animate(curves=(), traces=(), speed=1.0, title=car.title.split(",")[0]).html
+    write_atomically(folder / view, playing(shown).encode())
+    others = [Ride(Vehicle(kind, car.ride), ride.road, ride.speed) for kind in KINDS[:-1]]
+    page = page_template("ride.html", TEMPLATES).render(
+        car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
+        figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort([*others, ride]), modes=modes(ride),
+        struts=struts(ride),
+    )  # fmt: skip
+    return write_atomically(folder / f"ride-{car.name}.html", page.encode())

@@ -1,0 +1,107 @@
+"""A car over a rough road: vibration at the seat, wave by wave and in the full motion.
+
+A wave n of the road reaches a wheel x ahead of the centre of mass as ``c exp(2 pi i n (v t + x))`` and pushes it by
+``(k + i w c_t)`` of its height, w = 2 pi n v. Through the small motions of the car the acceleration at the seat is
+
+    a = -w^2 s' (i w - A)^-1 B f,     a_w^2 = sum |W_k a|^2 / 2
+
+for the very road that the full motion runs over, so that both can be compared wave by wave.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mbsd3d import Solution, Table, simulate
+from mbsd3d.extend import number
+from validation.nvh.road.comfort import verdict, weight
+from validation.nvh.road.profile import Road
+from validation.nvh.road.vehicle import Corner, Vehicle
+
+FINE = 16  # samples of the shortest wave of the road
+SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
+RTOL = 1e-8
+
+
+@dataclass(frozen=True)
+class Ride:
+    """``vehicle`` over ``road`` at ``speed`` [m/s] > 0; ValueError for another speed."""
+
+    vehicle: Vehicle
+    road: Road
+    speed: float
+
+    def __post_init__(self) -> None:
+        number(self.speed, "ride: speed", positive=True)
+
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """(k,) w of the waves [rad/s]."""
+        return 2 * np.pi * self.road.waves * self.speed
+
+    def under(self, corner: Corner) -> np.ndarray:
+        """(k,) phasors of the road under a wheel [m]; a half car has the mean of both tracks."""
+        c = self.road.amplitudes
+        track = c.mean(axis=0) if self.vehicle.kind == "half" else c[corner.side]
+        return track * np.exp(2j * np.pi * self.road.waves * corner.x)
+
+    @cached_property
+    def heights(self) -> np.ndarray:
+        """(k, outputs) phasors of the heights of the vehicle's points [m]."""
+        A, B = self.vehicle.equations
+        w, n = self.rates, A.shape[0]
+        push = [(x.tyre + 1j * w * x.tyre_damping) * self.under(x) for x in self.vehicle.corners]
+        systems = 1j * w[:, None, None] * np.eye(n) - A
+        found = np.linalg.solve(systems, (np.array(push).T @ B.T)[..., None])[..., 0]
+        return found[:, : n // 2]
+
+    @cached_property
+    def seat(self) -> np.ndarray:
+        """(k,) phasors of the acceleration at the seat [m/s^2]."""
+        return -(self.rates**2) * (self.heights @ self.vehicle.at_seat)
+
+    @property
+    def weighted(self) -> float:
+        """Root mean square of the weighted acceleration at the seat [m/s^2]."""
+        return rms(weight(self.rates / (2 * np.pi)) * self.seat)
+
+    @property
+    def verdict(self) -> str:
+        """What people in public transport would say."""
+        return verdict(self.weighted)
+
+    @cached_property
+    def run(self) -> Solution:
+        """The full motion over one length of the road, settled."""
+        period = self.road.length / self.speed
+        step = 1.0 / (FINE * self.road.waves[-1] * self.speed)
+        count = int(np.ceil(period / step))
+        step, before = period / count, int(np.ceil(SETTLE / period * count))
+        times = step * np.arange(before + count + 1)
+        turn, loads = np.exp(1j * np.outer(times, self.rates)), []
+        for corner in self.vehicle.corners:
+            phasors = (corner.tyre + 1j * self.rates * corner.tyre_damping) * self.under(corner)
+            loads.append((corner.name, Table(times, (turn @ phasors).real)))
+        system = self.vehicle.system(loads)
+        return simulate(system, float(times[-1]), output=times[before:], rtol=RTOL)
+
+    @cached_property
+    def run_seat(self) -> np.ndarray:
+        """(k,) phasors of the acceleration at the seat in the full motion [m/s^2]."""
+        run, (x, y) = self.run, self.vehicle.seat
+        up = run.acceleration("body")[:, 2] + run.alpha("body") @ (y, -x, 0.0)
+        count = up.size - 1
+        lines = np.fft.rfft(up[:-1]) * 2 / count
+        index = np.round(self.road.waves * self.road.length).astype(int)
+        return lines[index] * np.exp(-1j * self.rates * run.t[0])
+
+    @property
+    def difference(self) -> float:
+        """Root mean square of what full motion and small motions differ by, over that of the acceleration."""
+        return rms(self.run_seat - self.seat) / rms(self.seat)
+
+
+def rms(phasors: np.ndarray) -> float:
+    """Root mean square of a sum of waves of different frequencies."""
+    return float(np.sqrt(np.sum(np.abs(phasors) ** 2) / 2))

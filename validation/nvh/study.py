@@ -1,0 +1,129 @@
+"""An engine in a car at a speed: what is computed of it, each part when it is asked for."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from mbsd3d import Solution
+from mbsd3d.errors import InputError
+from mbsd3d.extend import number
+from validation.nvh.engine import balance_shafts
+from validation.nvh.engine.loads import Source
+from validation.nvh.engine.main_bearings import Bearing, main_bearings
+from validation.nvh.engine.presets import Preset
+from validation.nvh.held import mounts as cars
+from validation.nvh.held.mounts import Car, Mount
+from validation.nvh.held.powertrain import Equivalent, equivalent
+from validation.nvh.held.response import Map, OnMounts, run_orders, whole_run
+from validation.nvh.held.rigid_modes import RigidMode, rigid_modes, sag
+from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
+
+SPEEDS = 60  # of the map, from idle to redline
+AGREES = 0.01  # difference of linear map and full run, over the largest order
+SETTLE = 0.5  # s: the run starts from the state of the linear answer
+
+
+@dataclass(frozen=True)
+class Study:
+    """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas;
+    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None.
+
+    ValueError for a speed that is not positive or beyond the redline, or a load outside 0 ... 1.
+    """
+
+    preset: Preset
+    car: Car
+    rpm: float
+    load: float = 1.0
+    shafts: str | None = None
+
+    def __post_init__(self) -> None:
+        rpm = number(self.rpm, "nvh: rpm", positive=True)
+        if rpm > self.preset.redline:
+            raise InputError(f"nvh: rpm {rpm:g} is beyond the redline of '{self.preset.name}', {self.preset.redline:g}")
+        self.source.cycle  # noqa: B018  # refuses a load
+
+    @cached_property
+    def source(self) -> Source:
+        """The engine that shakes."""
+        fitted = () if self.shafts is None else balance_shafts.fitted(self.preset, self.shafts)
+        return Source(self.preset, self.load, tuple(fitted))
+
+    @cached_property
+    def body(self) -> Equivalent:
+        """Rigid body and rotor of the powertrain."""
+        return equivalent(self.preset, self.source.fitted)
+
+    @cached_property
+    def placed(self) -> list[Mount]:
+        """The mounts of the car for this powertrain."""
+        return cars.mounts(self.car, self.preset, self.body.mass)
+
+    @cached_property
+    def modes(self) -> list[RigidMode]:
+        """Of the powertrain at rest."""
+        return rigid_modes(self.body.rigid, self.placed)
+
+    @cached_property
+    def sag(self) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement [m] and rotation [rad] under the weight."""
+        return sag(self.body.rigid, self.placed)
+
+    @cached_property
+    def decoupled(self) -> Decoupled:
+        """The mounts moved until the powertrain rolls about its torque-roll axis."""
+        return decouple(self.body.rigid, self.placed)
+
+    @cached_property
+    def roll_shares(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """(share of energy, frequency [Hz]) of the roll, as built and decoupled."""
+        return roll_share(self.body.rigid, self.placed), roll_share(self.body.rigid, self.decoupled.mounts)
+
+    @cached_property
+    def on_mounts(self) -> OnMounts:
+        """About the position under the mean torque."""
+        return OnMounts(self.body, self.placed, self.source.mean_torque)
+
+    @cached_property
+    def map(self) -> Map:
+        """From idle to redline."""
+        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, SPEEDS))
+
+    @cached_property
+    def spin(self) -> float:
+        """Largest change of a mount's force if the spin of the crank is left out, over the largest force."""
+        still = replace(self.on_mounts, gyroscopic=False).answer(self.source, self.map.rpm)
+        return float(np.abs(still.force - self.map.force).max() / np.abs(self.map.force).max())
+
+    @cached_property
+    def here(self) -> Map:
+        """At the speed of the study."""
+        return self.on_mounts.answer(self.source, [self.rpm])
+
+    @cached_property
+    def run(self) -> Solution:
+        """The full motion at this speed, settled: four cycles."""
+        return whole_run(self.source, self.on_mounts, self.rpm, settle=SETTLE)
+
+    @cached_property
+    def run_force(self) -> np.ndarray:
+        """(n, mounts, 3) phasors on the car in the full run, turned to the crank angle of the map."""
+        return run_orders(self.run, self.placed, self.preset.engine(self.rpm).rate, self.here.orders)
+
+    @cached_property
+    def differences(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) largest force of a mount in the linear map [N], and how far the full run is from it, order by order."""
+        linear, full = self.here.force[0, 1:], self.run_force[1:]
+        return np.abs(linear).max(axis=(1, 2)), np.abs(full - linear).max(axis=(1, 2))
+
+    @property
+    def difference(self) -> float:
+        """Largest difference of full run and map in any order, over the largest order."""
+        size, off = self.differences
+        return float(off.max() / size.max())
+
+    @cached_property
+    def bearings(self) -> list[Bearing]:
+        """Main bearings at this speed and load."""
+        return main_bearings(self.source, self.rpm)
