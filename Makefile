@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow timing warm lint pictures precision docs clean
+.PHONY: demo gallery test slow timing warm lint pictures precision figures docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -58,6 +58,10 @@ docs: $(READY)
 
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
+
+# Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
+figures: pictures precision
+	$(BIN)/python -m validation.benchmark.texts out/benchmark/precision.json
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -37,7 +37,7 @@ from .mechanism.relative_measures import (
 )
 
 __all__ = [
-    "Condition", "Measure", "angle", "angle_between", "between", "camber", "clearance", "distance", "heading", "heading_rate",
-    "lean", "lean_rate", "leaves", "length", "normal_force", "offset", "offset_rate", "omega", "position", "rate", "slide", "slide_rate", "state",
-    "touches", "turn", "turn_rate", "velocity",
+    "Condition", "Measure", "angle", "angle_between", "between", "camber", "clearance", "distance", "heading",
+    "heading_rate", "lean", "lean_rate", "leaves", "length", "normal_force", "offset", "offset_rate", "omega",
+    "position", "rate", "slide", "slide_rate", "state", "touches", "turn", "turn_rate", "velocity",
 ]  # fmt: skip

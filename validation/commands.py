@@ -38,7 +38,13 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
     help="MODEL: leave out what cannot be imported (.xml, .urdf), e.g. contact.",
 )
 @click.option("--quick", is_flag=True, help="Cases: the short list, in less than a minute.")
-@click.option("--case", "names", multiple=True, metavar="NAME", help="Cases: only this one; may be repeated.")
+@click.option(
+    "--case",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="Cases: only this one (or a pattern); may be repeated.",
+)
 @click.option("--list", "only_list", is_flag=True, help="Cases: name them and end.")
 @click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")
 @click.option("--out", help="Cases: folder for the report, made if missing.  [default: out/validation]")

@@ -17,6 +17,7 @@ from mbsd3d import (
     Body,
     Bushing,
     Constant,
+    Contact,
     Cylindrical,
     Force,
     Input,
@@ -32,6 +33,7 @@ from mbsd3d import (
     Table,
     Torque,
     TorsionSpring,
+    shapes,
     simulate,
 )
 from mbsd3d.cli import main
@@ -67,6 +69,10 @@ def all_forces(rng):
             damping=(0.1, 0.2, 0.3), turning_damping=0.2, axes=random_orientation(rng),
         ),
         AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, h, i)),
+        Contact(
+            three, two, shapes.Torus(0.3, 0.1, (1, 2, 3), at=rng.normal(size=3)), stiffness=31.0, exponent=1.3,
+            damping=0.1, loss=0.2, friction=0.4, rolling=0.1, plane=(rng.normal(size=3), direction(rng)),
+        ),
     ]  # fmt: skip
     seen = [measures.angle(hinge), measures.velocity(two, axis=direction(rng), at=rng.normal(size=3))]
     forces.append(StateFeedback(measures=seen, gains=(3.0, 0.4), on=hinge, reference=(0.1, 0.2), time_constant=0.05))

@@ -107,6 +107,11 @@ def _contact(rng, a, b, surface, **numbers):
 
 
 STONE = dict(at=(0.1, -0.2, 0.15), orientation=rotation((1, 2, -1), 0.8))
+STICKS = dict(
+    exponent=1.5, damping=0.02, loss=0.01, friction=3.0, rolling=2.0, spinning=1.5, grip=1.2, grip_damping=0.3
+)
+SLIPS = dict(damping=0.02, friction=0.05, rolling=0.02, spinning=0.01, grip=1.2, grip_damping=0.3)
+CREEPS = dict(loss=0.02, friction=0.4, rolling=0.3, spinning=0.2, creep=0.5)
 
 
 def _on(joint, cls, **numbers):
@@ -143,43 +148,9 @@ EXAMPLES = {
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
     "Bushing": lambda rng, a, b: ([], _bushing(rng, a, b)),
-    "Contact that sticks": lambda rng, a, b: _contact(
-        rng,
-        a,
-        b,
-        shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE),
-        exponent=1.5,
-        damping=0.02,
-        loss=0.01,
-        friction=3.0,
-        rolling=2.0,
-        spinning=1.5,
-        grip=1.2,
-        grip_damping=0.3,
-    ),
-    "Contact that slips": lambda rng, a, b: _contact(
-        rng,
-        a,
-        b,
-        shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE),
-        damping=0.02,
-        friction=0.05,
-        rolling=0.02,
-        spinning=0.01,
-        grip=1.2,
-        grip_damping=0.3,
-    ),
-    "Contact that creeps": lambda rng, a, b: _contact(
-        rng,
-        a,
-        b,
-        shapes.Sphere(0.6, at=(0.1, -0.2, 0.15)),
-        loss=0.02,
-        friction=0.4,
-        rolling=0.3,
-        spinning=0.2,
-        creep=0.5,
-    ),
+    "Contact that sticks": lambda rng, a, b: _contact(rng, a, b, shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE), **STICKS),
+    "Contact that slips": lambda rng, a, b: _contact(rng, a, b, shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE), **SLIPS),
+    "Contact that creeps": lambda rng, a, b: _contact(rng, a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), **CREEPS),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
 """Name -> factory(rng, a, b) of (joints it needs, element)."""

@@ -10,6 +10,7 @@ from mbsd3d import (
     AeroDrag,
     Bushing,
     Constant,
+    Contact,
     CustomForce,
     Cylindrical,
     Force,
@@ -24,8 +25,10 @@ from mbsd3d import (
     TorsionSpring,
     load,
     measures,
+    shapes,
     simulate,
 )
+from mbsd3d.base.directions import perpendiculars
 from mbsd3d.mechanism.force_element import ForceElement
 from mbsd3d.mechanism.forces.custom import SavedForce
 
@@ -64,6 +67,9 @@ def machine():
                       reference=(0.4, -0.3), time_constant=0.2, name="servo"),
         CustomForce(band, on=(a, b), points=(ends["at_a"], at), parameters=(0.6, -0.2), states={"slow": 1.5},
                     name="band"),
+        Contact(a, b, shapes.Ellipsoid((0.5, 0.4, 0.2), orientation=turned), stiffness=1.4, exponent=1.2, damping=0.1,
+                loss=0.2, friction=0.5, rolling=0.02, spinning=0.6, grip=3.0, grip_damping=0.8, name="touch",
+                plane=(b.position + (1.0, 1.5, 0.7), (0.3, 0.8, 0.2))),
     ]  # fmt: skip
     return System([a, b, c, d], [hinge, slider], forces, gravity=(0.3, -0.7, -9.6))
 
@@ -188,6 +194,47 @@ def test_bushing(run):
     close(found.power, np.sum(force * d_dot + moment * w, axis=1))
     close(run.force("bushing", on="a").moment, -found.moment)
     close(run.force("bushing", on="a").point, q)
+
+
+def test_contact(run):
+    part, a, b = run.system.part("touch", "forces"), Seen(run, "a"), Seen(run, "b")
+    form, (at, normal) = part.surface, part.plane
+    along = perpendiculars(normal)[0]
+    n, x, y = (a.axes(axis) for axis in (normal, along, np.cross(normal, along)))
+    turn = Rotation.from_quat(b.body.orientation, scalar_first=True) * Rotation.from_quat(
+        form.orientation, scalar_first=True
+    )
+    E = b.R @ turn.as_matrix()
+    local = np.einsum("tji,tj->ti", E, n) * form.radii
+    arm = -np.einsum("tij,tj->ti", E, local * form.radii) / np.linalg.norm(local, axis=1)[:, None]
+    q = b.point(b.body.centre)[0] + arm
+    v = b.v + np.cross(b.w, q - b.r) - a.v - np.cross(a.w, q - a.r)
+    depth, speed = np.sum(n * (a.point(at)[0] - q), axis=1), -np.sum(n * v, axis=1)
+    N = 1.4 * depth**1.2 * (1 + 0.2 * speed) + 0.1 * speed
+    assert depth.min() > 0.1 and N.min() > 0.1  # it is pressed all the time
+
+    def clipped(deflection, rate, stiffness, damping, most):
+        pull = stiffness * deflection + damping * rate
+        size = np.maximum(np.linalg.norm(pull, axis=1), 1e-300)  # all bodies start at rest
+        return pull * np.minimum(1.0, most / size)[:, None]
+
+    found, w, s = run.force("touch"), b.w - a.w, 0.5
+    z = np.column_stack(list(found.states.values()))
+    flat = np.stack([x, y], axis=2)
+    slip, roll, spin = (np.einsum("tik,ti->tk", c, u) for c, u in ((flat, v), (flat, w), (n[:, :, None], w)))
+    F = clipped(z[:, :2], slip, 3.0, 0.8, 0.5 * N)
+    M = clipped(z[:, 2:4], roll, 3.0 * s**2, 0.8 * s**2, 0.02 * N)
+    T = clipped(z[:, 4:], spin, 3.0 * s**2, 0.8 * s**2, 0.6 * N)
+    close(found.force, N[:, None] * n - np.einsum("tik,tk->ti", flat, F))
+    close(found.moment, -np.einsum("tik,tk->ti", flat, M) - T * n)
+    close(found.point, q)
+    close(found.power, np.sum(found.force * v + found.moment * w, axis=1))
+    close(run.force("touch", on="a").force, -found.force)
+    close(found.stored, 1.4 * depth**2.2 / 2.2 + 1.5 * np.sum(z**2 * [1, 1, s**2, s**2, s**2], axis=1))
+    close(run.measure(measures.normal_force(part)), N)
+    for load_, most in ((F, 0.5 * N), (M, 0.02 * N), (T, 0.6 * N)):
+        assert (np.abs(load_).max(axis=1)[1:] > 1e-3 * most[1:]).all()
+    assert (np.linalg.norm(F, axis=1) < 0.499 * N).any() and (np.linalg.norm(M, axis=1) > 0.019 * N).any()
 
 
 def test_loads_on_one_body(run):

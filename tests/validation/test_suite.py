@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bicycle.parameters import fittings
 from mbsd3d.demos.discovery import discover
 from validation import cases
 from validation.engine_balance.layouts import names
@@ -29,7 +30,7 @@ from validation.suite.findings import (
     not_compared,
 )
 from validation.suite.suite import examined, lost
-from validation.suite.trials import bicycles, engines, families, references
+from validation.suite.trials import bicycles, engines, families, references, tyres
 from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")
@@ -113,6 +114,20 @@ def test_bicycles_follow_lagrange_and_a_heavier_one_does_not():
     heavier = replace(bicycles.BENCHMARK, mB=1.001 * bicycles.BENCHMARK.mB)
     wrong = replace(made, source=made.source | {"parameters": heavier})
     assert {finding.verdict for finding in bicycles.lagrange(wrong)} == {DIFFERS}
+
+
+def test_a_free_wheel_agrees_and_one_of_other_grip_does_not(monkeypatch):
+    found, made = examine(tyres.trials(quick=True)[0])
+    assert found.verdict == AGREES and len(found.of(THEORY)) == 3
+    monkeypatch.setattr(tyres, "WHEEL", replace(tyres.WHEEL, mu=1.001 * tyres.WHEEL.mu))
+    assert {finding.verdict for finding in tyres.written_out(made)} == {DIFFERS}
+
+
+def test_a_motorcycle_has_its_printed_eigenvalues_and_one_of_other_damping_does_not(monkeypatch):
+    found, made = examine(tyres.trials(quick=True)[1])
+    assert found.verdict == AGREES and len(found.of(REFERENCE)) == 2
+    monkeypatch.setattr(tyres, "fittings", lambda p: fittings(p) | {"steer_damping": 7.2})
+    assert {finding.verdict for finding in tyres.printed(made)} == {DIFFERS}
 
 
 def test_four_bars_in_a_row_have_the_rows_that_counting_gives():

@@ -29,7 +29,8 @@ def nvh(engine: str | None, car_name: str, folder: str | None, only_list: bool, 
     main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the speeds, and at one speed
     by the full motion of the crank train on its mounts. The exit code is 1 if the two differ by more than 1 %.
 
-    With --road instead of LAYOUT: vibration at the seat of a quarter, half and whole car on a rough road.
+    With --road instead of LAYOUT: vibration at the seat of a quarter, linked, half and whole car on a
+    rough road, and what the links of its axles make of the travel of a wheel.
     """
     from validation.nvh.engine import presets
     from validation.nvh.held import mounts
@@ -84,7 +85,7 @@ def in_car(
 
 
 def on_road(car: Any, folder: str | None, road: str, speed: float = 20.0) -> None:
-    """Quarter, half and whole car on a road; show them, write their page."""
+    """Quarter, linked, half and whole car on a road; show them, write their page."""
     from validation.nvh.road import report
     from validation.nvh.road.vehicle import KINDS
 
@@ -93,6 +94,8 @@ def on_road(car: Any, folder: str | None, road: str, speed: float = 20.0) -> Non
     show("at the seat", report.comfort(rides))
     show("wheels", report.struts(rides[-1]))
     show("modes", report.modes(rides[-1]))
+    show("guides of the wheels", report.guides(rides[-1].vehicle))
+    click.echo(f"\n{report.braking(rides[-1].vehicle)}")
     if folder is not None:
         click.echo(report.write_page(car, rides[-1], folder))
 

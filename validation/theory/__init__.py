@@ -19,6 +19,8 @@ from validation.theory.common import (
     quarter_period,
     rotation_matrix,
 )
+from validation.theory.five_links import poses as five_link_poses
+from validation.theory.five_links import twist as five_link_twist
 from validation.theory.hinge_loop import HingeLoop
 from validation.theory.mounts import bounce_and_pitch, quarter_car, three_coupled, transmissibility
 from validation.theory.one_freedom import (

@@ -51,17 +51,22 @@ def three_coupled(mass: float, inertia: tuple[float, float], rates: dict[str, fl
 
 
 def quarter_car(
-    rate: np.ndarray, masses: tuple[float, float], spring: tuple[float, float], tyre: tuple[float, float]
+    rate: np.ndarray,
+    masses: tuple[float, float],
+    spring: tuple[float, float],
+    tyre: tuple[float, float],
+    inerter: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights of body and wheel over that of the road, complex, at rates w [rad/s].
 
-    ``masses``: (m_s, m_u) of body and wheel; ``spring``, ``tyre``: (stiffness, damping). With S = k_s + i w c_s and
-    T = k_t + i w c_t, from both equations by elimination:
+    ``masses``: (m_s, m_u) of body and wheel; ``spring``, ``tyre``: (stiffness, damping); ``inerter``: b [kg], which
+    takes the force b (z_s'' - z_u''). With S = k_s + i w c_s - b w^2 and T = k_t + i w c_t, from both equations by
+    elimination:
 
         z_u / z = T (S - m_s w^2) / D,   z_s / z = T S / D,   D = (S - m_s w^2) (S + T - m_u w^2) - S^2
     """
     w = np.asarray(rate)
-    S, T = spring[0] + 1j * w * spring[1], tyre[0] + 1j * w * tyre[1]
+    S, T = spring[0] + 1j * w * spring[1] - inerter * w**2, tyre[0] + 1j * w * tyre[1]
     above = S - masses[0] * w**2
     D = above * (S + T - masses[1] * w**2) - S**2
     return T * S / D, T * above / D

@@ -43,9 +43,12 @@ def steady_spin(m, R, rho, I1, I3, tilt, W):
     return -(W**2 * c * (s * (I3 - I1) + m * drop * R) + m * G * R * c) / per_spin
 
 
-def theory(*, W, R, rho, tilt_deg):
-    """The steady motion goes on; what the table gives way falls with one over its stiffness."""
-    require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90 degrees")
+def theory(*, m, W, R, rho, I1, I3, tilt_deg, mu):
+    """The steady motion goes on, if friction holds it; what the table gives way falls with one over its stiffness."""
+    require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90")
+    tilt = np.radians(tilt_deg)
+    needed = abs(W * (W * R * np.cos(tilt) + steady_spin(m, R, rho, I1, I3, tilt, W) * (R + rho * np.sin(tilt)))) / G
+    require(mu > needed, f"the coin slips: it needs friction {needed:.3f}, not {mu}; give a greater mu")
     return {"limit_rad_s": W, "order": 1.0, "exact_rad_s": W}
 
 
@@ -80,10 +83,10 @@ demo = Demo(
     __name__,
     title="Springs that become a rule",
     question="Is a coin that must not slip the same as a coin that is held by friction and a stiff table?",
-    why="Rolling without slip is a rule: three numbers of the motion are given, and whatever force that takes is there. "
+    why="Rolling without slip is a rule: three numbers of the motion are given, whatever force that takes. "
     "A real edge sinks in a little and its friction gives way a little before it holds. Both need the same forces, so "
-    "the way is as large as the force over the stiffness: ten times stiffer is ten times closer. The rule is the limit, "
-    "and far cheaper to compute.",
+    "the way is as large as the force over the stiffness: ten times stiffer is ten times closer. The rule is the "
+    "limit, and far cheaper to compute.",
     equation="W z x L = l x m (g z - W^2 X);  |W_k - W| ~ 1/k",
     source="Routh, Advanced Rigid Dynamics; Brogliato, Nonsmooth Mechanics, on compliant contact as its limit",
     quantities={

@@ -81,9 +81,8 @@ demo = Demo(
     question="Why does a Celtic stone refuse to spin one way and turn back?",
     why="The stone's mass lies a little askew to its surface. So a spin and a rocking that are independent in a "
     "symmetric stone now feed each other: spun the wrong way, the slightest rocking grows and takes all the energy "
-    "of the spin, and the rocking then pushes the stone around the other way. It rolls without slip, which needs no "
-    "energy but forgets no direction: the motion run backwards is possible too, but it does not start from a quiet "
-    "spin.",
+    "of the spin, and the rocking then pushes the stone around the other way. Rolling without slip takes no "
+    "energy, so the motion run backwards is possible too, but that one needs just the right rocking to start with.",
     equation="(I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n),  a = D n / sqrt(n'D n)",
     source="Walker (1896); Bondi, Proc. R. Soc. A 405 (1986) 265; Garcia, Hubbard, Proc. R. Soc. A 418 (1988) 165",
     quantities={

@@ -7,7 +7,8 @@ from ...base.errors import InputError
 from ...base.rotations import quaternion_from_matrix
 from ...base.style import GREY, INNER, MARK, colour
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.contacts import RollingDisc
+from ...mechanism.contacts import Rolling, RollingDisc
+from ...mechanism.forces.contact import Contact
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Ellipsoid, Lines, Shape
 from ...mechanism.shapes.guesses import shapes_of
@@ -31,6 +32,8 @@ class Artist:
         self.place = {id(body): i for i, body in enumerate((*system.bodies, GROUND))}
         self.drawing = Drawing([], [], [], [], 0.0, 0.0)
         self.rolling = {id(joint.b): joint for joint in system.joints if isinstance(joint, RollingDisc)}
+        touching = [part for part in (*system.joints, *system.forces) if isinstance(part, Rolling | Contact)]
+        self.surfaces = {id(part.b): part.surface for part in touching}
 
     def bodies(self) -> None:
         """Shapes of the bodies; those without one that roll as a disc are a lens of its radius."""
@@ -46,7 +49,9 @@ class Artist:
                     raise InputError(f"body '{body.name}': {error}") from error
 
     def shapes(self, body: Body) -> tuple[Shape, ...]:
-        """Those of a body; a wheel's ellipsoid would reach into the road."""
+        """Those of a body: else the surface it rolls or touches with; a wheel's ellipsoid would reach into the road."""
+        if body.shape is None and id(body) in self.surfaces:
+            return (self.surfaces[id(body)],)
         disc = self.rolling.get(id(body))
         if body.shape is not None or disc is None or not np.allclose(disc.centre, body.centre, atol=1e-9 * disc.radius):
             return shapes_of(body)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...base.directions import perpendiculars
 from ...mechanism.bodies import Body, Ground
-from ...mechanism.contacts import RollingDisc
+from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
 from ...mechanism.force_element import ForceElement
 from ...mechanism.joints import Joint
@@ -42,8 +42,8 @@ def scaled(mesh: Mesh, *sizes: float) -> Mesh:
 
 def anchor(joint: Joint) -> tuple[Body | Ground, np.ndarray]:
     """The body and the world point at the reference pose where the joint and its name are drawn."""
-    if isinstance(joint, RollingDisc):
-        return joint.b, joint.centre  # the contact travels over both bodies
+    if isinstance(joint, RollingContact):
+        return joint.b, joint.outline.centre  # the contact travels over both bodies
     return (joint.support() if isinstance(joint, GearMesh) else joint.b), joint.point()
 
 
@@ -59,7 +59,7 @@ def circles(joint: Joint) -> list[Glyph]:
 
 def solids(joint: Joint, size: float) -> list[Glyph]:
     """The other solids of a joint; ``size`` [m] is the length of a barrel."""
-    if isinstance(joint, RollingDisc | GearMesh):
+    if isinstance(joint, RollingContact | GearMesh):
         return []
     if joint.partners():
         return [ring(partner, size) for partner in joint.partners() if isinstance(partner, Joint)]

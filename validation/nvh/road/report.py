@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Rows = list[list[str]]
 SPEEDS = np.arange(5.0, 45.1, 2.5)  # m/s
 SHOWN = "ABCD"  # classes of a figure
+HEIGHTS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # m, of a wheel in the table of its guide
 FILM, FRAMES = 4.0, 201  # s and pictures of the animation
 
 
@@ -34,7 +35,7 @@ def ride_of(car: Car, kind: str, road: str, speed: float) -> Ride:
 
 
 def comfort(rides: list[Ride]) -> Rows:
-    """Quarter, half and whole car: vibration at the seat, by small motions and in the full motion."""
+    """Quarter, linked, half and whole car: vibration at the seat, by small motions and in the full motion."""
     rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
     for ride in rides:
         full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
@@ -73,6 +74,45 @@ def struts(ride: Ride) -> Rows:
     return rows
 
 
+def guides(vehicle: Vehicle) -> Rows:
+    """What the links of both axles make of the wheel's travel."""
+    rows = [["axle", "guide", "up [mm]", "toe-in [min]", "camber [deg]", "outwards [mm]", "motion ratio",
+             "roll centre [mm]"]]  # fmt: skip
+    for axle, held in zip(("front", "rear"), vehicle.guides, strict=True):
+        for z in HEIGHTS:
+            toe, camber, track, ratio, centre = (
+                round(held.curves.at(name, z), 9) + 0.0 for name in ("toe", "camber", "track", "ratio", "roll_centre")
+            )
+            values = f"{60 * np.degrees(toe):.1f}", f"{np.degrees(camber):.2f}", f"{1e3 * track:.1f}"
+            rows.append([axle, held.kind, f"{1e3 * z:g}", *values, f"{-ratio:.4f}", f"{1e3 * centre:.0f}"])
+    return rows
+
+
+def braking(vehicle: Vehicle) -> str:
+    """Anti-dive and anti-lift in a line."""
+    dive, lift = vehicle.anti
+    return (
+        f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {vehicle.ride['brakes']:.0%} of braking in front"
+    )
+
+
+def guide_figure(vehicle: Vehicle) -> "Figure":
+    """Toe-in, camber and motion ratio of both axles over the travel."""
+    degree = np.degrees(1.0)
+    shown = ("toe", "toe-in [min]", 60 * degree), ("camber", "camber [°]", degree), ("ratio", "motion ratio", -1.0)
+    with new_figure(7.5, 2.8) as (made, look):
+        for axes, (name, label, scale) in zip(made.subplots(1, 3), shown, strict=True):
+            dress(axes, look)
+            for k, (axle, held) in enumerate(zip(("front", "rear"), vehicle.guides, strict=True)):
+                values, line = scale * getattr(held.curves, name), f"{axle}, {held.kind}"
+                axes.plot(values, 1e3 * held.curves.z, color=look.colour(k), linewidth=LINE, label=line)
+            axes.set(xlabel=label, ylabel="up [mm]" if name == "toe" else "")
+        made.legend(
+            *axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=2, loc="outside lower right"
+        )
+    return made
+
+
 def figure(ride: Ride) -> "Figure":
     """Acceleration at the seat over frequency, and weighted over the speed on several roads."""
     f = ride.rates / (2 * np.pi)
@@ -109,6 +149,7 @@ def write_page(car: Car, ride: Ride, folder: str | Path) -> Path:
     page = page_template("ride.html", TEMPLATES).render(
         car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
         figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort([*others, ride]), modes=modes(ride),
-        struts=struts(ride),
+        struts=struts(ride), guides=guides(ride.vehicle), braking=braking(ride.vehicle),
+        guide_figure=Markup(inline_svg(guide_figure(ride.vehicle), "guide-")),
     )  # fmt: skip
     return write_atomically(folder / f"ride-{car.name}.html", page.encode())

@@ -1,9 +1,9 @@
-"""A car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
+"""A car on its wheels: quarter, linked, half and whole, as mechanisms in space, and their small motions.
 
 The body heaves, rolls and pitches; wheels slide along the z axis of the body on springs and dampers; tyres are springs
 and dampers to the ground. A road of height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level
 ground: without weight all is measured from the loaded position. A half car has its two sides in one, a quarter car is
-one corner with a body that only heaves.
+one corner with a body that only heaves; a linked one is a quarter car whose wheel hangs on the links of its axle.
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,13 @@ from mbsd3d import (
 )  # fmt: skip
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, number
+from validation.nvh.road.guide import SWING, Guide, guide
 
-KINDS = ("quarter", "half", "whole")
+KINDS = ("quarter", "linked", "half", "whole")
+CORNERS = KINDS[:2]
 HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
-SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
+SPOTS = {"quarter": [(0, 0)], "linked": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
 """Points (x, y) of the body whose heights say how it stands [m]."""
 
 
@@ -54,7 +56,8 @@ class Corner:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """``kind``: "quarter" (front left corner), "half" (both sides in one) or "whole"; ``ride``: as in the data file.
+    """``kind``: "quarter" (front left corner), "linked" (the same on its links), "half" (both sides in one) or "whole";
+    ``ride``: as in the data file.
 
     ValueError for an unknown kind, a mass or rate that is not positive, or a negative damping.
     """
@@ -80,7 +83,7 @@ class Vehicle:
         ahead = (1 - r["front"]) * r["wheelbase"], -r["front"] * r["wheelbase"]
         for axle, (end, x) in enumerate(zip(("front", "rear"), ahead, strict=True)):
             values = [r[name][axle] for name in ("unsprung", "spring", "damper", "tyre")] + [r["tyre_damping"]]
-            if self.kind == "quarter":
+            if self.kind in CORNERS:
                 return [Corner("wheel", 0.0, 0.0, 0, *values)]
             if self.kind == "half":
                 found.append(Corner(f"{end} wheels", x, 0.0, 0, *(2 * value for value in values)))
@@ -93,13 +96,25 @@ class Vehicle:
     @property
     def mass(self) -> float:
         """Carried by the springs [kg]."""
-        return self.ride["mass"] * (self.ride["front"] / 2 if self.kind == "quarter" else 1.0)
+        return self.ride["mass"] * (self.ride["front"] / 2 if self.kind in CORNERS else 1.0)
 
     @property
     def seat(self) -> tuple[float, float]:
         """(x, y) where the driver sits; over the wheel of a quarter car [m]."""
         x, y = self.ride["seat"]
-        return {"quarter": (0.0, 0.0), "half": (x, 0.0), "whole": (x, y)}[self.kind]
+        return {"half": (x, 0.0), "whole": (x, y)}.get(self.kind, (0.0, 0.0))
+
+    @cached_property
+    def guides(self) -> list[Guide]:
+        """Of the front and the rear left wheel."""
+        return [guide(kind, self.ride["track"]) for kind in self.ride["guides"]]
+
+    @property
+    def anti(self) -> tuple[float, float]:
+        """(anti-dive, anti-lift): share of the pitching moment of braking that the links bear, front and rear."""
+        share, arm = self.ride["brakes"], self.ride["wheelbase"] / (HEIGHT + REST)
+        front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
+        return share * arm * front, -(1 - share) * arm * rear
 
     def system(self, loads: Sequence[tuple[str, Any]] = ()) -> System:
         """The mechanism; ``loads``: (wheel, force upwards [N] or signal)."""
@@ -108,7 +123,7 @@ class Vehicle:
         inertia = (r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"])
         body = Body("body", self.mass, inertia, position=(0, 0, HEIGHT + REST), shape=shapes.Box(size))
         joints: list[Any] = [Prismatic(GROUND, body, at=body.position, axis=Z, name="heave")]
-        if self.kind != "quarter":
+        if self.kind not in CORNERS:
             across = (1, 0, 0) if self.kind == "whole" else (0, 0, 1)
             joints = [PointOnLine(GROUND, body, at=body.position, axis=Z, name="heave")]
             joints.append(Perpendicular(GROUND, body, axis_a=across, axis_b=(0, 1, 0), name="no yaw"))
@@ -118,19 +133,21 @@ class Vehicle:
         for corner in self.corners:
             at = np.array([corner.x, corner.y, REST])
             tyre = shapes.Cylinder(REST, 0.2, "y")
-            wheel = Body(corner.name, corner.mass, 3 * (0.05 * corner.mass,), position=at, shape=tyre)
+            name = f"spring of {corner.name}"
+            if self.kind == "linked":
+                held, origin = self.guides[0], at - self.guides[0].centre
+                wheel = held.upright(corner.mass, corner.name, origin)
+                joints += held.hold(body, wheel, origin)
+                strut = held.spring(body, wheel, corner.spring, corner.damper, name, origin)
+            else:
+                wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
+                joints.append(Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}"))
+                above = at + (0, 0, HEIGHT)
+                rates = dict(stiffness=corner.spring, damping=corner.damper)
+                strut = SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
             bodies.append(wheel)
-            joints.append(Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}"))
-            forces += [
-                SpringDamper(
-                    wheel, body, at_a=at, at_b=at + (0, 0, HEIGHT), stiffness=corner.spring, damping=corner.damper,
-                    name=f"spring of {corner.name}",
-                ),
-                SpringDamper(
-                    GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, stiffness=corner.tyre, damping=corner.tyre_damping,
-                    name=f"tyre of {corner.name}",
-                ),
-            ]  # fmt: skip
+            rates, name = dict(stiffness=corner.tyre, damping=corner.tyre_damping), f"tyre of {corner.name}"
+            forces += [strut, SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=name)]
         named = {body.name: body for body in bodies}
         forces += [Force(named[name], (0, 0, push), name=f"road under {name}") for name, push in loads]
         return System(bodies, joints, forces, gravity=(0, 0, 0), name=f"{self.kind} car")
@@ -148,8 +165,8 @@ class Vehicle:
     def at_seat(self) -> np.ndarray:
         """(outputs,) weights of the heights of the body that give that of the seat."""
         x, y = self.seat
-        body = {"quarter": [1.0], "half": [(1 + x) / 2, (1 - x) / 2], "whole": [(1 + x - y) / 2, (1 - x - y) / 2, y]}
-        weights = np.array(body[self.kind])
+        body = {"half": [(1 + x) / 2, (1 - x) / 2], "whole": [(1 + x - y) / 2, (1 - x - y) / 2, y]}
+        weights = np.array(body.get(self.kind, [1.0]))
         return np.concatenate([weights, np.zeros(len(self.corners))])
 
     @cached_property

@@ -1,7 +1,10 @@
 """The trials of the suite in the order of the report: what is run, and who judges it."""
 
+import fnmatch
+from itertools import chain
+
 from mbsd3d.errors import InputError
-from validation.suite.trials import bicycles, engines, families, loops, nvh, references
+from validation.suite.trials import bicycles, engines, families, loops, nvh, references, tyres
 from validation.suite.trials.trial import Trial
 
 
@@ -11,16 +14,17 @@ def trials(quick: bool = False) -> list[Trial]:
     ``quick``: whether the run must be short. Names are unique.
     """
     some = families.ladders, loops.trials, families.demonstrations, engines.trials, nvh.trials, families.randoms
-    return [trial for group in (references.trials, bicycles.trials, *some) for trial in group(quick)]
+    return [trial for group in (references.trials, bicycles.trials, tyres.trials, *some) for trial in group(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:
-    """The trials of these names, or all for none.
+    """The trials of these names, which may be patterns such as ``nvh_*``; all for none.
 
-    ValueError for a name that no trial has.
+    InputError for a name that no trial has.
     """
     known = {trial.name: trial for trial in everything}
-    unknown = [name for name in names if name not in known]
+    found = {name: fnmatch.filter(known, name) for name in names}
+    unknown = [name for name, matches in found.items() if not matches]
     if unknown:
         raise InputError(f"--case '{unknown[0]}': there is no such case; --list names them all")
-    return [known[name] for name in dict.fromkeys(names)] if names else everything
+    return [known[name] for name in dict.fromkeys(chain(*found.values()))] if names else everything

@@ -24,9 +24,9 @@ RPM = 4000.0
 LIMIT = 1e-9  # of the largest: rounding of models with up to 26 bodies stays below 1e-12
 STANDS = "a Table of 24 000 points a wheel takes them too long; tables are compared in other cases"
 ALONE = "I4 and V6_90_split30 represent engines, which have the same parts"
-ROUGH = ("quarter", "half", "whole")
-SMALL = {"quarter": 1e-4, "half": 0.01, "whole": 0.02}
-"""Of the acceleration at the seat: only a body that pitches and rolls turns the guides of its wheels."""
+ROUGH = ("quarter", "linked", "half", "whole")
+SMALL = {"quarter": 1e-4, "linked": 0.02, "half": 0.01, "whole": 0.02}
+"""Of the acceleration at the seat: a body that pitches and rolls turns the guides of its wheels, links make arcs."""
 FREQUENCIES = np.array([0.7, 4.1, 5.5, 9.3, 41.0])  # Hz, around a resonance at 5.6
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from mbsd3d import GROUND, SpringDamper, State, System
 from mbsd3d.errors import InputError
-from validation.twins.definitions.rows import Array, Motion, Series, dot, law_of, sqrt
+from validation.twins.definitions.rows import Motion, law_of
+from validation.twins.definitions.series import Array, Series, dot, sqrt
 
 RANK = 1e-9
 """Singular values of J below this part of the greatest count as zero: far above rounding, far below a real row."""

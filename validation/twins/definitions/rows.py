@@ -7,7 +7,6 @@ scalars with one of 1.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,92 +14,7 @@ import numpy as np
 import mbsd3d
 from mbsd3d import GROUND, Joint, State, System
 from validation.twins.base import refused
-
-Array = np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """x(s) = x0 + x1 s + x2 s^2.
-
-    Examples
-    --------
-    >>> s = Series(np.array([2.0]), np.array([1.0]), np.array([0.0]))
-    >>> [float(x) for x in ((s * s).x1[0], (1.0 / s).x1[0])]
-    [4.0, -0.25]
-    """
-
-    x0: Array
-    x1: Array
-    x2: Array
-
-    def __add__(self, other: "Series | Array | float") -> "Series":
-        other = series(other)
-        return Series(self.x0 + other.x0, self.x1 + other.x1, self.x2 + other.x2)
-
-    def __mul__(self, other: "Series | Array | float") -> "Series":
-        return bilinear(np.multiply, self, other)
-
-    __radd__, __rmul__ = __add__, __mul__
-
-    def __neg__(self) -> "Series":
-        return self * -1.0
-
-    def __sub__(self, other: "Series | Array | float") -> "Series":
-        return self + series(other) * -1.0
-
-    def __rtruediv__(self, other: "Series | Array | float") -> "Series":
-        y0 = 1.0 / self.x0
-        y1 = -self.x1 * y0 * y0
-        return Series(y0, y1, -(self.x2 * y0 + self.x1 * y1) * y0) * other
-
-    def __truediv__(self, other: "Series") -> "Series":
-        return other.__rtruediv__(self)
-
-
-def series(x: Series | Array | float) -> Series:
-    """A constant as a series; a series stays as it is."""
-    return x if isinstance(x, Series) else Series(np.asarray(x, float), np.zeros(1), np.zeros(1))
-
-
-def bilinear(function: Callable, a: Series | Array | float, b: Series | Array | float) -> Series:
-    """Series of a product of any kind."""
-    a, b = series(a), series(b)
-    return Series(
-        function(a.x0, b.x0),
-        function(a.x0, b.x1) + function(a.x1, b.x0),
-        function(a.x0, b.x2) + function(a.x1, b.x1) + function(a.x2, b.x0),
-    )
-
-
-def dot(a: Series, b: Series) -> Series:
-    """a . b"""
-    return bilinear(lambda x, y: (x * y).sum(axis=-1, keepdims=True), a, b)
-
-
-def cross(a: Series, b: Series) -> Series:
-    """a x b"""
-
-    def product(x: Array, y: Array) -> Array:
-        shape = np.broadcast_shapes(x.shape, y.shape, (3,))
-        return np.cross(np.broadcast_to(x, shape), np.broadcast_to(y, shape))
-
-    return bilinear(product, a, b)
-
-
-def sqrt(a: Series) -> Series:
-    """Square root."""
-    y0 = np.sqrt(a.x0)
-    y1 = a.x1 / (2.0 * y0)
-    return Series(y0, y1, (a.x2 - y1 * y1) / (2.0 * y0))
-
-
-def arctan2(y: Series, x: Series) -> Series:
-    """Angle of (x, y): theta' = (x y' - y x') / (x^2 + y^2)."""
-    n = x.x0**2 + y.x0**2
-    turn = (x.x0 * y.x1 - y.x0 * x.x1) / n
-    n1 = 2.0 * (x.x0 * x.x1 + y.x0 * y.x1)
-    return Series(np.arctan2(y.x0, x.x0), turn, (x.x0 * y.x2 - y.x0 * x.x2) / n - 0.5 * turn * n1 / n)
+from validation.twins.definitions.series import Array, Series, arctan2, cross, dot, series, sqrt
 
 
 def rotation(e: Array) -> Array:
@@ -216,31 +130,25 @@ def distance(k: Motion, j: Any) -> Series:
     return dot(gap, gap) * (0.5 / j.length) - 0.5 * j.length
 
 
-def contact(k: Motion, j: Any) -> Series:
-    """Point of a torus nearest to a plane: down the disc by radius - crown, then down the plane's normal by crown."""
-    n, u = k.axis(j.a, j.plane[1]), k.axis(j.b, j.axis)
-    steepest = cross(u, cross(u, n))
-    ring = steepest * ((j.radius - j.crown) / sqrt(dot(steepest, steepest)))
-    return k.point(j.b, j.centre) + ring - n * j.crown
+def edge(k: Motion, j: Any, centre: Array, axis: Array, ring: float, tube: float) -> Series:
+    """Point of a torus nearest to a plane: down the disc by the ring, then down the plane's normal by the tube."""
+    n = k.axis(j.a, j.plane[1])
+    steepest = cross(k.axis(j.b, axis), cross(k.axis(j.b, axis), n))
+    return k.point(j.b, centre) + steepest * (ring / sqrt(dot(steepest, steepest))) - n * tube
 
 
 def touching(k: Motion, j: Any) -> Series:
-    """Point of a sphere, an ellipsoid or a torus nearest to a plane: there the gradient of the surface is along -n."""
-    form, n = j.surface, k.axis(j.a, j.plane[1])
-    R, own = mbsd3d.rotations.matrix(j.b.orientation), mbsd3d.rotations.matrix(form.orientation)
-    centre = k.point(j.b, j.b.position + R @ (j.b.com if form.at is None else form.at))
-    if isinstance(form, mbsd3d.shapes.Sphere):
-        return centre - n * form.radius
+    """Point of a torus or an ellipsoid nearest to a plane: where the gradient of the surface is along -n."""
+    form, R, n = j.surface, mbsd3d.rotations.matrix(j.b.orientation), k.axis(j.a, j.plane[1])
+    centre, axes = j.b.position + R @ form.origin(j.b), (R @ mbsd3d.rotations.matrix(form.orientation)).T
     if isinstance(form, mbsd3d.shapes.Torus):
-        axis = dict(zip("xyz", np.eye(3), strict=True))[form.axis] if isinstance(form.axis, str) else form.axis
-        u = k.axis(j.b, R @ own @ axis / np.linalg.norm(axis))
-        steepest = cross(u, cross(u, n))
-        return centre + steepest * (form.radius / sqrt(dot(steepest, steepest))) - n * form.tube
-    away, square = series(np.zeros(3)), series(np.zeros(1))
-    for radius, e in zip(form.radii, (R @ own).T, strict=True):
-        part = dot(k.axis(j.b, e), n) * radius
-        away, square = away + k.axis(j.b, e) * part * radius, square + part * part
-    return centre - away / sqrt(square)
+        axis = axes["xyz".index(form.axis)] if isinstance(form.axis, str) else np.asarray(form.axis) @ axes
+        return edge(k, j, centre, axis / np.linalg.norm(axis), form.radius, form.tube)
+    radii = form.radii if isinstance(form, mbsd3d.shapes.Ellipsoid) else 3 * (form.radius,)
+    parts = [dot(k.axis(j.b, e), n) * r for r, e in zip(radii, axes, strict=True)]
+    length = sqrt(sum((part * part for part in parts), series(np.zeros(1))))
+    away = sum((k.axis(j.b, e) * part * r for r, e, part in zip(radii, axes, parts, strict=True)), series(np.zeros(3)))
+    return k.point(j.b, centre) - away / length
 
 
 def position(k: Motion, j: Any) -> list[Series]:
@@ -283,7 +191,7 @@ GEOMETRY: dict[type, Callable] = {
 
 VELOCITY: dict[type, Callable] = {
     mbsd3d.GearMesh: mesh,
-    mbsd3d.RollingDisc: lambda k, j: [k.slip(j.a, j.b, contact(k, j))],
+    mbsd3d.RollingDisc: lambda k, j: [k.slip(j.a, j.b, edge(k, j, j.centre, j.axis, j.radius - j.crown, j.crown))],
     mbsd3d.Rolling: lambda k, j: [k.slip(j.a, j.b, touching(k, j))],
     mbsd3d.KnifeEdge: lambda k, j: [dot(k.axis(j.b, j.lateral), k.slip(j.a, j.b, k.point(j.b, j.at_b)))],
     mbsd3d.SpeedDriver: lambda k, j: [

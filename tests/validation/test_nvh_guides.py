@@ -1,0 +1,128 @@
+"""Wheels on five links: against twist by Plücker lines, virtual work, and a quarter car with an inerter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mbsd3d import Kinematic, simulate
+from validation import theory
+from validation.nvh.held import mounts
+from validation.nvh.road.guide import COUNT, SWING, Guide, guide
+from validation.nvh.road.profile import Road
+from validation.nvh.road.ride import Ride
+from validation.nvh.road.vehicle import Vehicle
+
+KINDS = ("double wishbone", "multilink")
+TRACK = 1.55
+
+
+def velocity(held: Guide, point: np.ndarray) -> np.ndarray:
+    """(3,) of a point of the upright per velocity of the wheel's centre upwards, at the reference pose."""
+    found = theory.five_link_twist(held.links.values(), held.centre, np.eye(3), np.zeros(3))
+    return found[:3] + np.cross(found[3:], np.subtract(point, held.centre))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_toe_camber_and_track_over_the_travel(kind, way):
+    held = guide(kind, TRACK)
+    z = held.curves.z[held.curves.z * way > 0][:: int(way)]
+    shift, turn = theory.five_link_poses(held.links.values(), held.centre, np.concatenate([[0.0], z]))
+    axle = turn[1:, :, 1]
+    chosen = np.isin(held.curves.z, z)
+    # the integration holds 1e-12 over a travel of 0.08 m
+    assert held.curves.toe[chosen][:: int(way)] == pytest.approx(np.arctan2(axle[:, 0], axle[:, 1]), abs=1e-9)
+    assert held.curves.camber[chosen][:: int(way)] == pytest.approx(-np.arcsin(axle[:, 2]), abs=1e-9)
+    down = axle * axle[:, 2:] - [0, 0, 1.0]
+    out = shift[1:, 1] + held.centre[2] * down[:, 1] / np.linalg.norm(down, axis=1)
+    assert held.curves.track[chosen][:: int(way)] == pytest.approx(out, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_slopes_at_rest(kind):
+    held, at = guide(kind, TRACK), COUNT // 2 - 1
+    curves = held.curves
+    assert curves.z[at] == pytest.approx(0.0, abs=1e-12)
+    inner, outer = np.array(held.strut)
+    along = (outer - inner) / np.linalg.norm(outer - inner)
+    assert curves.ratio[at] == pytest.approx(along @ velocity(held, outer), rel=1e-9)
+    lowest = np.array([*held.centre[:2], 0.0])
+    slope = velocity(held, lowest)
+    assert curves.ahead[at] == pytest.approx(slope[0] / slope[2], rel=1e-9)
+    assert curves.roll_centre[at] == pytest.approx(lowest[1] * slope[1] / slope[2], rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_toe_in_is_positive_when_the_wheel_points_at_the_middle(kind):
+    held, run = guide(kind, TRACK), guide(kind, TRACK).run()
+    front = run.rotation("wheel") @ [1.0, 0, 0]
+    assert np.array_equal(np.sign(held.curves.toe), np.sign(-front[:, 1]))
+    top = run.rotation("wheel") @ [0, 0, 1.0]
+    assert np.array_equal(np.sign(held.curves.camber), np.sign(top[:, 1]))
+
+
+def test_force_of_the_plate_is_that_of_the_strut_by_virtual_work():
+    held = guide("multilink", TRACK)
+    rig = held.rig()
+    strut = replace(rig.forces[0], stiffness=30e3)
+    slow = replace(rig, forces=[strut])
+    run = simulate(slow, 1.25, method=Kinematic(), output=1.0 + np.array([-0.1, 0.03, 0.11]))
+    law = run.force("strut")
+    # the inertia of the plate and of the upright at 1 Hz is taken out with the run without a spring
+    bare = simulate(rig, 1.25, method=Kinematic(), output=run.t)
+    effort = run.effort("road") - bare.effort("road")
+    tension = 30e3 * (law.length - strut.length)
+    assert effort == pytest.approx(tension * law.rate / run.velocity("wheel")[:, 2], rel=1e-9)
+
+
+def test_links_bear_their_share_of_the_pitching_of_braking():
+    """Virtual work of braking forces and of the load they move, on the body held, by the twist alone."""
+    car = Vehicle("whole", mounts.car("saloon").ride)
+    share, wheelbase, height = car.ride["brakes"], car.ride["wheelbase"], 0.55
+    for held, part, load, found in zip(car.guides, (share, 1 - share), (1.0, -1.0), car.anti, strict=True):
+        slope = velocity(held, np.array([*held.centre[:2], 0.0]))
+        braking, moved = np.array([-part, 0.0, 0.0]), np.array([0.0, 0.0, load * height / wheelbase])
+        assert found == pytest.approx(-(braking @ slope) / (moved @ slope), rel=1e-9)
+        assert 0.1 < found < 0.9
+
+
+@pytest.mark.parametrize("car", ["compact", "saloon"])
+def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
+    """What the links let the wheel move sideways and turn adds b (z_s'' - z_u''), b from the twist alone."""
+    linked, w = Vehicle("linked", mounts.car(car).ride), 2 * np.pi * np.geomspace(0.3, 40.0, 17)
+    (corner,), (A, B) = linked.corners, linked.equations
+    twist = theory.five_link_twist(linked.guides[0].links.values(), linked.guides[0].centre, np.eye(3), np.zeros(3))
+    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + SWING * twist[3:] @ twist[3:])
+    assert inerter > 0.005 * corner.mass
+    push = corner.tyre + 1j * w * corner.tyre_damping
+    found = np.array([np.linalg.solve(1j * x * np.eye(4) - A, B[:, 0] * p) for x, p in zip(w, push, strict=True)])
+    rates = (corner.spring, corner.damper), (corner.tyre, corner.tyre_damping)
+    for column, known in enumerate(theory.quarter_car(w, (linked.mass, corner.mass), *rates, inerter)):
+        # the motion ratio is read from the rig at rest to 1e-12, the strut has no preload
+        assert found[:, column] == pytest.approx(known, rel=1e-7)
+
+
+def test_a_linked_car_over_the_road():
+    ride = Ride(Vehicle("linked", mounts.car("compact").ride), Road("B", 190.0, seed=2), 35.0)
+    assert ride.run.certificate.passed
+    assert 1e-5 < ride.difference < 0.02  # arcs of the links over 10 mm of travel
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (dict(links={}), "0 links; a wheel needs 5"),
+        (dict(strut=((0, 0.7, 0.3), (0, 0.7, 0.3))), "strut has no length"),
+        (dict(centre=(0, 0.7, 0.0)), r"centre\[2\]"),
+        (dict(links={str(k): ((0.1 * k, 0.3, 0.2), (0.1 * k, 0.7, 0.2)) for k in range(5)}), "motions free"),
+    ],
+)
+def test_links_that_do_not_hold_a_wheel_are_refused(change, text):
+    with pytest.raises(ValueError, match=text):
+        replace(guide("multilink", TRACK), **change)
+
+
+def test_unknown_guides_are_refused():
+    with pytest.raises(ValueError, match="there are double wishbone"):
+        guide("swing axle", TRACK)

@@ -1,0 +1,37 @@
+"""Times in README.md and docs/ are those of docs/measured.json, and that file is what a measurement says."""
+
+import json
+
+from validation.benchmark.precision import Climb, Point, Row, save
+from validation.benchmark.problems import PROBLEMS
+from validation.benchmark.texts import FEW, MEASURED, ROOT, TEXTS, measured, renewed, table
+
+DATA = json.loads((ROOT / MEASURED).read_text(encoding="utf-8"))
+
+
+def test_texts_show_what_was_measured():
+    for path, text in renewed(ROOT, DATA).items():
+        assert path.read_text(encoding="utf-8") == text, f"{path}: python -m validation.benchmark.texts renews it"
+
+
+def test_a_new_time_changes_both_texts():
+    changed = {**DATA, "ms": {**DATA["ms"], "RSSR": ["1.61", "72", ">370"]}}
+    assert all("| RSSR | 1.61 | 72 | > 370 |" in text for text in renewed(ROOT, changed).values())
+    assert all(text != path.read_text(encoding="utf-8") for path, text in renewed(ROOT, changed).items())
+
+
+def test_problems_exist():
+    assert set(FEW) <= set(DATA["ms"]) <= set(PROBLEMS)
+    assert set(TEXTS) == {"README.md", "docs/performance.md"}
+
+
+def test_measured_is_what_the_benchmark_stored(tmp_path):
+    ours = Climb("mbsd3d", "DOP853", (Point(1e-3, 0.002, 1e-5), Point(1e-4, 0.004, 1e-7)))
+    never = Climb("Exudyn", "constraints", (Point(1e-3, 0.5, 1e-3),))
+    row = Row("RSSR", "loop", 3, 16, (ours, never))
+    save(tmp_path / "precision.json", [row], "A processor, 2 cores; Python 3; load 0.1", complete=True)
+    found = measured(tmp_path / "precision.json")
+    # the middle of two points in logarithms: 1e-6 lies half way, so sqrt(2 * 4) ms
+    assert found["ms"] == {"RSSR": ["2.83", "-", ">500"]} and found["machine"] == "A processor, 2 cores; Python 3"
+    assert "| RSSR | 2.83 | - | > 500 |" in table(found, ("RSSR", "Bricard"))
+    assert "Bricard" not in table(found, ("RSSR", "Bricard"))

@@ -1,0 +1,176 @@
+"""A wheel on five links, as of a double wishbone or a multilink axle: what it does as it goes up and down.
+
+Each link holds a point of the upright at its distance from a point of the body; a wishbone is two links that end in one
+point. Five lengths leave the upright one freedom. With z the height of the wheel's centre, P its lowest point and s the
+length of the strut, the slopes of this curve in space are what designers ask for:
+
+    motion ratio ds/dz    anti-dive  share dx_P/dz L / h    roll centre  y_P (dy_P/dz) / (dz_P/dz)
+
+P here moves with the upright, as it does while the brake holds the wheel; L / h: wheelbase over height of the centre of
+mass; share: of the braking force on this axle.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+
+from mbsd3d import (
+    GROUND,
+    Body,
+    Distance,
+    Kinematic,
+    PointOnPlane,
+    Prismatic,
+    Sine,
+    SlideDriver,
+    Solution,
+    SpringDamper,
+    System,
+    shapes,
+    simulate,
+)  # fmt: skip
+from mbsd3d.extend import number, vector
+from validation.nvh.held.mounts import data
+
+LINKS, ROD = 5, 0.012  # of a wheel; radius they are drawn with [m]
+SWING = 0.05  # m^2: inertia of a wheel over its mass
+TRAVEL, COUNT = 0.08, 81  # m up and down; samples of a run
+Point = Sequence[float]
+
+
+@dataclass(frozen=True, eq=False)
+class Guide:
+    """``kind``: in words; ``centre``: of the left wheel [m]; x ahead, y left, z up from the road in the middle of the
+    axle; ``links``: name -> (point of the body, point of the upright) [m]; ``strut``: the same of spring and damper.
+
+    ValueError for another number of links than five, a link without length, or links that do not hold the wheel.
+    """
+
+    kind: str
+    centre: Point
+    links: dict[str, tuple[Point, Point]]
+    strut: tuple[Point, Point]
+
+    def __post_init__(self) -> None:
+        if len(self.links) != LINKS:
+            raise ValueError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINKS}, an arm is two")
+        for name, ends in (*self.links.items(), ("strut", self.strut)):
+            inner, outer = (vector(end, f"guide '{self.kind}': {name}") for end in ends)
+            if np.linalg.norm(np.subtract(outer, inner)) < 1e-3:
+                raise ValueError(f"guide '{self.kind}': {name} has no length; give two points")
+        number(self.centre[2], f"guide '{self.kind}': centre[2]", positive=True)
+        found = self.rig().check()
+        if found.redundant or found.velocity_freedom:
+            raise ValueError(
+                f"guide '{self.kind}': {found.redundant} links are redundant, {found.velocity_freedom} motions free; "
+                "give links whose lines do not meet or run in parallel"
+            )
+
+    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0)) -> list[Distance]:
+        """The links between a body and the upright; ``origin``: of the guide's points [m]."""
+        return [
+            Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name)
+            for name, (inner, outer) in self.links.items()
+        ]
+
+    def spring(
+        self,
+        body: Body,
+        upright: Body,
+        stiffness: float,
+        damping: float,
+        name: str,
+        origin: Point = (0, 0, 0),
+    ) -> SpringDamper:
+        """Spring and damper of these rates at the wheel: at the strut they are larger by the motion ratio squared."""
+        share = self.motion_ratio**2
+        inner, outer = (np.add(end, origin) for end in self.strut)
+        return SpringDamper(
+            body, upright, at_a=inner, at_b=outer, stiffness=stiffness / share, damping=damping / share, name=name
+        )
+
+    def upright(self, mass: float, name: str, origin: Point = (0, 0, 0)) -> Body:
+        """Upright and wheel, at the wheel's centre, drawn with its links."""
+        radius, at = self.centre[2], np.array(self.centre)
+        drawn = [shapes.Torus(0.8 * radius, 0.2 * radius, "y")]
+        for _, outer in self.links.values():
+            d = np.subtract(outer, at)
+            drawn.append(shapes.Cylinder(ROD, float(np.linalg.norm(d)), tuple(d), at=d / 2))
+        return Body(name, mass, 3 * (SWING * mass,), position=np.add(at, origin), shape=drawn)
+
+    def rig(self, travel: float = TRAVEL) -> System:
+        """The wheel on a plate that goes up and down under its centre, once in a second; the body held."""
+        upright = self.upright(20.0, "wheel")
+        plate = Body("plate", 1.0, (0.1, 0.1, 0.1), shape=shapes.Box((0.3, 0.3, 0.02)))
+        slide = Prismatic(GROUND, plate, at=(0, 0, 0), axis=(0, 0, 1), name="slide")
+        rest = PointOnPlane(plate, upright, at=self.centre, normal=(0, 0, 1), name="wheel load")
+        drive = SlideDriver(slide, Sine(travel, 1.0), name="road")
+        inner, outer = self.strut
+        strut = SpringDamper(GROUND, upright, at_a=inner, at_b=outer, stiffness=0.0, name="strut")
+        return System([plate, upright], [slide, *self.hold(GROUND, upright), rest, drive], [strut], gravity=(0, 0, 0))
+
+    def run(self, travel: float = TRAVEL) -> Solution:
+        """From the lowest to the highest place of the wheel."""
+        swing = np.arcsin(np.linspace(-1.0, 1.0, COUNT)[1:-1]) / (2 * np.pi)
+        return simulate(self.rig(travel), 1.25, method=Kinematic(), output=1.0 + swing)
+
+    @cached_property
+    def curves(self) -> "Curves":
+        """Over the whole travel."""
+        return curves(self, self.run())
+
+    @cached_property
+    def motion_ratio(self) -> float:
+        """|ds/dz| at the reference pose."""
+        return abs(float(np.interp(0.0, self.curves.z, self.curves.ratio)))
+
+
+@cache
+def guide(kind: str, track: float) -> Guide:
+    """A guide of the data file, moved outwards to a track [m]; ValueError for an unknown kind."""
+    known = data()["guides"]
+    if kind not in known:
+        raise ValueError(f"guide '{kind}' is unknown; there are {', '.join(known)}")
+    record = known[kind]
+    out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - record["centre"][1], 0.0])
+    centre, strut = np.array(record["centre"]) + out, np.array(record["strut"]) + out
+    links = {name: np.array(ends) + out for name, ends in record["links"].items()}
+    return Guide(kind, centre, links, strut)
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Over the travel ``z`` (n,) [m].
+
+    ``toe`` inwards and ``camber`` outwards at the top (n,) [rad]; ``track``: how far P goes outwards (n,) [m];
+    ``ratio``: ds/dz (n,); ``ahead``: dx_P/dz (n,); ``roll_centre``: its height (n,) [m].
+    """
+
+    z: np.ndarray
+    toe: np.ndarray
+    camber: np.ndarray
+    track: np.ndarray
+    ratio: np.ndarray
+    ahead: np.ndarray
+    roll_centre: np.ndarray
+
+    def at(self, name: str, z: float) -> float:
+        """A curve at a height [m]."""
+        return float(np.interp(z, self.z, getattr(self, name)))
+
+
+def curves(guide: Guide, run: Solution) -> Curves:
+    """What a run on the rig says."""
+    R, centre, v, w = run.rotation("wheel"), run.position("wheel"), run.velocity("wheel"), run.omega("wheel")
+    axle = R[:, :, 1]
+    toe, camber = -np.arctan2(-axle[:, 0], axle[:, 1]), -np.arcsin(axle[:, 2])
+    down = axle * axle[:, 2:] - (0, 0, 1.0)
+    lowest = guide.centre[2] * down / np.linalg.norm(down, axis=1)[:, None]
+    slope = (v + np.cross(w, lowest)) / v[:, 2:]
+    place = centre + lowest
+    height = place[:, 2] + place[:, 1] * slope[:, 1] / slope[:, 2]
+    ratio = run.force("strut").rate / v[:, 2]
+    z = centre[:, 2] - guide.centre[2]
+    return Curves(z, toe, camber, place[:, 1] - guide.centre[1], ratio, slope[:, 0] / slope[:, 2], height)
