@@ -5,10 +5,11 @@ import inspect
 import io
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from ..base.paths import write_atomically
@@ -25,6 +26,7 @@ from .report import to_json
 VIEWER = "viewer.js"
 PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
+FPS, SECONDS = 10, 3.0  # of the films there
 
 
 def page(name: str, folder: Path) -> bool:
@@ -50,6 +52,7 @@ def page(name: str, folder: Path) -> bool:
     )  # fmt: skip
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
     picture(outcome, folder / f"{name}.png")
+    film(outcome, folder / f"{name}.gif")
     found = {**json.loads(to_json(demo, outcome)), "digest": stamp, "passed": outcome.passed}
     write_atomically(place, json.dumps(found, indent=1).encode("utf-8"))
     return True
@@ -64,8 +67,9 @@ def front(names: Iterable[str], folder: Path) -> Path:
     }
     script = f"document.write({json.dumps(client_head())});".encode()
     write_atomically(folder / VIEWER, script)
+    films = {name for name in written if (folder / f"{name}.gif").exists()}
     html = page_template("gallery.html").render(
-        title="Effects that exist only in space", families=families, light=LIGHT, dark=DARK
+        title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
     )
     return write_atomically(folder / "index.html", html.encode("utf-8"))
 
@@ -103,10 +107,8 @@ def picture(outcome: Outcome, path: Path) -> None:
     with house():
         if outcome.views:
             solution, options = first_view(outcome)
-            known = {key: options[key] for key in ("traces", "shown") if key in options}
-            when = solution.t[len(solution.t) // 3]
-            hidden = {"body names", "joint names", *options.get("hidden", ())}
-            figure = solution.picture(when, size=(4.8, 3.6), hidden=sorted(hidden), **known)
+            known, hidden = picture_options(options)
+            figure = solution.picture(solution.t[len(solution.t) // 3], size=(4.8, 3.6), hidden=hidden, **known)
         else:
             figure = outcome.figure
         raw, small = io.BytesIO(), io.BytesIO()
@@ -115,6 +117,25 @@ def picture(outcome: Outcome, path: Path) -> None:
     image = image.resize((PICTURE, round(image.height * PICTURE / image.width)), Image.Resampling.LANCZOS)
     image.quantize(128, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     write_atomically(path, small.getvalue())
+
+
+def film(outcome: Outcome, path: Path) -> None:
+    """A small film of the mechanism, if it moves."""
+    path.unlink(missing_ok=True)
+    if not outcome.views:
+        return
+    solution, options = first_view(outcome)
+    span = solution.t[-1] - solution.t[0]
+    if span > 0.0 and any(np.ptp(solution.position(body), axis=0).any() for body in solution.system.bodies):
+        known, hidden = picture_options(options)
+        speed = float(f"{span / SECONDS:.2g}")
+        solution.export_gif(path, fps=FPS, speed=speed, width=PICTURE, hidden=hidden, **known)
+
+
+def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
+    """Of the options of a page those of a picture, and what is hidden in a small one."""
+    known = {key: options[key] for key in ("traces", "shown") if key in options}
+    return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
 
 def cells(row: Row) -> Sequence[str]:

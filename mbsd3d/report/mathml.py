@@ -9,6 +9,8 @@ semicolon between them stand below each other.
 import re
 from html import escape
 
+from ..base.errors import InputError
+
 GREEK = dict(zip("alpha beta gamma delta theta lambda lam rho phi psi pi w W".split(), "αβγδθλλρφψπωΩ", strict=True))
 SIGNS = {"-": "−", "+-": "±", "<=": "≤", "x": "×", ".": "·"}
 DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
@@ -101,7 +103,7 @@ class Reader:
         """A bracket, and what stands in it; it is as tall as the fractions in it."""
         inside = self.sequence(CLOSING.get(opening, ""))
         if self.coming[1] != CLOSING.get(opening):
-            raise ValueError(f"formula '{self.text.strip()}': '{opening}' is not closed; write e.g. sqrt(2)")
+            raise InputError(f"formula '{self.text.strip()}': '{opening}' is not closed; write e.g. sqrt(2)")
         tall = str("<mfrac>" in inside).lower()
         ends = [f'<mo stretchy="{tall}">{end}</mo>' for end in (opening, self.take())]
         return f"<mrow>{ends[0]}{inside}{ends[1]}</mrow>", inside
