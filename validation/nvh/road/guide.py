@@ -31,6 +31,7 @@ from mbsd3d import (
     shapes,
     simulate,
 )  # fmt: skip
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number, vector
 from validation.nvh.held.mounts import data
 
@@ -55,15 +56,15 @@ class Guide:
 
     def __post_init__(self) -> None:
         if len(self.links) != LINKS:
-            raise ValueError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINKS}, an arm is two")
+            raise InputError(f"guide '{self.kind}': {len(self.links)} links; a wheel needs {LINKS}, an arm is two")
         for name, ends in (*self.links.items(), ("strut", self.strut)):
             inner, outer = (vector(end, f"guide '{self.kind}': {name}") for end in ends)
             if np.linalg.norm(np.subtract(outer, inner)) < 1e-3:
-                raise ValueError(f"guide '{self.kind}': {name} has no length; give two points")
+                raise InputError(f"guide '{self.kind}': {name} has no length; give two points")
         number(self.centre[2], f"guide '{self.kind}': centre[2]", positive=True)
         found = self.rig().check()
         if found.redundant or found.velocity_freedom:
-            raise ValueError(
+            raise InputError(
                 f"guide '{self.kind}': {found.redundant} links are redundant, {found.velocity_freedom} motions free; "
                 "give links whose lines do not meet or run in parallel"
             )
@@ -132,7 +133,7 @@ def guide(kind: str, track: float) -> Guide:
     """A guide of the data file, moved outwards to a track [m]; ValueError for an unknown kind."""
     known = data()["guides"]
     if kind not in known:
-        raise ValueError(f"guide '{kind}' is unknown; there are {', '.join(known)}")
+        raise InputError(f"guide '{kind}' is unknown; there are {', '.join(known)}")
     record = known[kind]
     out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - record["centre"][1], 0.0])
     centre, strut = np.array(record["centre"]) + out, np.array(record["strut"]) + out
