@@ -26,7 +26,7 @@ from .report import to_json
 VIEWER = "viewer.js"
 PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
-FPS, SECONDS = 10, 3.0  # of the films there
+FPS, SECONDS = 8, 3.0  # of the films there
 
 
 def page(name: str, folder: Path) -> bool:
