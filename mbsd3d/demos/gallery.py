@@ -27,6 +27,7 @@ VIEWER = "viewer.js"
 PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
 FPS, SECONDS = 8, 3.0  # of the films there
+STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
 def page(name: str, folder: Path) -> bool:
@@ -126,7 +127,8 @@ def film(outcome: Outcome, path: Path) -> None:
         return
     solution, options = first_view(outcome)
     span = solution.t[-1] - solution.t[0]
-    if span > 0.0 and any(np.ptp(solution.position(body), axis=0).any() for body in solution.system.bodies):
+    poses = [np.hstack([solution.position(x), solution.orientation(x)]) for x in solution.system.bodies]
+    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > STILL:
         known, hidden = picture_options(options)
         speed = float(f"{span / SECONDS:.2g}")
         solution.export_gif(path, fps=FPS, speed=speed, width=PICTURE, hidden=hidden, **known)
