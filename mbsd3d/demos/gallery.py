@@ -26,7 +26,7 @@ from .report import to_json
 VIEWER = "viewer.js"
 PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
-FPS, SECONDS = 8, 3.0  # of the films there
+FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
 STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
@@ -131,7 +131,7 @@ def film(outcome: Outcome, path: Path) -> None:
     if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > STILL:
         known, hidden = picture_options(options)
         speed = float(f"{span / SECONDS:.2g}")
-        solution.export_gif(path, fps=FPS, speed=speed, width=PICTURE, hidden=hidden, **known)
+        solution.export_gif(path, fps=FPS, speed=speed, width=WIDTH, hidden=hidden, **known)
 
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:

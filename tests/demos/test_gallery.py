@@ -34,11 +34,11 @@ def test_a_page_says_shows_and_proves(site):
 
 def test_the_front_page_moves_unless_the_reader_wants_it_still(site):
     with Image.open(site / f"{NAME}.gif") as film:
-        assert film.n_frames > 20 and film.size == (320, 240)
+        assert film.n_frames > 20 and film.size == (480, 360)
         film.seek(0)
         first = np.asarray(film.convert("RGB"), float)
         film.seek(film.n_frames // 3)
-        assert (np.abs(np.asarray(film.convert("RGB"), float) - first).max(axis=2) > 30).sum() > 300
+        assert (np.abs(np.asarray(film.convert("RGB"), float) - first).max(axis=2) > 30).sum() > 600
     source, still = re.search("<picture>(.*?)(<img.*?)</picture>", (site / "index.html").read_text()).groups()
     assert "prefers-reduced-motion: no-preference" in source and f"{NAME}.gif" in source and f"{NAME}.png" in still
 
