@@ -83,10 +83,6 @@ def all_forces(rng):
             three, two, shapes.Torus(0.3, 0.1, (1, 2, 3), at=rng.normal(size=3)), stiffness=31.0, exponent=1.3,
             damping=0.1, loss=0.2, friction=0.4, rolling=0.1, plane=(rng.normal(size=3), direction(rng)),
         ),
-        Tyre(
-            GROUND, three, axis=direction(rng), radius=0.4, crown=0.1, stiffness=31.0, damping=0.2, trail=0.03, mu=0.7,
-            cornering=1.3, longitudinal=1.7, camber=0.8, centre=rng.normal(size=3), plane=((0, 0, -9), direction(rng)),
-        ),
     ]  # fmt: skip
     seen = [measures.angle(hinge), measures.velocity(two, axis=direction(rng), at=rng.normal(size=3))]
     forces.append(StateFeedback(measures=seen, gains=(3.0, 0.4), on=hinge, reference=(0.1, 0.2), time_constant=0.05))
