@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install
 PYTEST := $(BIN)/python -m pytest
 SPREAD := -n auto --dist loadfile
 
-.PHONY: demo gallery test slow timing warm lint pictures precision figures docs clean
+.PHONY: demo gallery test slow timing warm lint pictures precision figures notebooks docs clean
 
 demo: $(READY)
 	@echo "mbsd3d: running the demos; figures, pages and data go to out/"
@@ -52,6 +52,10 @@ pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures
 	$(BIN)/python docs/make_joint_pictures.py docs/pictures/joints
 
+# The lessons of docs/teaching as notebooks.
+notebooks: $(READY)
+	$(BIN)/python docs/make_notebooks.py
+
 # The pages of docs/ as a site that needs no network: out/docs/index.html.
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
@@ -61,7 +65,8 @@ precision: $(READY)
 
 # Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
 figures: pictures precision
-	$(BIN)/python -m validation.benchmark.texts out/benchmark/precision.json
+	$(BIN)/python -m validation.benchmark --part speed --out out/benchmark
+	$(BIN)/python -m validation.benchmark.texts out/benchmark
 
 lint: $(READY)
 	$(BIN)/ruff check .

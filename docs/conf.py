@@ -25,6 +25,9 @@ autodoc_default_options = {"exclude-members": "__init__, __new__"}
 numpydoc_show_class_members = False
 
 
+DISPLAYED = ".. code-block:: text"
+
+
 def mathml(self, node: nodes.math | nodes.math_block) -> None:
     """An equation as MathML, which browsers draw themselves: no script, no font, no network."""
     display = "block" if isinstance(node, nodes.math_block) else "inline"
@@ -32,15 +35,27 @@ def mathml(self, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def displayed_equations(app, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Indented lines between the paragraphs of a docstring are equations and keep their lines."""
+    head = next((k for k, line in enumerate(lines) if line.startswith("---")), len(lines))  # where sections begin
+    for k in range(head - 1, 1, -1):
+        before = lines[k - 2]
+        if lines[k].startswith("    ") and not lines[k - 1] and before and not before.startswith(" "):
+            lines[k - 2 : k] = [before.removesuffix(":") if before.endswith("::") else before, "", DISPLAYED, ""]
+
+
 def absolute_values(app, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
-    """|x| in a docstring is an absolute value and no substitution; literals stay as they are."""
+    """|x| in a docstring is an absolute value and no substitution; literals and equations stay as they are."""
+    displayed = False
     for k, line in enumerate(lines):
+        displayed = line == DISPLAYED or (displayed and (not line or line.startswith(" ")))
         pieces = line.split("``")
         pieces[::2] = [piece.replace("|", r"\|") for piece in pieces[::2]]
-        lines[k] = "``".join(pieces)
+        lines[k] = line if displayed else "``".join(pieces)
 
 
 def setup(app) -> None:
+    app.connect("autodoc-process-docstring", displayed_equations, priority=100)
     app.connect("autodoc-process-docstring", absolute_values, priority=900)
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.config.html_math_renderer = "mathml"

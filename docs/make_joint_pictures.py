@@ -15,6 +15,7 @@ from mbsd3d.view.scene.drawing import NAMES
 X, Y, Z, HERE = (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)
 SHAFT = (0.0, -0.5, np.sqrt(0.75))  # of the constant-velocity joint, 30 degrees off
 BARE = (*NAMES, "traces", "ground grid")
+EGG = shapes.Ellipsoid((0.2, 0.14, 0.14), colour="#d5731d")
 TURNING = {"omega": (0.5, 0.9, 0.7)}
 JOINTS = {
     "Spherical": (lambda a, b: m.Spherical(a, b, at=HERE), TURNING),
@@ -46,6 +47,10 @@ JOINTS = {
         lambda a, b: m.ConstantVelocity(a, b, at=HERE, axis_a=Z, axis_b=SHAFT),
         {"omega": (0.5, 0.4 * (1 + SHAFT[2]), -0.4 * SHAFT[1])},
     ),
+    "Rolling": (
+        lambda a, b: m.Rolling(a, b, EGG, plane=((0, 0, -0.1), Z)),
+        {"velocity": (0, 0.35, 0), "omega": (-2.5, 0, 0.5)},
+    ),
     "RollingDisc": (
         lambda a, b: m.RollingDisc(a, b, axis=X, radius=0.25, plane=((0, 0, -0.1), Z)),
         {"velocity": (0, 0.5, 0), "omega": (-2.0, 0, 0.5)},
@@ -72,6 +77,8 @@ def held(slab: m.Body) -> m.Joint:
 
 def body(name: str, moves: Mapping) -> m.Body:
     """The part b: a pillar, or a wheel."""
+    if name == "Rolling":
+        return m.Body("b", 1.0, (0.02, 0.03, 0.03), position=(0, 0, 0.04), shape=EGG, **moves)
     if name == "RollingDisc":
         wheel = shapes.Disc(0.25, 0.05, axis="x", colour="#d5731d")
         return m.Body("b", 1.0, (0.03, 0.02, 0.02), position=(0, 0, 0.15), shape=wheel, **moves)

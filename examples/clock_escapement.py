@@ -27,7 +27,8 @@ def until(state, condition):
     return simulate(clock, state.t + 5.0, state=state, rtol=1e-9, stop_when=condition)
 
 
-state, ticks = clock.assemble(rates={hinge: 0.05}), []
+state = clock.assemble(rates={hinge: 0.05})
+ticks: list[tuple[float, float]] = []
 while len(ticks) < 60:
     forth = until(state, measures.rate(hinge) < 0.0)
     back = until(forth.final, measures.rate(hinge) > 0.0)

@@ -38,6 +38,7 @@ def contact(t, bodies, z, parameters, loads, z_dot):
     else:
         sin, cos = wheel.R[1, 0], wheel.R[0, 0]
         loads[1, 5] = hold * 4.0 * sin * cos * (cos * cos - sin * sin) - damp * spin  # slots rest 45 degrees off
+        loads[0, 5] = -loads[1, 5]  # the cam sits on the driver
 
 
 driver = Body("driver", 0.5, (1e-3, 1e-3, 1e-3), position=(0, 0, 0))

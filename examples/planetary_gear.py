@@ -8,7 +8,7 @@ Prints::
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque, simulate
+from mbsd3d import GROUND, Body, GearMesh, Joint, Revolute, SpeedDriver, System, Torque, simulate
 
 SUN, PLANET = 0.03, 0.02  # pitch radii [m]
 RING = SUN + 2 * PLANET
@@ -16,7 +16,7 @@ LOAD = -60.0  # torque on the carrier [N m]
 
 sun = Body("sun", 0.5, (1e-3, 1e-3, 5e-4))
 carrier = Body("carrier", 2.0, (5e-3, 5e-3, 8e-3))
-joints = [
+joints: list[Joint] = [
     sun_shaft := Revolute(GROUND, sun, at=(0, 0, 0), axis=(0, 0, 1), name="sun shaft"),
     out := Revolute(GROUND, carrier, at=(0, 0, 0), axis=(0, 0, 1), name="carrier shaft"),
 ]

@@ -46,6 +46,8 @@ from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce
 from .mechanism.forces.feedback import StateFeedback as StateFeedback
+from .mechanism.forces.gravitation import CentralGravity as CentralGravity
+from .mechanism.forces.gravitation import Weight as Weight
 from .mechanism.forces.loads import AeroDrag as AeroDrag
 from .mechanism.forces.loads import Force as Force
 from .mechanism.forces.loads import Torque as Torque

@@ -12,6 +12,7 @@ from noise import noisy
 from pages import COUNT, END, TITLE, opened, seek
 
 from mbsd3d import simulate
+from mbsd3d.base import progress
 from mbsd3d.equations import compiled as model
 
 
@@ -22,6 +23,12 @@ def noise_on_masses():
         if size := float(os.environ.get("MBSD3D_TEST_NOISE", "0")):
             patch.setattr(model, "body_table", noisy(model.body_table, size))
         yield
+
+
+@pytest.fixture(autouse=True)
+def silence(monkeypatch):
+    """What commands say while they work depends on how busy the machine is; tests of it ask processes."""
+    monkeypatch.setattr(progress.Heartbeat, "beat", lambda self: None)
 
 
 def pytest_configure():

@@ -143,6 +143,8 @@ class Model:
             lambda: m.Bushing(a, b, at=at, stiffness=self.number(), turning_stiffness=self.pick([self.number(), at]),
                               damping=self.number(), name=name),
             lambda: m.AeroDrag(b, drag_area=self.number(), density=self.number(), wind=(self.signal(), 0, 0)),
+            lambda: m.Weight(a, b, acceleration=at, name=name),
+            lambda: m.CentralGravity(a, b, at=at, mu=self.number(), name=name),
         ]  # fmt: skip
         if joints:
             on = self.pick(joints)

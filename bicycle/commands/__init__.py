@@ -66,33 +66,45 @@ def bicycle_argument(function: Callable[..., None]) -> Callable[..., None]:
     return click.argument("bicycle", default="Meijaard2007")(unphysical_option(with_parameters))
 
 
+WORDS = {"none": None, "true": True, "false": False}
+"""What stands for something else than a number in ``--tyre KEY=VALUE``."""
+
+
 def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
-    """``[--tyres] [--tyre KEY=VALUE]``: the command gets ``fittings``, arguments of `whipple`; empty = ideal wheels."""
+    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``fittings`` for `whipple`; empty = ideal wheels."""
 
     @wraps(function)
-    def with_fittings(parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], **rest: Any) -> None:
+    def with_fittings(
+        parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None, **rest: Any
+    ) -> None:  # fmt: skip
         from ..model.tyres import TYPICAL, both
         from ..parameters import fittings
 
         found = fittings(parameters)
-        if changed or (on_tyres and not found):
+        if changed or ((on_tyres or head) and not found):
             changes = dict(tyre_number(text) for text in changed)
             found["tyres"] = tuple({**one, **changes} for one in both(found.get("tyres", TYPICAL)))
+        if head:
+            found |= dict(zip(("head_stiffness", "head_damping"), head, strict=True))
         function(parameters=parameters, fittings=found, **rest)
 
+    soft = click.option(
+        "--head", type=float, nargs=2, metavar="K C",
+        help="Of a head tube that yields [N m/rad] [N m s/rad], e.g. 2000 2. Includes --tyres.",
+    )  # fmt: skip
     several = click.option(
         "--tyre", "changed", multiple=True, metavar="KEY=VALUE",
         help="A number of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; several times. Includes --tyres.",
     )  # fmt: skip
     usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
-    return usual(several(with_fittings))
+    return usual(several(soft(with_fittings)))
 
 
-def tyre_number(text: str) -> tuple[str, float | None]:
-    """``cornering=12`` as a pair; ``mu=none`` is a tyre that never slides."""
+def tyre_number(text: str) -> tuple[str, float | bool | None]:
+    """``cornering=12`` as a pair; ``mu=none``: no limit of grip; ``camber_lag=false``: a camber force at once."""
     key, _, right = text.partition("=")
     try:
-        return key, None if right == "none" else float(right)
+        return key, WORDS[right] if right in WORDS else float(right)
     except ValueError:
         raise InputError(f"--tyre '{text}': '{right}' is not a number; write e.g. cornering=12") from None
 

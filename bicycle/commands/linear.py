@@ -161,7 +161,9 @@ def why(parameters: "Parameters", closed_form: bool, dark: bool, out: str) -> No
         raise Failure("interrupted before a variant was finished")
     click.echo(str(found))
     target = folder / f"why_{parameters.name}"
-    report(*saved(plot_ablations(found, dark=dark), target), to_csv(found, target))
+    report(to_csv(found, target))
+    if not found.missing:
+        report(*saved(plot_ablations(found, dark=dark), target))
     end(f"{found.missing} variants" if found.missing else "", any(row.confirmed is False for row in found.rows))
 
 
@@ -226,8 +228,10 @@ def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     if not found:
         raise Failure("interrupted before a bicycle was finished")
     click.echo(table(found))
-    report(to_csv(found, folder / "bicycles"), write_page(folder, found, left_out=left_out, views=views))
+    report(to_csv(found, folder / "bicycles"))
     missing = len(wanted) - len(found)
+    if not missing:
+        report(write_page(folder, found, left_out=left_out, views=views))
     end(f"{missing} bicycles" if missing else "", any(x.difference > AGREES for x in found))
 
 

@@ -110,6 +110,8 @@ def circles(
     from ..rides.ride import view
     from ..turns import circles as study
 
+    if "head_stiffness" in fittings:
+        raise InputError("circles: turns are sought with a rigid head tube; leave out --head")
     if fittings:
         circles_on_tyres(parameters, speeds, fittings["tyres"], out)
         return
@@ -124,9 +126,9 @@ def circles(
         interrupted = True
     click.echo(study.summary(families))
     report(study.to_csv(families, [turn for group in held for turn in group], target))
-    report(*saved(study.plot_circles(parameters, families, held), target))
-    if interrupted:
+    if interrupted:  # tables keep what was found; a figure takes longer than who presses Ctrl-C waits
         raise click.exceptions.Exit(INTERRUPTED)
+    report(*saved(study.plot_circles(parameters, families, held), target))
     if viewed and families:
         first = families[0]
         shown = max((turn for _, turn in first.special or [("", first.turns[0])]), key=lambda turn: turn.speed)
@@ -141,13 +143,21 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
 
     target = ready_folder(out) / f"{parameters.name}_circles_tyres"
     leans, found, ideal = np.arange(0.05, 1.3, 0.05), [], []
-    for speed in speeds:
-        found.append(turns(parameters, tyres, speed, leans))
-        last = found[-1][-1]
-        click.echo(
-            f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
-            f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
-        )
-    study.held_if_possible(parameters, speeds, ideal, lambda text: None)
-    report(to_csv([turn for group in found for turn in group], target))
+    interrupted = False
+    try:
+        for speed in speeds:
+            found.append(turns(parameters, tyres, speed, leans))
+            last = found[-1][-1]
+            click.echo(
+                f"{speed:g} m/s: up to a lean of {np.degrees(last.lean):.1f}°, radius {last.radius:.4g} m, with "
+                f"{100.0 * last.saturation:.0f} % of the grip and {last.steer_torque:.3g} N m of steer torque"
+            )
+        study.held_if_possible(parameters, speeds, ideal, lambda text: None)
+    except KeyboardInterrupt:
+        click.echo("mbsd3d: interrupted; what was found until then is kept", err=True)
+        interrupted = True
+    if found:
+        report(to_csv([turn for group in found for turn in group], target))
+    if interrupted:
+        raise click.exceptions.Exit(INTERRUPTED)
     report(*saved(figure(found, ideal, f"{parameters.name}: steady turns on tyres"), target))

@@ -35,8 +35,8 @@ def rider(
 ) -> None:  # fmt: skip
     """A rider who closes five loops: gains, factors of the closed loops, and a course in the nonlinear model.
 
-    Also prints the self-stable speeds with roll-rate feedback (balance assist). Writes a figure and a table (.csv).
-    Next: mbsd3d bicycle ride
+    Gains, factors and the self-stable speeds with roll-rate feedback (balance assist) are those of ideal wheels; with
+    --tyres the course is ridden on tyres. Writes a figure and a table (.csv). Next: mbsd3d bicycle ride
     """
     from ..linear.assist import roll_rate, stable_ranges
     from ..linear.rider import LOOPS, Gains, eigenvalues, factors, gains_of
@@ -48,8 +48,8 @@ def rider(
         click.echo(f"{name:18} {given[count - 1]:10.5g}  {factors(eigenvalues(parameters, speed, given, count))}")
     for k in ASSIST:
         ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, roll_rate(k))]
-        click.echo(f"roll-rate feedback {k:4g} N m s/rad: self-stable {', '.join(ranges) or 'nowhere'}")
-    found = run(parameters, COURSES[course], speed=speed, gains=given, tyres=fittings.get("tyres"), t_end=t_end)
+        click.echo(f"roll-rate feedback {k:4g} N m s/rad: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
+    found = run(parameters, COURSES[course], speed=speed, gains=given, t_end=t_end, **fittings)
     click.echo(str(found))
     target = folder / f"{parameters.name}_{course}{'_tyres' * bool(fittings)}"
     report(*saved(figure(found, course.replace("-", " "), dark=dark), target), found.to_csv(target))

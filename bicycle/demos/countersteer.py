@@ -65,7 +65,7 @@ demo = Demo(
     why="Turning the handlebar to the right moves the wheels out to the right from under the rider, who then falls "
     "to the left, and a bicycle that leans left turns left. So a steady push that would turn the handlebar to "
     "the right first does so, and a moment later the bicycle leans left and steers left, against the hand.",
-    equation="M q'' + v C1 q' + (g K0 + v^2 K2) q = (0, T)",
+    equation="M q'' + v C_1 q' + (g K_0 + v^2 K_2) q = (0, T)",
     source="Meijaard et al., Proc. R. Soc. A 463 (2007) 1955; Limebeer, Sharp, IEEE Control Systems 26 (2006) 34",
     quantities={
         "early_steer_per_torque": Quantity("steer at t1 over torque", "rad/(N m)", relative=1e-6),

@@ -68,8 +68,11 @@ class TyreStability:
         """A mode by its name at a speed [m/s]; ``.animate()`` shows it in motion."""
         if name not in self.names:
             raise InputError(f"mode '{name}' is unknown; give one of {', '.join(self.names)}")
-        k = int(np.argmin(np.abs(self.speeds - speed)))
-        wanted = self.values[k, self.names.index(name)]
+        if not self.speeds[0] <= speed <= self.speeds[-1]:
+            raise InputError(
+                f"mode '{name}' is known from {self.speeds[0]:g} to {self.speeds[-1]:g} m/s; give a speed between"
+            )
+        wanted = np.interp(speed, self.speeds, self.values[:, self.names.index(name)])
         found = linearize(self.build(self.parameters, speed=float(speed))).modes
         return min(found, key=lambda mode: min(abs(mode.eigenvalue - s) for s in (wanted, wanted.conjugate())))
 

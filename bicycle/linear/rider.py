@@ -108,7 +108,7 @@ def gains_of(
     [12.6635, 0.1849, 0.0959]
     """
     found: list[float] = []
-    for given, brackets in ((steer, (1.0, 500.0)), (roll_rate, (-1e-3, -1.0))):
+    for given, brackets in ((steer, (1.0, 5e3)), (roll_rate, (-1e-3, -1.0))):
         found.append(peaked(parameters, speed, found, brackets) if given is None else number(given, "rider: gain"))
     for frequency in CROSSOVER:
         plant = closed_loops(parameters, speed, Gains(*found, *[0.0] * (5 - len(found))), len(found))
@@ -125,7 +125,7 @@ def peaked(parameters: Parameters, speed: float, inner: list[float], brackets: t
         high, low = (np.abs(system.response(w)[:, SEEN[count - 1]]).max() for w in (FREQUENCIES, LEVEL[count - 1]))
         return 20.0 * np.log10(high / low) - PEAK
 
-    tried = np.geomspace(*brackets, 60)
+    tried = np.geomspace(*brackets, 80)
     values = np.array([excess(gain) for gain in tried])
     crossed = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if not crossed.size:

@@ -97,7 +97,7 @@ def study(
     tyres : mapping, pair of them or None
         As in `bicycle.whipple`; with them the modes follow from a linearisation at every speed, from 0.5 m/s on.
     **fittings : float
-        Further arguments of `bicycle.whipple` for a bicycle on tyres, e.g. ``steer_damping``.
+        Further arguments of `bicycle.whipple` for a bicycle on tyres, e.g. ``steer_damping``, ``head_stiffness``.
 
     Examples
     --------
@@ -109,6 +109,8 @@ def study(
     if tyres is not None:
         speeds = checked_speeds(np.linspace(0.5, 10.0, 96) if speeds is None else speeds)
         return on_tyres.study(parameters, speeds, partial(build, tyres=tyres, **fittings))
+    if fittings:
+        raise InputError(f"stability: {', '.join(fittings)} without tyres; give tyres, e.g. bicycle.TYPICAL")
     speeds = checked_speeds(np.linspace(0.0, 10.0, 201) if speeds is None else speeds)
     linear = required_equations(build, parameters, max(float(np.abs(speeds).max()), TYPICAL))
     values, vectors = follow(linear, speeds)

@@ -28,6 +28,7 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal
 
 from ..parameters import Parameters
+from .head import head_of, head_state
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
 
@@ -60,6 +61,8 @@ def whipple(
     *,
     tyres: Tyres | None = None,
     steer_damping: float = 0.0,
+    head_stiffness: float | None = None,
+    head_damping: float = 0.0,
 ) -> Bicycle:
     """The bicycle of Whipple and Carvallo: rear wheel, frame with rider, fork with handlebar, front wheel.
 
@@ -82,6 +85,9 @@ def whipple(
         Under its weight the bicycle stands on the radii r and crowns t of its parameters.
     steer_damping : float
         Of a damper about the steer axis [N m s/rad].
+    head_stiffness, head_damping : float or None, float
+        Of a head tube that yields [N m/rad, N m s/rad]: joint "head twist", at right angles to the steer axis, to a
+        body "head" without mass, which bears the steer. None = rigid.
 
     Raises
     ------
@@ -102,14 +108,19 @@ def whipple(
     motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it
     bodies = bodies_of(parameters, motion if upright else np.full((4, 6), None))
-    at = {"t": 0.0, "q": place.q, "v": motion.ravel(), "coordinates": np.array([0.0, float(steer), 0.0])}
-    if tyres is None:
-        joints, forces, start = joints_of(parameters, bodies), [], State(**at)
-    else:
-        joints, forces = joints_of(parameters, bodies)[:3], tyres_of(parameters, bodies, tyres)
-        start = State(**at, z=np.zeros(4))
+    q, v, angles = place.q, motion.ravel(), [0.0, float(steer), 0.0]
+    joints, forces, z = joints_of(parameters, bodies), [], np.zeros(0)
+    if tyres is not None:
+        joints, forces, z = joints[:3], tyres_of(parameters, bodies, tyres), np.zeros(4)
+    if head_stiffness is not None:
+        head, joints[1], twist, spring = head_of(parameters, bodies, head_stiffness, head_damping)
+        bodies, joints, forces = [*bodies, head], [*joints, twist], [*forces, spring]
+        (q, v), angles = head_state(place, q, motion), [*angles, 0.0]
+    elif head_damping:
+        raise InputError(f"whipple: head_damping = {head_damping:g} without head_stiffness; give it in N m/rad")
     if steer_damping:
         forces.append(JointFriction(joints[1], viscous=steer_damping, name="steer damper"))
+    start = State(0.0, q, v, z=z, coordinates=np.array(angles))
     return Bicycle(bodies, joints, forces, gravity=(0.0, 0.0, -parameters.g), start=start)
 
 

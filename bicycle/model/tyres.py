@@ -1,6 +1,7 @@
 """The tyres of a bicycle: two `mbsd3d.Tyre` that carry its weight at the radii of its parameters."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 from mbsd3d import GROUND, Body, Tyre
@@ -17,6 +18,8 @@ TYPICAL: Mapping[str, Any] = {
     "stiffness": 2e5, "damping": 400.0,
 }  # fmt: skip
 """Of a bicycle tyre under a usual load."""
+GEOMETRY = ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
+ARGUMENTS = tuple(one.name for one in fields(Tyre) if one.init and one.name not in GEOMETRY)
 
 
 def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
@@ -31,13 +34,6 @@ def both(tyres: Tyres) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         if unknown:
             raise InputError(f"tyres: {', '.join(unknown)} unknown; give some of {', '.join(ARGUMENTS)}")
     return given
-
-
-ARGUMENTS = tuple(
-    key
-    for key in Tyre.__dataclass_fields__
-    if key not in ("a", "b", "name", "axis", "radius", "crown", "centre", "plane")
-)
 
 
 def loads(p: Parameters) -> tuple[float, float]:

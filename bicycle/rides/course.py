@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbsd3d import CustomForce, simulate
+from mbsd3d import CustomForce
 from mbsd3d.extend import LINE, dress, number
 
 from ..linear.rider import MUSCLES, Gains, gains_of
@@ -15,7 +15,9 @@ from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
-from .motion import Ride, legend_above, lines
+from .manoeuvres import FALLEN
+from .motion import Ride, legend_above, lines, on_tyres
+from .ride import ended
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,9 +77,9 @@ def steer(t, bodies, z, parameters, loads, z_dot):
     loads[0, 3], loads[0, 4], loads[0, 5] = -z[0] * nx, -z[0] * ny, -z[0] * nz
 
 
-def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, tyres: Tyres | None = None) -> Bicycle:
+def ridden(parameters: Parameters, speed: float, course: Course, gains: Gains, **fittings: Any) -> Bicycle:
     """The bicycle with the rider as the force "rider", whose own states are the torque [N m] and its rate."""
-    system = whipple(parameters, speed=speed, tyres=tyres)
+    system = whipple(parameters, speed=speed, **fittings)
     frame, fork = system.part("frame"), system.part("fork")
     numbers = (*gains, *course.numbers, *steer_axis(parameters)[1], parameters.rF - parameters.tF, *MUSCLES)
     states = {"torque": 0.0, "torque rate": 0.0}
@@ -135,6 +137,9 @@ def run(
     speed: float,
     gains: Gains | None = None,
     tyres: Tyres | None = None,
+    steer_damping: float = 0.0,
+    head_stiffness: float | None = None,
+    head_damping: float = 0.0,
     t_end: float = 12.0,
     rtol: float = 1e-8,
     samples: int = 1201,
@@ -147,8 +152,8 @@ def run(
         At the start [m/s]; nobody pedals.
     gains : Gains or None
         None = by the rule of `bicycle.rider.gains_of`, at this speed.
-    tyres : mapping, pair of them or None
-        As in `bicycle.whipple`.
+    tyres, steer_damping, head_stiffness, head_damping
+        As in `bicycle.whipple`; the rule for gains knows neither.
     t_end, rtol, samples
         End [s], tolerance and number of samples of the run.
 
@@ -157,12 +162,20 @@ def run(
     ValueError
         If the rule finds no gains, or a value is not a number.
     IntegrationError
-        If the rider cannot hold the bicycle.
+        If the run cannot go on.
+
+    Returns
+    -------
+    RiddenCourse
+        Until the end, or until the rider falls or a wheel lifts, as in `bicycle.ride.run`.
     """
     speed = number(speed, "rider: speed", positive=True)
     gains = gains_of(parameters, speed) if gains is None else gains
-    system = ridden(parameters, speed, course, gains, tyres)
-    return RiddenCourse(Ride(parameters, simulate(system, t_end, rtol=rtol, output=samples)), course, gains)
+    fittings = {"tyres": tyres, "steer_damping": steer_damping}
+    fittings |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
+    system = ridden(parameters, speed, course, gains, **fittings)
+    settings = {"state": system.state(), "rtol": rtol, "output": np.linspace(0.0, t_end, samples)}
+    return RiddenCourse(ended(parameters, system, t_end, FALLEN, on_tyres(system), settings), course, gains)
 
 
 def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False) -> "Figure":

@@ -59,9 +59,9 @@ class Contact(NamedTuple):
 
     @property
     def friction(self) -> np.ndarray:
-        """Coefficient of friction that keeps the wheel from slipping; infinite where it does not press."""
+        """Coefficient of friction that keeps the wheel from slipping; infinite where it does not press but holds."""
         horizontal = np.hypot(self.along, self.across)
-        return np.divide(horizontal, self.normal, out=np.full_like(horizontal, np.inf), where=self.normal > 0.0)
+        return np.divide(horizontal, self.normal, out=np.where(horizontal, np.inf, 0.0), where=self.normal > 0.0)
 
 
 @dataclass(frozen=True, eq=False)

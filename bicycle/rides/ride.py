@@ -34,6 +34,8 @@ def run(
     brake: Signal | float = 0.0,
     tyres: Tyres | None = None,
     steer_damping: float = 0.0,
+    head_stiffness: float | None = None,
+    head_damping: float = 0.0,
     fallen: float = FALLEN,
     held_down: bool = False,
     rtol: float = 1e-8,
@@ -54,7 +56,7 @@ def run(
         Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
     drive, brake : Signal or float
         Torque on the rear wheel, ahead > 0, and on the front wheel against rolling > 0 [N m]; frame and fork bear them.
-    tyres, steer_damping
+    tyres, steer_damping, head_stiffness, head_damping
         As in `whipple`. Tyres slide and leave the ground: only a fall ends such a ride.
     fallen : float
         Tilt of the frame that ends the ride [rad], 0 < fallen < pi/2.
@@ -87,8 +89,16 @@ def run(
     limit = number(fallen, "ride: fallen", positive=True)
     if limit >= 0.5 * np.pi:
         raise InputError(f"ride: fallen = {limit:.6g} rad; give a tilt below pi/2")
-    begin = {"speed": speed, "lean": lean, "steer": steer, "lean_rate": lean_rate, "steer_rate": steer_rate}
-    system = ridden(parameters, torque, push, drive, brake, tyres=tyres, steer_damping=steer_damping, **begin)
+    begin: dict[str, Any] = {
+        "speed": speed,
+        "lean": lean,
+        "steer": steer,
+        "lean_rate": lean_rate,
+        "steer_rate": steer_rate,
+    }
+    begin |= {"tyres": tyres, "steer_damping": steer_damping}
+    begin |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
+    system = ridden(parameters, torque, push, drive, brake, **begin)
     held_down = held_down or on_tyres(system)
     start = system.state()
     check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ..base.errors import explaining
 from ..files.importing.builder import Imported
 from ..files.importing.importers import read_xml
 from ..files.solutions import read_run
@@ -12,6 +13,7 @@ from .stepper import rerun
 from .system import System
 
 
+@explaining
 def load(path: str | Path) -> Solution:
     """Read a file written by ``solution.save``; the result is a full `Solution`.
 
@@ -32,6 +34,7 @@ def load(path: str | Path) -> Solution:
     return Solution.of(replace(found, compiled=replace(found.compiled, system=system)), rerun(found.record.inputs))
 
 
+@explaining
 def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of an MJCF file (MuJoCo's XML) at its reference pose qpos0.
 
@@ -60,6 +63,7 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     return with_system(read_xml(path, "mujoco", drop, timeout))
 
 
+@explaining
 def read_urdf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.0) -> Imported:
     """The mechanism of a URDF file; its root link is part of the ground. See `read_mjcf`.
 

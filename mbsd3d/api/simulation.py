@@ -91,6 +91,7 @@ def simulate(
     return Solution.of(result, simulate)
 
 
+@explaining
 def accelerations(
     system: System,
     state: State | None = None,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from ..base.errors import explaining
+from ..base.errors import explaining, explaining_methods
 from ..equations.compiled import Switches
 from ..linear import linearization, modes
 from ..mechanism.measures import Measure
@@ -26,6 +26,7 @@ class Motion(modes.Motion, Viewable):
     """Poses of a mechanism over time (no forces, no energy): read like a `Solution`."""
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False)
 class Mode(modes.Mode):
     """One mode: ``X(t) = Re(shape exp(eigenvalue t))``.
@@ -58,6 +59,7 @@ class Mode(modes.Mode):
         return moved.animate(**{"speed": float(moved.t[-1]) / seconds, "title": title, **options})
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearization(linearization.Linearization):
     """``x_dot = A x`` for small deviations from a motion; parts are given as objects or by name.

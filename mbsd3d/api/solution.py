@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining_methods
 from ..base.style import html_text
 from ..mechanism.state import State
 from ..results.certificate import Certificate
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..report.page import Report
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(RunResult, Viewable):
     """Samples of a run. Parts are given as objects or by name; vectors are (samples, 3) in world axes.
@@ -77,7 +78,7 @@ class Solution(RunResult, Viewable):
 
     def plot(
         self,
-        quantity: "str | Wanted" = "energy",
+        quantity: "str | Wanted | None" = None,
         *parts: "Part",
         against: str | tuple | None = None,
         degrees: bool = False,
@@ -88,10 +89,11 @@ class Solution(RunResult, Viewable):
 
         Parameters
         ----------
-        quantity : str, or sequence of str and (str, part, ...)
+        quantity : str, sequence of str and (str, part, ...), or None
             "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
             "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of
-            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the other.
+            forces "state" (own states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the
+            other; None = the most telling ones, as on a page: what moves, energies, efforts of drivers, reactions.
         *parts : Body, Joint, ForceElement or str
             Whose; none = all that have it. Components of one part share a panel; several parts are compared component
             by component (reactions: by magnitude).

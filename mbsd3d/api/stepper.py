@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import IntegrationError
+from ..base.errors import Explained, IntegrationError, explaining_methods
 from ..equations.compiled import Switches
 from ..equations.inputs import History
 from ..integrators.method import Method
@@ -19,7 +19,8 @@ from .solution import Solution
 from .system import System
 
 
-class Stepper:
+@explaining_methods
+class Stepper(metaclass=Explained):
     """A mechanism that is integrated slice by slice: for controllers, co-simulation, live rides and learning.
 
     Everything a run has prepared stays as it is between two slices, so that each costs little more than its steps; a

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from ..base.checks import number
+from ..base.errors import explaining_methods
 from ..base.style import counted, html_table
 from ..mechanism.bodies import Body
 from ..mechanism.drivers import Driver
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ..linear.equilibrium import Equilibrium
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class System(Mechanism, Drawable):
     """A mechanism.
@@ -141,7 +143,7 @@ class System(Mechanism, Drawable):
         from ..run.simulation import check_state
 
         check_state(near, "assemble")
-        return assemble(self, angles or {}, slides or {}, rates or {}, measures or {}, pinned, near, t)
+        return assemble(self, angles, slides, rates, measures, pinned, near, number(t, "assemble: t"))
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
         """The pose at rest that the mechanism comes to from a pose, as if it moved through honey: downhill.

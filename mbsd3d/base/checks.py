@@ -1,13 +1,13 @@
 """Checks of input: errors name the value and the remedy."""
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import InputError, MbsError
+from .errors import Explained, InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 
@@ -37,6 +37,28 @@ def floats(values: Any, what: str, remedy: str) -> np.ndarray:
     return array
 
 
+def numbers(values: Any, what: str) -> np.ndarray:
+    """A float array of anything numeric, not finite ones included, or an InputError that names ``what``."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what}: {shown(values)} is not numeric; give numbers") from None
+
+
+def check_choice(value: Any, choices: Sequence, what: str) -> None:
+    """InputError for anything but one of the choices."""
+    if not isinstance(value, Hashable) or value not in choices:
+        raise InputError(f"{what} {shown(value)} is unknown; give {' or '.join(map(repr, choices))}")
+
+
+def listed(values: Any, what: str, remedy: str) -> tuple:
+    """The members of a sequence, or an InputError that names ``what``."""
+    try:
+        return tuple(values)
+    except TypeError:
+        raise InputError(f"{what}: {shown(values)} is no sequence; give {remedy}") from None
+
+
 def check_size(array: np.ndarray, what: str) -> None:
     """ValueError for numbers whose squares and ratios are beyond what a computer holds."""
     if (np.abs(array) > LARGEST).any():
@@ -45,7 +67,7 @@ def check_size(array: np.ndarray, what: str) -> None:
         )
 
 
-class Frozen:
+class Frozen(metaclass=Explained):
     """Base of frozen dataclasses that check and convert their fields when they are made."""
 
     def _store(self, **values: Any) -> None:

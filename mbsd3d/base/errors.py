@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
@@ -118,7 +119,7 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
     try:
         signature.bind(*args, **given)
     except TypeError as error:
-        known = [x for x in signature.parameters if x != "self"]
+        known = [x for x in signature.parameters if x not in ("self", "cls")]
         unknown = [x for x in given if x not in known]
         takes = f"t takes {', '.join(known)}"
         if not unknown:
@@ -133,7 +134,7 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
     return None
 
 
-class Explained(type):
+class Explained(ABCMeta):
     """Classes whose wrong calls are answered by their public names, with the argument that was meant."""
 
     @property
@@ -152,16 +153,30 @@ class Explained(type):
                 raise wrong or error from None
 
 
-def explaining(function: Callable[..., T]) -> Callable[..., T]:
-    """The same for a function."""
-    signature = inspect.signature(function)
+def explaining(function: Callable[..., T], name: str | None = None) -> Callable[..., T]:
+    """The same for a function; ``name``: its public one."""
 
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> T:
         try:
-            signature.bind(*args, **given)
+            return function(*args, **given)
         except TypeError:
-            raise explained(function.__name__, signature, args, given) from None
-        return function(*args, **given)
+            wrong = explained(name or function.__name__, inspect.signature(function), args, given)
+            if wrong is None:
+                raise
+            raise wrong from None
 
     return call
+
+
+def explaining_methods(cls: type[T]) -> type[T]:
+    """The same for the public methods of a class, those that it inherits too."""
+    for name in dir(cls):
+        method = inspect.getattr_static(cls, name)
+        if name.startswith("_"):
+            continue
+        if inspect.isfunction(method):
+            setattr(cls, name, explaining(method, f"{cls.__name__}.{name}"))
+        elif isinstance(method, classmethod):
+            setattr(cls, name, classmethod(explaining(method.__func__, f"{cls.__name__}.{name}")))
+    return cls

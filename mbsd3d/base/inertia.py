@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .checks import listed, shown
 from .errors import InputError
 from .mass_properties import MassProperties, _size, combine, steiner
 from .rotations import AXES
@@ -21,7 +22,7 @@ def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
     >>> box(12.0, (1.0, 2.0, 3.0))
     array([13., 10.,  5.])
     """
-    edges = tuple(lengths)
+    edges = listed(lengths, "box: lengths", "three lengths (lx, ly, lz)")
     if len(edges) != 3:
         raise InputError(f"box: {len(edges)} edges given; give three lengths (lx, ly, lz)")
     squares = np.array([_size(edge, "box", name) for edge, name in zip(edges, ("lx", "ly", "lz"), strict=True)]) ** 2
@@ -77,5 +78,5 @@ def _axial(along: float, across: float, axis: str, what: str) -> np.ndarray:
 def _letter(axis: str, what: str) -> str:
     """The axis, if it is one of the three letters."""
     if not isinstance(axis, str) or axis not in AXES:
-        raise InputError(f"{what}: axis is {axis!r}; give 'x', 'y' or 'z' (other directions: orientation in combine)")
+        raise InputError(f"{what}: axis is {shown(axis)}; give 'x', 'y' or 'z' (others: orientation in combine)")
     return axis

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import SMALLEST, check_size, floats, number, vector
-from .errors import InputError
+from .checks import SMALLEST, check_size, floats, listed, number, vector
+from .errors import Explained, InputError
 from .rotations import _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
 
 
 @dataclass(frozen=True, eq=False)
-class MassProperties:
+class MassProperties(metaclass=Explained):
     """Mass, centre of mass and inertia of a rigid body; ``Body(name, **vars(properties))`` takes them as they are.
 
     >>> from mbsd3d.inertia import box, rod
@@ -43,7 +43,8 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     >>> barbell.mass, barbell.inertia.diagonal().round(3)
     (4.0, array([1.016, 1.016, 0.016]))
     """
-    checked = [_part(i, part) for i, part in enumerate(parts)]
+    given = listed(parts, "combine: parts", "a list of (mass, com, inertia)")
+    checked = [_part(i, part) for i, part in enumerate(given)]
     mass = sum(m for m, _, _ in checked)
     if mass == 0.0:
         raise InputError(f"combine: the mass of {len(checked)} parts is 0, without a centre of mass; give one a mass")
@@ -55,7 +56,7 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = vector(offset, "steiner: offset")
-    return mass * (d @ d * np.eye(3) - np.outer(d, d))
+    return number(mass, "steiner: mass") * (d @ d * np.eye(3) - np.outer(d, d))
 
 
 def check_inertia(inertia: ArrayLike, mass: float, what: str) -> np.ndarray:
@@ -109,6 +110,7 @@ def _part(number: int, part: tuple | MassProperties) -> tuple[float, np.ndarray,
     what = f"combine: part {number}"
     if isinstance(part, MassProperties):
         part = (part.mass, part.com, part.inertia)
+    part = listed(part, what, "(mass, com, inertia)")
     if len(part) not in (3, 4):
         raise InputError(f"{what} has {len(part)} entries; give (mass, com, inertia) and possibly an orientation")
     I = check_inertia(part[2], part[0], what)

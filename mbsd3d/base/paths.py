@@ -3,17 +3,28 @@
 import os
 import stat
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 from .errors import InputError
 from .version import __version__
 
+LONGEST = 255  # bytes of a file's name
+
+
+def as_path(path: str | Path, example: str) -> Path:
+    """A path that a file can have, or an InputError."""
+    if isinstance(path, str | os.PathLike):
+        found = Path(path)
+        with suppress(UnicodeEncodeError):
+            if found.name and "\0" not in str(found) and len(os.fsencode(found.name)) <= LONGEST:
+                return found
+    raise InputError(f"path = {path!r:.80} names no file; give a name such as '{example}'")
+
 
 def with_suffix(path: str | Path, suffix: str) -> Path:
     """The path, with the suffix appended unless it is there."""
-    if not isinstance(path, str | os.PathLike) or not Path(path).name:
-        raise InputError(f"path = {path!r} names no file; give a name such as 'result{suffix}'")
-    path = Path(path)
+    path = as_path(path, f"result{suffix}")
     return path if path.name.lower().endswith(suffix) else path.with_name(path.name + suffix)
 
 

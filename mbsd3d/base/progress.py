@@ -1,4 +1,4 @@
-"""Progress on stderr: a bar on a terminal after two seconds, lines in a pipe every five."""
+"""Progress on stderr after two seconds: a bar on a terminal, lines in a pipe every five."""
 
 import sys
 import threading
@@ -6,11 +6,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from .errors import InputError
+
 DELAY, LINES = 2.0, 5.0  # s before a bar appears, and between lines
 
 
 class Heartbeat:
-    """A command at work: in a pipe a line says so after every few seconds in which nothing else was said.
+    """A command at work: a line says so after two seconds, and after every five in which nothing else was said.
 
     While one is on, runs without a terminal tell their progress in lines too.
     """
@@ -22,9 +24,8 @@ class Heartbeat:
         self.began = self.last = time.perf_counter()
 
     def __enter__(self) -> "Heartbeat":
-        if not sys.stderr.isatty():
-            Heartbeat.on = self
-            threading.Thread(target=self.beat, daemon=True).start()
+        Heartbeat.on = self
+        threading.Thread(target=self.beat, daemon=True).start()
         return self
 
     def __exit__(self, *error: Any) -> None:
@@ -39,14 +40,19 @@ class Heartbeat:
         """Until the end."""
         while not self.ended.wait(0.1 * LINES):
             now = time.perf_counter()
-            if now - self.last >= LINES:
+            if now - self.last >= (LINES if self.last > self.began else DELAY):
                 say(f"{self.title()}: at work for {now - self.began:.0f} s")
+
+
+def said() -> None:
+    """Something was said: the next sign of life is due later."""
+    if Heartbeat.on is not None:
+        Heartbeat.on.last = time.perf_counter()
 
 
 def say(text: str) -> None:
     """A line on stderr."""
-    if Heartbeat.on is not None:
-        Heartbeat.on.last = time.perf_counter()
+    said()
     sys.stderr.write(f"mbsd3d: {text}\n")
     sys.stderr.flush()
 
@@ -59,6 +65,8 @@ class Progress:
 
     def __init__(self, title: str, start: float, end: float, show: bool | str | None = None) -> None:
         self.title, self.start, self.end = title, start, end
+        if not (isinstance(show, bool | None) or (isinstance(show, str) and show == "lines")):
+            raise InputError(f"progress = {show!s:.80}; give True, False, 'lines' or None")
         piped = "lines" if Heartbeat.on is not None else False
         self.show = (sys.stderr.isatty() or piped) if show is None else show
         self.said = 0.0
@@ -87,6 +95,7 @@ class Progress:
             self.task = self.bar.add_task(self.title, total=self.end - self.start)
             self.bar.start()
         if self.bar is not None:
+            said()
             self.bar.update(self.task, completed=value - self.start)
 
     def say(self, value: float) -> None:

@@ -7,6 +7,7 @@ last dimension is a ValueError.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import numbers
 from .errors import InputError
 
 
@@ -81,7 +82,7 @@ def _check_nonzero(square: float | np.ndarray) -> None:
 
 def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
     """Float array whose last dimension has the given length."""
-    array = np.asarray(values, dtype=float)
+    array = numbers(values, what)
     if array.ndim == 0 or array.shape[-1] != length:
         raise InputError(f"{what}: shape {array.shape} is wrong; give (..., {length})")
     return array

@@ -7,8 +7,8 @@ All functions but `as_quaternion` work on stacks: any number of leading dimensio
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import floats
-from .errors import InputError
+from .checks import floats, shown
+from .errors import InputError, explaining
 from .quaternions import _check_nonzero, _stack
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -23,6 +23,7 @@ UNIT = 1e-15  # what normalising leaves of a length; smaller differences stay, s
 TOLERANCE = 1e-6  # numbers typed with seven digits pass, a forgotten normalisation does not
 
 
+@explaining
 def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> np.ndarray:
     """Unit quaternion, body -> world, of a rotation about ``axis``: ``e = (cos(angle/2), sin(angle/2) axis/|axis|)``.
 
@@ -95,7 +96,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
     remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
         if axis not in AXES:
-            raise InputError(f"rotation: axis is {axis!r}; give {remedy}")
+            raise InputError(f"rotation: axis is {shown(axis)}; give {remedy}")
         return np.array(AXES[axis])
     vector = _numbers(axis, "rotation: axis", remedy)
     if vector.shape != (3,):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import InputError
+from .checks import check_choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,8 +67,7 @@ PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mi
 
 def theme(dark: bool) -> Theme:
     """The theme of dark or of light paper; ValueError for anything but True or False."""
-    if dark not in (True, False):
-        raise InputError(f"dark = {dark!r}; give True or False")
+    check_choice(dark, (True, False), "dark")
     return DARK if dark else LIGHT
 
 

@@ -24,7 +24,7 @@ class HtmlPage:
 
     def save(self, path: str | Path) -> Path:
         """Write the page; ".html" is appended if missing. ValueError if the folder cannot be written."""
-        return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8"))
+        return write_atomically(with_suffix(path, ".html"), self.html.encode("utf-8", "replace"))
 
 
 @cache

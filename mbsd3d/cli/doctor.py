@@ -23,7 +23,9 @@ def needed() -> dict[str, list[str]]:
         return {}
     for line in lines:
         extra = EXTRA.search(line)
-        found.setdefault(extra[1] if extra else BASE, []).append(NAME.match(line)[0])
+        name = NAME.match(line)[0]
+        if name != "mbsd3d":  # an extra that only names others
+            found.setdefault(extra[1] if extra else BASE, []).append(name)
     return found
 
 

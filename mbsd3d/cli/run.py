@@ -96,7 +96,7 @@ def run(
         raise click.exceptions.Exit(INTERRUPTED)
     with undisturbed():
         saved = solution.save(target)
-    for path in (saved, solution.to_csv(target), *save_figure(solution.plot("energy"), target)):
+    for path in (saved, solution.to_csv(target), *save_figure(solution.plot(), target)):
         click.echo(str(path))
     if viewed:
         click.echo(str(solution.animate(title=target.name).save(target)))

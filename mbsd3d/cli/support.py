@@ -121,11 +121,13 @@ def load_system(file: str, drop: tuple[str, ...], settings: tuple[str, ...] = ()
 def ready_folder(out: str, option: str = "--out") -> Path:
     """The folder, made if missing, after a trial that it can be written: before anything is computed."""
     folder = Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise Failure(f"{option} '{out}' is a file; give a folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        raise Failure(f"{option} '{out}' cannot be written: {error.strerror}; give a folder that can") from error
+        raise Failure(f"{option} '{out}' cannot be written: {error.strerror}; give one that can") from error
     return folder
 
 

@@ -165,22 +165,21 @@ def gap_size(compiled: Compiled, residual: np.ndarray) -> float:
 
 def assemble(
     system: Mechanism,
-    angles: Mapping,
-    slides: Mapping,
-    rates: Mapping,
-    measures: Mapping,
+    angles: Mapping | None,
+    slides: Mapping | None,
+    rates: Mapping | None,
+    measures: Mapping | None,
     pinned: Sequence[Body],
     near: State | None,
     t: float,
 ) -> State:
     """See `System.assemble`."""
-    for what, given in (("angles", angles), ("slides", slides), ("rates", rates), ("measures", measures)):
-        if not isinstance(given, Mapping):
-            raise InputError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
+    angles, slides = mapping(angles, "angles"), mapping(slides, "slides")
+    rates, measures = mapping(rates, "rates"), mapping(measures, "measures")
     probes = tuple(measures)
     for probe in probes:
         if not isinstance(probe, Measure):
-            raise InputError(f"assemble: {probe!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"assemble: {shown(probe)} is not a measure; build one with mbsd3d.measures")
         check_members(system, probe, "assemble")
     compiled = compile_system(system, probes)
     wanted = []
@@ -208,6 +207,13 @@ def assemble(
     check_closed(compiled, closed, residual, targets, goals)
     moved = moved_report(system, pose, closed)
     return replace(with_velocities(compiled, closed, rates), moved=moved)
+
+
+def mapping(given: Mapping | None, what: str) -> Mapping:
+    """What is asked for; None = nothing."""
+    if not isinstance(given, Mapping | None):
+        raise InputError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
+    return given or {}
 
 
 def check_closed(

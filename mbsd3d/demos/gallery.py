@@ -5,16 +5,18 @@ import inspect
 import io
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from ..base.paths import write_atomically
 from ..base.style import DARK, LIGHT, house
 from ..base.templates import FOLDER, page_template
 from ..report.exhibits import inline_svg
+from ..report.mathml import mathml
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
 from .discovery import discover
@@ -24,6 +26,8 @@ from .report import to_json
 VIEWER = "viewer.js"
 PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
+FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
+STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
 def page(name: str, folder: Path) -> bool:
@@ -40,15 +44,16 @@ def page(name: str, folder: Path) -> bool:
         term, ablated = taken
         players.append((f"without {term}", player(ablated, f"without {term}", folder / f"{name}_without.html")))
     next_one = known[(known.index(demo) + 1) % len(known)]
-    texts = {label: getattr(demo, label) for label in ("question", "why", "equation", "source")}
+    texts = {label: getattr(demo, label) for label in ("question", "why", "source")}
     html = page_template("demo.html").render(
-        title=demo.title, name=name, family=demo.family, texts=texts, rows=[cells(row) for row in outcome.rows],
-        figure=inline_svg(outcome.figure, f"{name}-"), players=[found for found in players if found[1]],
-        parameters=outcome.parameters, notes=outcome.notes, code=source_of(demo), next_one=next_one, light=LIGHT,
-        dark=DARK,
+        title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
+        rows=[cells(row) for row in outcome.rows], figure=inline_svg(outcome.figure, f"{name}-"),
+        players=[found for found in players if found[1]], parameters=outcome.parameters, notes=outcome.notes,
+        code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
     picture(outcome, folder / f"{name}.png")
+    film(outcome, folder / f"{name}.gif")
     found = {**json.loads(to_json(demo, outcome)), "digest": stamp, "passed": outcome.passed}
     write_atomically(place, json.dumps(found, indent=1).encode("utf-8"))
     return True
@@ -63,8 +68,9 @@ def front(names: Iterable[str], folder: Path) -> Path:
     }
     script = f"document.write({json.dumps(client_head())});".encode()
     write_atomically(folder / VIEWER, script)
+    films = {name for name in written if (folder / f"{name}.gif").exists()}
     html = page_template("gallery.html").render(
-        title="Effects that exist only in space", families=families, light=LIGHT, dark=DARK
+        title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
     )
     return write_atomically(folder / "index.html", html.encode("utf-8"))
 
@@ -102,10 +108,8 @@ def picture(outcome: Outcome, path: Path) -> None:
     with house():
         if outcome.views:
             solution, options = first_view(outcome)
-            known = {key: options[key] for key in ("traces", "shown") if key in options}
-            when = solution.t[len(solution.t) // 3]
-            hidden = {"body names", "joint names", *options.get("hidden", ())}
-            figure = solution.picture(when, size=(4.8, 3.6), hidden=sorted(hidden), **known)
+            known, hidden = picture_options(options)
+            figure = solution.picture(solution.t[len(solution.t) // 3], size=(4.8, 3.6), hidden=hidden, **known)
         else:
             figure = outcome.figure
         raw, small = io.BytesIO(), io.BytesIO()
@@ -114,6 +118,26 @@ def picture(outcome: Outcome, path: Path) -> None:
     image = image.resize((PICTURE, round(image.height * PICTURE / image.width)), Image.Resampling.LANCZOS)
     image.quantize(128, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     write_atomically(path, small.getvalue())
+
+
+def film(outcome: Outcome, path: Path) -> None:
+    """A small film of the mechanism, if it moves."""
+    path.unlink(missing_ok=True)
+    if not outcome.views:
+        return
+    solution, options = first_view(outcome)
+    span = solution.t[-1] - solution.t[0]
+    poses = [np.hstack([solution.position(x), solution.orientation(x)]) for x in solution.system.bodies]
+    if span > 0.0 and np.ptp(np.hstack(poses), axis=0).max() > STILL:
+        known, hidden = picture_options(options)
+        speed = float(f"{span / SECONDS:.2g}")
+        solution.export_gif(path, fps=FPS, speed=speed, width=WIDTH, hidden=hidden, **known)
+
+
+def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
+    """Of the options of a page those of a picture, and what is hidden in a small one."""
+    known = {key: options[key] for key in ("traces", "shown") if key in options}
+    return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
 
 def cells(row: Row) -> Sequence[str]:

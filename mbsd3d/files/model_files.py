@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import tomlkit
 
 from ..base.errors import InputError
-from ..base.paths import read_text, write_atomically
+from ..base.paths import as_path, read_text, write_atomically
 from ..mechanism.mechanism import Mechanism
 from .description import check_count, describe, read_system
 
@@ -96,7 +96,7 @@ def form_of(path: Path) -> Form:
 
 def write_model(system: Mechanism, path: str | Path, *, replace: bool = False) -> Path:
     """Write a model file; see `System.to_file`."""
-    path = Path(path)
+    path = as_path(path, "model.json")
     form = form_of(path)
     data = describe(system)
     check_count(data)
@@ -127,7 +127,7 @@ def named(path: Path) -> Iterator[None]:
 
 def read_model(path: str | Path) -> Mechanism:
     """Read a model file; see `System.from_file`."""
-    path = Path(path)
+    path = as_path(path, "model.json")
     form = form_of(path)
     text = read_text(path, form.limit)
     with named(path):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError
-from ..base.paths import package_version, with_suffix, write_atomically
+from ..base.paths import as_path, package_version, with_suffix, write_atomically
 from ..equations.compiled import Compiled, compile_system
 from ..equations.inputs import with_history
 from ..mechanism.state import State
@@ -55,7 +55,8 @@ def save(solution: RunResult, path: str | Path) -> Path:
 
 def read_run(path: str | Path) -> RunResult:
     """The result in a file of `save`; see `mbsd3d.load`."""
-    source = Path(path) if Path(path).is_file() else with_suffix(path, ".npz")
+    found = as_path(path, "result.npz")
+    source = found if found.is_file() else with_suffix(path, ".npz")
     if not source.is_file():
         raise InputError(f"'{source}' does not exist; give a file written by solution.save(path)")
     try:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import DOP853 as SCIPY
 
-from ..base.checks import number
-from ..base.errors import InputError
+from ..base.checks import check_choice, number
 from ..kernels.layout import Data, Model
-from .method import Method
+from .method import Method, check_max_step
 from .runge_kutta import Stages, Table, advance, new_stages
 
 PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
@@ -65,10 +64,8 @@ class DOP853(Method):
     def __post_init__(self) -> None:
         if self.dt is not None:
             number(self.dt, "DOP853: dt", positive=True)
-        if not self.max_step > 0.0:
-            raise InputError(f"DOP853: max_step {self.max_step} is not positive; give a time > 0")
-        if self.stiff not in ("stop", "run"):
-            raise InputError(f"DOP853: stiff {self.stiff!r} is unknown; give 'stop' or 'run'")
+        check_max_step(self.max_step, "DOP853")
+        check_choice(self.stiff, ("stop", "run"), "DOP853: stiff")
 
     @property
     def patience(self) -> float:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.errors import InputError
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
@@ -13,7 +12,7 @@ from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
-from .method import Method
+from .method import Method, check_max_step
 from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, watch_on, write
 from .step_control import note_rows, rows_hold, update_scales
 
@@ -48,8 +47,7 @@ class Kinematic(Method):
     dt = None
 
     def __post_init__(self) -> None:
-        if not self.max_step > 0.0:
-            raise InputError(f"Kinematic: max_step {self.max_step} is not positive; give a time > 0")
+        check_max_step(self.max_step, "Kinematic")
 
     @property
     def loop(self) -> Callable:

@@ -25,7 +25,7 @@ from ..base.errors import InputError
 from ..kernels.kinds import BAUMGARTE
 from ..kernels.layout import Data, Model, single
 from .alpha_step import integrate
-from .method import Method
+from .method import Method, check_max_step
 from .newton import Newton, new_newton
 
 
@@ -121,8 +121,7 @@ class GeneralizedAlpha(Method):
             number(self.dt, "GeneralizedAlpha: dt", positive=True)
         if not 0.0 <= number(self.rho, "GeneralizedAlpha: rho") <= 1.0:
             raise InputError(f"GeneralizedAlpha: rho {self.rho:g} is outside 0 ... 1; give e.g. 0.8")
-        if not self.max_step > 0.0:
-            raise InputError(f"GeneralizedAlpha: max_step {self.max_step} is not positive; give a time > 0")
+        check_max_step(self.max_step, "GeneralizedAlpha")
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Alpha:
         if not model.gamma or model.stabilisation == BAUMGARTE:

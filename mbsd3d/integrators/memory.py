@@ -39,6 +39,8 @@ NOW = [
 ]
 ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
+    ("ahead", float),  # s, from there to where it would vanish (Runge-Kutta methods)
+    ("planned", float),  # s, length of a step before it was shortened to pass over that position; 0 = it was not
     ("worn", int),  # 1: rows of a joint have become dependent there: another tree is due
     ("lowest", float),  # the least at the end of any step
     ("least_pivot", float),  # the least of all stages of the step at hand

@@ -5,11 +5,23 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from ..base.checks import number
+from ..base.errors import Explained
 from ..kernels.layout import Data, Model
 
 
+def check_max_step(step: float, method: str) -> None:
+    """InputError for a longest step that is neither a time above zero nor infinite."""
+    if not (isinstance(step, float) and step == np.inf):
+        number(step, f"{method}: max_step", positive=True)
+
+
+class ExplainedProtocol(Explained, type(Protocol)):
+    """Methods whose wrong calls are answered by their public names."""
+
+
 @runtime_checkable
-class Method(Protocol):
+class Method(Protocol, metaclass=ExplainedProtocol):
     """A method of integration: frozen settings, and a compiled loop with a memory of its own.
 
     A new method is one file: a frozen dataclass derived from this class, and its loop.
@@ -35,6 +47,6 @@ class Method(Protocol):
 
         Raises
         ------
-        ValueError
+        InputError
             If the method cannot do what the model asks for.
         """

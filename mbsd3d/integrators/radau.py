@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError
 from ..kernels.layout import Data, Model, single
-from .method import Method
+from .method import Method, check_max_step
 from .radau_step import collocation
 
 ROOT = np.sqrt(6.0)
@@ -110,8 +109,7 @@ class RadauIIA(Method):
     def __post_init__(self) -> None:
         if self.dt is not None:
             number(self.dt, "RadauIIA: dt", positive=True)
-        if not self.max_step > 0.0:
-            raise InputError(f"RadauIIA: max_step {self.max_step} is not positive; give a time > 0")
+        check_max_step(self.max_step, "RadauIIA")
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Collocation:
         core = 13 * model.body.size + model.z_work

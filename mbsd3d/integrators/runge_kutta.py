@@ -33,11 +33,18 @@ class Table(NamedTuple):
     D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
     order: int
 
+    def widest_gap(self) -> tuple[float, float]:
+        """Two neighbours among the nodes c between which no stage lies."""
+        nodes = np.unique(self.c)
+        k = int(np.argmax(np.diff(nodes)))
+        return float(nodes[k]), float(nodes[k + 1])
+
 
 class Stages(NamedTuple):
     """The table and the method's own memory."""
 
     table: Table
+    gap: tuple[float, float]  # between nodes of the stages, the widest
     K: np.ndarray  # (n + 1 + extra, ny) stage rates
     carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
     trial_carry: np.ndarray  # (ny,) the same of trial
@@ -45,7 +52,8 @@ class Stages(NamedTuple):
 
 def new_stages(table: Table, ny: int) -> Stages:
     """Memory for states of ny numbers."""
-    return Stages(table, np.zeros((table.c.size + 1 + table.c_dense.size, ny)), np.zeros(ny), np.zeros(ny))
+    stages = table.c.size + 1 + table.c_dense.size
+    return Stages(table, table.widest_gap(), np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))
 
 
 @inner_kernel
@@ -54,8 +62,7 @@ def stages(m, d, s, own, run, h):
 
     Near a singular position (sigma -> 0 in J) an error eps of a stage state off c = 0 moves the acceleration by
     eps/sigma, and the step would shrink to nothing there. Stages are then projected first: eps becomes eps^2/sigma.
-    Closer still, c = 0 met to rounding bends the motion onto another branch within 1e-8 of the singular position; a
-    step that spans it does not see that, so steps do not go below SHORTEST_PASSAGE there.
+    Closer still, c = 0 met to rounding bends the motion onto another branch: `pass_over_singular`.
     """
     table, K, t = own.table, own.K, run.now.t
     copy(K[0], run.dy)
@@ -153,11 +160,37 @@ def retry(run, step):
     run.now.retried = 1
 
 
+@inner_kernel
+def way_to_singular(before, now, h):
+    """Time to where the pivots would vanish, after a step h: they fall with the square of the distance."""
+    return h / (np.sqrt(before / now) - 1.0) if 0.0 < now < before else np.inf
+
+
+@inner_kernel
+def pass_over_singular(own, run):
+    """Shorten a step so that a singular position ahead lies in the widest gap between stages: of this step or the next.
+
+    At a distance x from it a pose known to rounding leaves the acceleration known to rounding / x^3 only. The next
+    step is as long as this one would have been.
+    """
+    step, ahead = run.now.step, run.rows.ahead
+    low, high = own.gap
+    middle, margin = 0.5 * (low + high), 0.15 * (high - low)
+    at_hand = ahead < own.table.c[1] * step  # the first stages are close in any case
+    if at_hand or low + margin < ahead / step < high - margin or ahead > (1.0 + middle) * step:
+        return
+    run.now.step = ahead / middle if ahead < middle * step else ahead - middle * step
+    run.rows.planned = step
+
+
 @merged_kernel
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
     while True:
+        run.rows.planned = 0.0
+        if nearly_singular(run) and not fixed:
+            pass_over_singular(own, run)
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return STEP_TOO_SMALL, t_new, h, 0.0
@@ -167,9 +200,11 @@ def attempt(m, d, s, own, run):
         if not (solved and error <= 1.0):
             if fixed:
                 return NO_SOLUTION, t_new, h, error
-            retry(run, h * step_factor(own.table, error, 10.0) if judged else 0.2 * h)
-            if nearly_singular(run):
+            if nearly_singular(run) and run.rows.on_manifold == 0:
                 run.rows.on_manifold = 1
+                retry(run, h)  # the error was that of stages off c = 0
+            else:
+                retry(run, h * step_factor(own.table, error, 10.0) if judged else 0.2 * h)
             continue
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
@@ -189,7 +224,7 @@ def accept(own, run, t_new, h, error):
     run.now.t = t_new
     run.now.steps += 1
     if run.task.steps == 0:
-        run.now.step = h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0)
+        run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
     run.now.retried = 0
 
 
@@ -240,7 +275,9 @@ def step(m, d, s, own, run):
     status, t_new, h, error = attempt(m, d, s, own, run)
     if status != RUNNING:
         return status
+    before = run.rows.pivot
     note_rows(s, run)
+    run.rows.ahead = way_to_singular(before, run.rows.pivot, h)
     status = outputs(m, d, s, own, run, t_new, h, dense, advance_to)
     if status != RUNNING:
         return status

@@ -85,7 +85,7 @@ class Linearization:
         """Mode number k, counted from zero."""
         if not isinstance(k, int | np.integer) or not -len(self.modes) <= k < len(self.modes):
             raise InputError(
-                f"linearization.mode: {k!r} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
+                f"linearization.mode: {shown(k)} is not one of the {len(self.modes)} modes 0 ... {len(self.modes) - 1}"
             )
         return self.modes[k]
 
@@ -147,7 +147,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
         raise InputError(f"linearize: outputs = {shown(outputs)} is no sequence; give a list of mbsd3d.measures")
     for x in outputs or ():
         if not isinstance(x, Measure):
-            raise InputError(f"linearize: outputs: {x!r} is not a measure; build one with mbsd3d.measures")
+            raise InputError(f"linearize: outputs: {shown(x)} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "linearize: outputs")
     return tuple(outputs or ())
 

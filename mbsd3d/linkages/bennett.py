@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
+from ..base.checks import number
 from ..base.errors import InputError
 from .dh import built
 from .links import Links
@@ -109,10 +110,12 @@ def myard(
 
 def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float, beta: float) -> None:
     """ValueError where ``a sin(beta) = b sin(alpha)`` does not hold."""
+    for name, value in ((one, a), (one, alpha), (other, b), (other, beta)):
+        number(value, f"{what}: one of {name}")
     left, right = a * np.sin(beta), b * np.sin(alpha)
-    if not np.isfinite([a, alpha, b, beta]).all() or min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION:
-        raise InputError(f"{what}: ({one}) = ({a:g}, {alpha:g}), ({other}) = ({b:g}, {beta:g}): give finite numbers "
-                         "and twists that are no multiples of pi")  # fmt: skip
+    if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION:
+        raise InputError(f"{what}: ({one}) = ({a:g}, {alpha:g}), ({other}) = ({b:g}, {beta:g}): give "
+                         "twists that are no multiples of pi")  # fmt: skip
     if not abs(left - right) <= PROPORTION * max(abs(left), abs(right)):
         raise InputError(f"{what}: Bennett's condition a / sin(alpha) = b / sin(beta) does not hold for ({one}) "
                          f"and ({other}): {a / np.sin(alpha):.9g} m and {b / np.sin(beta):.9g} m; with these twists, "
@@ -121,7 +124,8 @@ def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float
 
 def pair(what: str, alpha: float, beta: float, angle: float) -> tuple[float, float]:
     """(theta_1, theta_2) of a Bennett loop whose first link has the twist alpha."""
-    if not np.isfinite(angle) or abs(np.sin(angle)) < PROPORTION or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION:
+    angle = number(angle, f"{what}: angle")
+    if abs(np.sin(angle)) < PROPORTION or abs(np.sin(0.5 * (beta - alpha))) < PROPORTION:
         raise InputError(f"{what}: angle {angle:g} at twists {alpha:g} and {beta:g} rad folds the loop onto a line "
                          "or gives equal links; choose an angle no multiple of pi and unequal twists")  # fmt: skip
     ratio = np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha))

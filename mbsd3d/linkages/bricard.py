@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
+from ..base.checks import number, sequence
 from ..base.errors import InputError
 from .dh import built, closed_angles, table
 from .links import Links
@@ -38,6 +39,7 @@ def bricard_line(
     ValueError
         If the loop has no pose with this angle.
     """
+    angle = number(angle, "bricard_line: angle")
     numbers = np.vstack(2 * [table(lengths, twists, offsets, "bricard_line")])
     _six("bricard_line", numbers)
     angles = closed_angles("bricard_line", numbers, lambda x: np.array([angle, *x, angle, *x]), 2, near)
@@ -73,7 +75,8 @@ def bricard_plane(
     ValueError
         If the loop has no pose with this angle.
     """
-    half = table(lengths, twists, (0.0, *offsets), "bricard_plane")
+    angle = number(angle, "bricard_plane: angle")
+    half = table(lengths, twists, (0.0, *sequence(offsets, "bricard_plane: offsets")), "bricard_plane")
     a, alpha, d = half.T
     numbers = np.c_[np.r_[a, a[::-1]], np.r_[alpha, -alpha[::-1]], np.r_[d, 0.0, -d[2], -d[1]]]
     _six("bricard_plane", numbers)
@@ -105,6 +108,7 @@ def bricard(
     ValueError
         If the loop has no pose with this angle, or the length is not positive.
     """
+    length, angle = number(length, "bricard: length"), number(angle, "bricard: angle")
     if not length > 0.0 or not np.cos(angle) > -0.5:
         raise InputError(f"bricard: length {length:g} m, angle {np.degrees(angle):.6g} degrees; give a positive length "
                          "and an angle between -120 and 120 degrees, where the loop closes")  # fmt: skip
@@ -139,10 +143,8 @@ def schatz(
     ValueError
         If the length is not positive or the angle not finite.
     """
-    if not length > 0.0 or not np.isfinite([angle, offset]).all():
-        raise InputError(
-            f"schatz: length {length:g} m, angle {angle:g}, offset {offset:g} m; give finite numbers, a > 0"
-        )
+    length = number(length, "schatz: length", positive=True)
+    angle, offset = number(angle, "schatz: angle"), number(offset, "schatz: offset")
     numbers = length * np.array([0.0, 1.0, 1.0, 1.0, 0.0, np.sqrt(3.0)])
     numbers = np.c_[numbers, RIGHT * np.array([1, 1, 1, 1, 1, 0]), [offset, 0, 0, 0, 0, -offset]]
     square = 3.0 * np.cos(angle) ** 2

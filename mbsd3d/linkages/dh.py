@@ -69,6 +69,8 @@ def table(lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[f
         raise InputError(
             f"{what}: {sizes} lengths, twists and offsets; give one of each a link, for three links or more"
         )
+    if not any(columns[0] + columns[2]):
+        raise InputError(f"{what}: all lengths and offsets are 0; give links of some size")
     return np.array(columns).T
 
 

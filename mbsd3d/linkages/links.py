@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import vector
+from ..base.checks import listed, shown, vector
 from ..base.errors import InputError
 from ..base.inertia import MassProperties, cylinder
 from ..base.rotations import as_quaternion, matrix
@@ -37,7 +37,10 @@ def link_body(
     name: str = "",
 ) -> Body:  # fmt: skip
     """Link k at its frame (4, 4); `line` leads from its far to its near hinge, in the axes that `axes` turns from."""
-    if links is not None and len(links) != count:
-        raise InputError(f"{what}: {len(links)} links given; it has {count} that move, the ground is the last one")
-    given = bar(axes.T @ line, radius) if links is None else links[k - 1]
-    return Body(name or f"link {k}", **vars(given), position=frame[:3, 3], orientation=frame[:3, :3])
+    given = () if links is None else listed(links, f"{what}: links", "a list of inertia.MassProperties")
+    if not all(isinstance(link, MassProperties) for link in given):
+        raise InputError(f"{what}: links {shown(links)}; give a list of inertia.MassProperties")
+    if links is not None and len(given) != count:
+        raise InputError(f"{what}: {len(given)} links given; it has {count} that move, the ground is the last one")
+    own = bar(axes.T @ line, radius) if links is None else given[k - 1]
+    return Body(name or f"link {k}", **vars(own), position=frame[:3, 3], orientation=frame[:3, :3])

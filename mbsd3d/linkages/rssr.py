@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..api.system import System
-from ..base.checks import number, sequence
+from ..base.checks import check_choice, number, sequence, shown
 from ..base.errors import InputError
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute, Spherical, Universal
@@ -53,8 +53,10 @@ def rssr(
     for name, value in (("crank", crank), ("rod", rod), ("rocker", rocker)):
         number(value, f"rssr: {name}", positive=True)
     offset = sequence(offsets, "rssr: offsets")
-    if len(offset) != 2 or branch not in (1, -1):
-        raise InputError(f"rssr: offsets {offset}, branch {branch!r}; give two offsets, branch 1 or -1")
+    angle = number(angle, "rssr: angle")
+    check_choice(branch, (1, -1), "rssr: branch")
+    if len(offset) != 2:
+        raise InputError(f"rssr: offsets {shown(offset)}; give two")
     shaft = step(0.0, number(distance, "rssr: distance"), number(twist, "rssr: twist"), 0.0)
     hub = np.array([0.0, 0.0, offset[0]])
     pin = hub + crank * np.array([np.cos(angle), np.sin(angle), 0.0])

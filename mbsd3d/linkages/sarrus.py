@@ -50,6 +50,7 @@ def sarrus(
     ValueError
         If a leg does not reach the height or is straight, or the planes coincide.
     """
+    reach = number(reach, "sarrus: reach")
     lower, upper = (_leg(leg, name) for leg, name in ((first, "first"), (second, "second")))
     if abs(np.sin(number(between, "sarrus: between"))) < STRAIGHT:
         raise InputError(f"sarrus: between {between:g} rad: both legs in one plane leave the platform two freedoms")
@@ -103,8 +104,8 @@ def _leg(lengths: Sequence[float], name: str) -> tuple[float, ...]:
 
 def _knee(leg: tuple[float, ...], height: float, name: str) -> tuple[float, float]:
     """(outwards, up) of the hinge between the links of a leg whose upper end is above its foot."""
-    up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height)
-    if not abs(up) < leg[0] * np.cos(STRAIGHT):
+    up = (leg[0] ** 2 - leg[1] ** 2 + height**2) / (2.0 * height) if height > 0.0 else 0.0
+    if height <= 0.0 or not abs(up) < leg[0] * np.cos(STRAIGHT):
         raise InputError(f"sarrus: the {name} leg of {leg[0]:g} m and {leg[1]:g} m does not reach the height "
                          f"{height:g} m or is straight there; choose another angle or other lengths")  # fmt: skip
     return float(np.sqrt(leg[0] ** 2 - up**2)), float(up)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, number, shown, vector
-from ..base.errors import Explained, InputError
+from ..base.errors import InputError, explaining_methods
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -29,20 +29,21 @@ class Ground:
     def __reduce__(self) -> str:
         return "GROUND"
 
-    def local_point(self, point: np.ndarray) -> np.ndarray:
+    def local_point(self, point: ArrayLike) -> np.ndarray:
         """The point itself: ground axes are world axes."""
         return np.asarray(point, float)
 
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
         """The axis itself."""
-        return np.asarray(axis, float)
+        return vector(axis, "local_axis: axis")
 
 
 GROUND = Ground()
 
 
+@explaining_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class Body(Frozen, metaclass=Explained):
+class Body(Frozen):
     """A rigid body at the reference pose.
 
     Parameters
@@ -116,13 +117,13 @@ class Body(Frozen, metaclass=Explained):
         centre.setflags(write=False)
         return centre
 
-    def local_point(self, point: np.ndarray) -> np.ndarray:
+    def local_point(self, point: ArrayLike) -> np.ndarray:
         """R'(p - r): a world point at the reference pose in body axes from O [m]."""
-        return self.axes.T @ (np.asarray(point, float) - self.position)
+        return self.axes.T @ (vector(point, "local_point: point") - self.position)
 
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
         """R' a: a world direction at the reference pose in body axes."""
-        return self.axes.T @ np.asarray(axis, float)
+        return self.axes.T @ vector(axis, "local_axis: axis")
 
 
 def check_name(name: Any, what: str) -> None:
@@ -132,7 +133,7 @@ def check_name(name: Any, what: str) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Part(Frozen, metaclass=Explained):
+class Part(Frozen):
     """Base class of joints and force elements: a name, and fields that are checked and converted once."""
 
     name: str | None = field(default=None, kw_only=True)

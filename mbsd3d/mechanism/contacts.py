@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, vector
+from ..base.checks import number, shown, vector
 from ..base.directions import perpendiculars, unit
 from ..base.errors import InputError
 from ..kernels import kinds
@@ -52,7 +52,10 @@ class KnifeEdge(PointJoint):
 
 def checked_plane(plane: Sequence | None, what: str) -> tuple[np.ndarray, np.ndarray]:
     """(point, unit normal) of a plane, world at the reference pose; None = z = 0."""
-    at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
+    given = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if plane is None else plane
+    if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
+        raise InputError(f"{what}: plane {shown(given)}; give a point and a normal")
+    at, normal = given
     return vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal")
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, vector
+from ..base.checks import check_choice, number, shown, vector
 from ..base.errors import InputError
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
@@ -189,15 +189,14 @@ class GearMesh(Coupling):
             if not isinstance(hinge, AxisJoint):
                 raise InputError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
         if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
-            raise InputError(f"{what}: carrier = {self.carrier!r} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: carrier = {shown(self.carrier)} is not a body; give a Body or GROUND")
         angles = [number(getattr(self, key), f"{what}: {key}") for key in ("pressure_angle", "helix_angle")]
         if not 0.0 <= angles[0] < np.pi / 2 or abs(angles[1]) >= np.pi / 2:
             raise InputError(
                 f"{what}: pressure_angle {angles[0]:g} rad and helix_angle {angles[1]:g} rad: give radians, "
                 "0 <= pressure_angle < pi/2 and |helix_angle| < pi/2"
             )
-        if self.flank not in (1, -1):
-            raise InputError(f"{what}: flank {self.flank!r} is unknown; give 1 or -1")
+        check_choice(self.flank, (1, -1), f"{what}: flank")
         self.set(at=vector(self.at, f"{what}: at"), pressure_angle=angles[0], helix_angle=angles[1])
         bodies = {id(body) for body in (self.support(what), self.a, self.b)}
         if len(bodies) < 3:

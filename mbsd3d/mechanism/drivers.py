@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import vector
+from ..base.checks import shown, vector
 from ..base.directions import unit
 from ..base.errors import InputError
 from ..kernels import kinds
@@ -199,7 +199,7 @@ class SpeedDriver(Driver):
         joint = self.joint
         turn, slide = (joint.angle(), joint.slide()) if isinstance(joint, Joint) else (None, None)
         if (turn is None) == (slide is None):
-            name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else repr(joint)
+            name = f"'{joint.name}' ({type(joint).__name__})" if isinstance(joint, Joint) else shown(joint)
             has = "neither angle nor slide" if turn is None else "an angle and a slide"
             raise InputError(
                 f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..base.checks import check_choice, shown
 from ..base.errors import InputError
 from .bodies import Body, Ground, Part
 from .joints import Joint
@@ -70,22 +71,21 @@ class ForceElement(Part):
 def check_body(body: Any, what: str) -> None:
     """A Body, or a ValueError."""
     if not isinstance(body, Body):
-        raise InputError(f"{what}: {body!r} is not a body; give a Body")
+        raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
 
 
 def check_pair(a: Any, b: Any, what: str) -> None:
     """Two different bodies, one of which may be the ground."""
     for body in (a, b):
         if not isinstance(body, Body | Ground):
-            raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+            raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")
     if a is b:
         raise InputError(f"{what}: acts between '{a.name}' and itself; give two different bodies")
 
 
 def in_body_frame(frame: str, what: str) -> float:
     """1 for "body", 0 for "world"."""
-    if frame not in ("world", "body"):
-        raise InputError(f"{what}: frame {frame!r} is unknown; give 'world' or 'body'")
+    check_choice(frame, ("world", "body"), f"{what}: frame")
     return float(frame == "body")
 
 
@@ -93,5 +93,5 @@ def hinge_coordinate(hinge: Any, what: str) -> Coordinate:
     """The angle of a joint, else its slide."""
     found = (hinge.angle() or hinge.slide()) if isinstance(hinge, Joint) else None
     if found is None:
-        raise InputError(f"{what}: {hinge!r} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
+        raise InputError(f"{what}: {shown(hinge)} has no angle and no slide; give a Revolute, Cylindrical or Prismatic")
     return found

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import number, vector
+from ..base.checks import number, shown, vector
 from ..base.directions import unit
 from ..base.errors import InputError
 from ..kernels import kinds
@@ -147,7 +147,7 @@ def slide_rate(slider: Joint) -> Measure:
 def body_or_error(body: Any, what: str) -> None:
     """A body or the ground, or a ValueError."""
     if not isinstance(body, Body | Ground):
-        raise InputError(f"{what}: {body!r} is not a body; give a Body")
+        raise InputError(f"{what}: {shown(body)} is not a body; give a Body")
 
 
 def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray:
@@ -216,7 +216,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
         index = names.index(index)
     if type(index) is not int or not 0 <= index < len(states):
         have = f"{len(states)} own states" + (f" ({', '.join(names)})" if names else "")
-        raise InputError(f"measures.state: {label(force)} has {have}, none no. {index!r}; give one of these")
+        raise InputError(f"measures.state: {label(force)} has {have}, none no. {shown(index)}; give one of these")
     what = record.measures[index].unit if record.measures else "-"  # a filter has the unit of what it sees
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 
@@ -224,7 +224,7 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
 def of_contact(contact: ForceElement, kind: str, unit_of: str) -> Measure:
     """A measure of a `Contact`, or a ValueError."""
     if not isinstance(contact, Contact):
-        raise InputError(f"measures.{kind.replace(' ', '_')}: {contact!r} is not a contact; give a Contact")
+        raise InputError(f"measures.{kind.replace(' ', '_')}: {shown(contact)} is not a contact; give a Contact")
     return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, shown, vector
-from ..base.errors import Explained, InputError
+from ..base.checks import Frozen, check_choice, shown, vector
+from ..base.errors import InputError
 from .bodies import GROUND, Body
 from .force_element import ForceElement
 from .joints import Joint
@@ -43,7 +43,7 @@ def short(part: Any) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism(Frozen, metaclass=Explained):
+class Mechanism(Frozen):
     """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
 
     ``title`` is the name of the whole. ``derived`` holds what layers above have computed once, such as its tables;
@@ -116,6 +116,7 @@ class Mechanism(Frozen, metaclass=Explained):
 
     def part(self, key: Any, kind: str = "bodies") -> Any:
         """A part given by itself or by its name; unknown ones are a ValueError that lists the names there are."""
+        check_choice(kind, tuple(KINDS), "part: kind")
         parts = getattr(self, kind)
         if isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
@@ -123,8 +124,8 @@ class Mechanism(Frozen, metaclass=Explained):
             if isinstance(key, str) and self.name(part) == key:
                 return part
         have = ", ".join(f"'{self.name(part)}'" for part in parts) or "none"
-        shown = repr(key) if isinstance(key, str) else f"'{getattr(key, 'name', key)}'"
-        raise InputError(f"{shown} is not one of the {kind} of this system; there are {have}")
+        key = getattr(key, "name", key)
+        raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
         """[kg]"""

@@ -3,6 +3,7 @@
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .bodies import Body, Ground
 
@@ -10,7 +11,7 @@ from .bodies import Body, Ground
 class Motion(Protocol):
     """Where points and axes of bodies are over time, world axes."""
 
-    def body_point(self, body: Body | Ground, point: np.ndarray) -> np.ndarray:
+    def body_point(self, body: Body | Ground, point: ArrayLike) -> np.ndarray:
         """(samples, 3) position of a point fixed in a body, given at the reference pose [m]."""
 
     def body_axis(self, body: Body | Ground, axis: np.ndarray) -> np.ndarray:

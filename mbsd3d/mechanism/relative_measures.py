@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.checks import shown
 from ..base.directions import cross, perpendiculars, unit
 from ..base.errors import InputError
 from .bodies import GROUND, Body, Ground
@@ -170,6 +171,6 @@ def between(
 def length(spring: SpringDamper) -> Measure:
     """Length of a spring [m]."""
     if not isinstance(spring, SpringDamper):
-        raise InputError(f"measures.length: {spring!r} is not a SpringDamper; use measures.distance(a, b)")
+        raise InputError(f"measures.length: {shown(spring)} is not a SpringDamper; use measures.distance(a, b)")
     measure = distance(spring.a, spring.b, at_a=spring.at_a, at_b=spring.at_b)
     return replace(measure, label=f"length of {label(spring)}")

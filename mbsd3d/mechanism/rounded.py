@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.directions import perpendiculars
 from ..base.errors import InputError
 from ..base.rotations import AXES, matrix
@@ -58,7 +59,7 @@ def rounded(surface: Any, body: Body, what: str) -> Rounded:
     """The surface of a body, or an InputError."""
     if not isinstance(surface, Smooth):
         raise InputError(
-            f"{what}: surface {surface!r} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
+            f"{what}: surface {shown(surface)} has no rule; give shapes.Sphere, shapes.Ellipsoid or shapes.Torus"
         )
     centre = body.position + body.axes @ surface.origin(body)
     axes, tube = body.axes @ matrix(surface.orientation), 0.0

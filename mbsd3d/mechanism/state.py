@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.checks import number, numbers
+from ..base.errors import Explained, InputError
 from ..base.style import html_table
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(metaclass=Explained):
     """Coordinates, velocities and own states of the force elements at one time.
 
     Parameters
@@ -55,8 +56,9 @@ class State:
     moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "t", number(self.t, "State: t"))
         for name in ("q", "v", "z"):
-            array = np.array(getattr(self, name), dtype=float)
+            array = numbers(getattr(self, name), f"State: {name}").copy()
             if not np.isfinite(array).all():
                 raise InputError(f"State: {name} has an entry that is not finite; give finite numbers")
             object.__setattr__(self, name, array)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.errors import InputError
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
@@ -234,7 +235,7 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
     if not isinstance(quantity, str):
         return panels_of_several(solution, quantity, parts)
     if quantity not in PANELS:
-        raise InputError(f"quantity {quantity!r} is unknown; give one of {', '.join(PANELS)}")
+        raise InputError(f"quantity {shown(quantity)} is unknown; give one of {', '.join(PANELS)}")
     if parts and quantity in OF_THE_SYSTEM:
         raise InputError(f"{quantity} belongs to the whole system; give no parts")
     return PANELS[quantity](solution, quantity, parts)
@@ -244,7 +245,7 @@ def measures_only(entries: tuple) -> tuple[Measure, ...]:
     """Measures that share axes; anything else among them is an error."""
     for entry in entries:
         if not isinstance(entry, Measure):
-            raise InputError(f"{entry!r} stands beside a measure and is none; give measures, or a list of quantities")
+            raise InputError(f"{shown(entry)} stands beside a measure and is none; give measures, or quantities")
     return entries
 
 
@@ -258,5 +259,5 @@ def panels_of_several(solution: RunResult, wanted: Wanted, parts: tuple[Part, ..
     except TypeError:
         entries = []
     if not entries or not all(entry and isinstance(entry[0], str | Measure) for entry in entries):
-        raise InputError(f"{wanted!r} is not a quantity; give a name, or a list of names and tuples, {example}")
+        raise InputError(f"{shown(wanted)} is not a quantity; give a name, or a list of names and tuples, {example}")
     return [panel for name, *own in entries for panel in panels_of(solution, name, tuple(own))]

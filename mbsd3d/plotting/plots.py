@@ -15,11 +15,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from ..base.errors import InputError
-from ..base.paths import write_atomically
+from ..base.checks import shown
+from ..base.errors import InputError, explaining
+from ..base.paths import as_path, write_atomically
 from ..base.style import LINE, Theme, dress, house, theme
 from ..results.run_result import RunResult
 from .panels import Panel, Part, Wanted, panels_of
+from .telling import seen_panels, telling
 
 DASHES = ("-", "--", ":", "-.")
 FEW = 40  # samples that are marked one by one: straight lines between few of them could mislead
@@ -29,7 +31,7 @@ DECADE = -18  # smallest residual shown; what is below is chance
 
 def plot_quantity(
     solution: RunResult,
-    quantity: str | Wanted = "energy",
+    quantity: str | Wanted | None = None,
     *parts: Part,
     against: str | tuple | None = None,
     degrees: bool = False,
@@ -37,7 +39,9 @@ def plot_quantity(
     axes: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
     """See `Solution.plot`."""
-    panels = panels_of(solution, quantity, parts)
+    if quantity is None and parts:
+        raise InputError("plot: parts without a quantity; give one, e.g. plot('reaction', hinge)")
+    panels = seen_panels(solution, telling(solution)) if quantity is None else panels_of(solution, quantity, parts)
     if degrees:
         panels = [panel.in_degrees() for panel in panels]
     across = None if against is None else panel_across(solution, against, quantity, parts, degrees)
@@ -48,6 +52,8 @@ def plot_quantity(
             raise InputError(
                 f"plot: {quantity} of these parts needs {len(panels)} axes, not {len(targets)}; give as many"
             )
+        if not all(isinstance(target, Axes) for target in targets):
+            raise InputError(f"plot: axes = {shown(axes)}; give matplotlib axes, one per panel, or None")
         before: tuple | None = None
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
@@ -72,7 +78,7 @@ def new_axes(count: int) -> np.ndarray:
 
 
 def panel_across(
-    solution: RunResult, against: str | tuple, quantity: str | Wanted, parts: tuple[Part, ...], degrees: bool
+    solution: RunResult, against: str | tuple, quantity: str | Wanted | None, parts: tuple[Part, ...], degrees: bool
 ) -> Panel:
     """What is on the horizontal axis."""
     if isinstance(against, str) and isinstance(quantity, str):
@@ -81,7 +87,7 @@ def panel_across(
         found = panels_of(solution, [against])
     if len(found) != 1:
         example = "against=('angle', 'hinge')"
-        raise InputError(f"plot: against {against!r} is not a single axis; give a scalar, e.g. {example}")
+        raise InputError(f"plot: against {shown(against)} is not a single axis; give a scalar, e.g. {example}")
     return found[0].in_degrees() if degrees else found[0]
 
 
@@ -158,12 +164,15 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
 
 
+@explaining
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
     """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
     ``path`` has no suffix; returns the files. ValueError if the folder cannot be written.
     """
-    path, written = Path(path), []
+    if not isinstance(figure, Figure):
+        raise InputError(f"save_figure: {shown(figure)} is no figure; give one of matplotlib, e.g. of solution.plot()")
+    path, written = as_path(path, "figure"), []
     options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
     if pdf:
         options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}

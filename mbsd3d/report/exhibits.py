@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from ..base.checks import listed
 from ..base.errors import InputError
 from ..base.style import LIGHT, house
 from ..mechanism.drivers import Driver
@@ -28,8 +29,8 @@ def wanted_curves(
     """(what to plot, entry for `plot`, caption) of every figure; ``few`` has the samples with reactions."""
     if curves is not None:
         if isinstance(curves, str):
-            raise InputError(f"report: curves {curves!r} is a single text; give a list, e.g. ['energy']")
-        return [(solution, entry, "") for entry in curves]
+            raise InputError(f"report: curves '{curves:.80}' is a single text; give a list, e.g. ['energy']")
+        return [(solution, entry, "") for entry in listed(curves, "report: curves", "a list, e.g. ['energy']")]
     if solution.t.size == 1:
         return []
     energies = "Energies, and the work of drivers and of forces that store none."

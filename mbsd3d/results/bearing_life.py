@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Frozen, number
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from .bearings import BearingLoad
 
 BALL, ROLLER = 3.0, 10.0 / 3.0
@@ -154,6 +154,7 @@ class DeepGrooveBallBearing(Rating):
         return 0.56, np.interp(ratio, AXIAL, AXIAL_FACTOR), np.interp(ratio, AXIAL, LIMIT_RATIO)
 
 
+@explaining
 def reliability_factor(reliability: float) -> float:
     """a1 of L_n = a1 L10: Weibull's ``(ln(1/R) / ln(1/0.9))^(1/1.5)``, which gives the table of ISO 281:1990.
 

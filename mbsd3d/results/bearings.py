@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import vector
+from ..base.checks import check_choice, shown, vector
 from ..base.directions import perpendiculars, unit
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from ..base.style import Sampled
 from ..mechanism.joints import Fixed, Joint, PointJoint, Prismatic
 from .run_result import RunResult
@@ -44,6 +44,7 @@ class BearingLoad(Sampled):
         return np.hypot(self.moment[:, 0], self.moment[:, 1])
 
 
+@explaining
 def bearing_load(
     solution: RunResult, joint: Joint | str, axis: ArrayLike | None = None, *, frame: str = "a"
 ) -> BearingLoad:
@@ -61,12 +62,13 @@ def bearing_load(
     >>> round(float(load.radial[0]), 6), round(float(load.axial[0]), 6)
     (58.86, 78.48)
     """
+    if not isinstance(solution, RunResult):
+        raise InputError(f"bearing_load: {shown(solution)} is no solution; give one of simulate(...)")
     part = solution.system.part(joint, "joints")
     what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
     if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):
         raise InputError(f"{what} does not turn like a bearing; give a Revolute, Cylindrical, Spherical or the like")
-    if frame not in ("a", "b"):
-        raise InputError(f"{what}: frame {frame!r} is unknown; give 'a' or 'b'")
+    check_choice(frame, ("a", "b"), f"{what}: frame")
     own = part.angle()
     if axis is None and own is None:
         raise InputError(f"{what} has no axis; give axis=")
@@ -89,6 +91,7 @@ def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
     return rates[1] - rates[0]
 
 
+@explaining
 def bearing_pair(
     solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
 ) -> tuple[BearingLoad, BearingLoad]:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.checks import vector
 from ..base.rotations import matrix
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import GROUND, Body, Ground
@@ -43,16 +44,16 @@ class Poses:
 
     def point(self, body: Body | str, local: ArrayLike) -> np.ndarray:
         """World position of a point given in body axes from the reference point [m]."""
-        return self.position(body) + self.rotation(body) @ np.asarray(local, float)
+        return self.position(body) + self.rotation(body) @ vector(local, "point: local")
 
-    def body_axis(self, body: Body | Ground, axis: np.ndarray) -> np.ndarray:
+    def body_axis(self, body: Body | Ground | str, axis: ArrayLike) -> np.ndarray:
         """(samples, 3) world direction of an axis fixed in a body (or GROUND), given at the reference pose."""
         if body is GROUND:
-            return np.broadcast_to(axis, (self.t.size, 3))
-        return self.rotation(body) @ body.local_axis(axis)
+            return np.broadcast_to(vector(axis, "body_axis: axis"), (self.t.size, 3))
+        return self.rotation(body) @ self.system.part(body).local_axis(axis)
 
-    def body_point(self, body: Body | Ground, point: np.ndarray) -> np.ndarray:
+    def body_point(self, body: Body | Ground | str, point: ArrayLike) -> np.ndarray:
         """(samples, 3) world position of a point fixed in a body (or GROUND), given at the reference pose [m]."""
         if body is GROUND:
-            return np.broadcast_to(point, (self.t.size, 3))
-        return self.point(body, body.local_point(point))
+            return np.broadcast_to(vector(point, "body_point: point"), (self.t.size, 3))
+        return self.point(body, self.system.part(body).local_point(point))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.errors import NameMissingError
 from ..base.style import html_text
 from ..dynamics.batch import newton_euler, row_defects
@@ -90,9 +91,9 @@ class Certificate:
     def __getitem__(self, name: str) -> Check:
         """A check by its name."""
         for check in self.checks:
-            if check.name == name:
+            if isinstance(name, str) and check.name == name:
                 return check
-        raise NameMissingError(f"no check '{name}'; there are {', '.join(repr(c.name) for c in self.checks)}")
+        raise NameMissingError(f"no check {shown(name)}; there are {', '.join(repr(c.name) for c in self.checks)}")
 
     def __str__(self) -> str:
         dropped = [k for k in ("gyroscopic", "centripetal", "gamma") if not getattr(self.switches, k)]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.errors import InputError
 from ..base.style import Sampled
 from ..dynamics.loads import loads
@@ -108,11 +109,11 @@ def acted_body(solution: "RunSamples", part: ForceElement, on: Body | Ground | s
     if on is None:
         return bodies[-1]
     for body in bodies:
-        if on is body or on == body.name:
+        if on is body or (isinstance(on, str) and on == body.name):
             return body
     names = ", ".join(f"'{body.name}'" for body in bodies)
-    shown = getattr(on, "name", on)
-    raise InputError(f"solution.force: '{solution.system.name(part)}' does not act on '{shown}'; it acts on {names}")
+    what = f"solution.force: '{solution.system.name(part)}'"
+    raise InputError(f"{what} does not act on {shown(getattr(on, 'name', on))}; it acts on {names}")
 
 
 def acting_points(solution: "RunSamples", part: ForceElement, body: Body | Ground) -> np.ndarray:

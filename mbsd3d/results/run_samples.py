@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.errors import InputError
 from ..base.rotations import matrix
 from ..base.style import Sampled
@@ -229,7 +230,7 @@ class RunSamples(Poses):
     def work(self, part: Driver | ForceElement | str) -> np.ndarray:
         """(samples,) work [J] done since the start by a driver, or by the part of a force that stores no energy."""
         model, system = self.compiled.model, self.system
-        if any(part is force or part == system.name(force) for force in system.forces):
+        if any(part is force or (isinstance(part, str) and part == system.name(force)) for force in system.forces):
             first = model.z_work + system.forces.index(system.part(part, "forces"))
             return self.arrays["z"][:, first]
         rows = self.compiled.rows[id(system.part(part, "joints"))]
@@ -254,6 +255,10 @@ class RunSamples(Poses):
 
     def state(self, sample: int = -1) -> State:
         """The state at a sample, to start another run from."""
+        count = self.t.size
+        whole = isinstance(sample, int | np.integer) and not isinstance(sample, bool)
+        if not whole or not -count <= sample < count:
+            raise InputError(f"solution.state: sample {shown(sample)} is not one of {count}; give 0 ... {count - 1}")
         a = self.arrays
         own, q = a["z"][sample, : self.compiled.model.z_work], unit_quaternions(a["q"][sample].ravel())
         return State(float(self.t[sample]), q, a["v"][sample].ravel(), own, a["coordinate"][sample])

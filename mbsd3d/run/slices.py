@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.checks import number
+from ..base.checks import listed, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
@@ -37,9 +37,12 @@ class Slices(Job):
         self, system: Mechanism, start: State, switches: Switches, method: Method | None, rtol: float,
         as_built: float | None, measures: Sequence[Measure],
     ) -> None:  # fmt: skip
-        method = method or DOP853()
+        method = DOP853() if method is None else method
         check_kinds(method, rtol, None)
+        measures = listed(measures, "Stepper: measures", "a list of mbsd3d.measures")
         for x in measures:
+            if not isinstance(x, Measure):
+                raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
         compiled = with_own_inputs(compile_system(system, tuple(measures), switches))
         self.inputs, self.keep = starts(compiled), True
@@ -64,9 +67,9 @@ class Slices(Job):
     def set(self, key: Input | str, value: float) -> None:
         """Give an input a value from now on."""
         name = key.name if isinstance(key, Input) else key
-        if name not in self.inputs:
+        if not isinstance(name, str) or name not in self.inputs:
             have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
-            raise InputError(f"Stepper: {key!r} is not one of the inputs of this system; there are {have}")
+            raise InputError(f"Stepper: {shown(key)} is not one of the inputs of this system; there are {have}")
         value = number(value, f"Stepper: input '{name}'")
         if value == self.inputs[name]:
             return

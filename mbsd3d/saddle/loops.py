@@ -46,26 +46,34 @@ def assemble_loops(s):
 
 
 @inner_kernel
+def fallen(row, classes):
+    """(class, share): how far a pivot has fallen, as a share of its largest so far and as a power of two."""
+    share = row.pivot / max(row.most, row.pivot)
+    return min(int(-np.log2(share)) if share > 0.0 else classes, classes - 1), share
+
+
+@inner_kernel
 def independence(s):
-    """How far the least of the independent rows has fallen: a power of two, the share of its largest pivot so far.
+    """How far the least of the independent rows has fallen: the share of its largest pivot so far.
 
     Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
     """
-    shares = s.shares
+    shares, loop = s.shares, s.loop
     clear(shares)
-    for i in range(s.loop.shape[0]):
-        row = s.loop[i]
-        most = max(row.most, row.pivot)
-        if most > FELT:
-            fallen = -np.log2(row.pivot / most)
-            k = shares.shape[0] - 1
-            shares[int(fallen) if 0.0 <= fallen < k else k] += 1
-    left = s.state.rank
-    for k in range(shares.shape[0]):
-        left -= shares[k]
-        if left <= 0:
-            return 0.5**k
-    return 0.5 ** shares.shape[0]
+    for i in range(loop.shape[0]):
+        if max(loop[i].most, loop[i].pivot) > FELT:
+            shares[fallen(loop[i], shares.shape[0])[0]] += 1
+    left, last = s.state.rank, -1
+    while left > 0 and last < shares.shape[0] - 1:
+        last += 1
+        left -= shares[last]
+    least = 1.0
+    for i in range(loop.shape[0]):
+        if max(loop[i].most, loop[i].pivot) > FELT:
+            k, share = fallen(loop[i], shares.shape[0])
+            if k <= last:
+                least = min(least, share)
+    return least if left <= 0 else 0.5 ** shares.shape[0]
 
 
 @fused_kernel
@@ -219,7 +227,7 @@ def factor_loops(s):
             s.state.weak = 1
     if s.state.soft == UNKNOWN:
         note_independence(s)
-    s.state.pivot = independence(s) if s.state.weak == 1 else 1.0
+    s.state.pivot = independence(s) if s.state.weak == 1 or s.state.soft == 1 else 1.0
     if softest > GRADED * max(least, REGULAR):
         s.state.dense, s.state.pivot = 1, 1.0
 

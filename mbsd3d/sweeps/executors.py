@@ -17,6 +17,7 @@ from multiprocessing.connection import wait as wait_for_end
 from threading import Thread
 from typing import Any
 
+from ..base.checks import shown
 from ..base.concurrency import Turns, taking_turns
 from ..base.errors import InputError, SweepError
 from .experiment import Outcome
@@ -60,17 +61,17 @@ def by_turns(turns: Turns, call: Callable, cell: dict) -> Outcome:
 
 def check_executor(executor: Any, functions: list[Callable]) -> None:
     """ValueError for an unknown executor, and for functions that cannot go to another process."""
-    if executor == "processes":
+    if isinstance(executor, str) and executor == "processes":
         for function in functions:
             place = getattr(function, "__qualname__", "")
             if "<" in place:
                 raise InputError(
                     f"sweep: {place} cannot go to another process; define it at the top of a module, or use threads"
                 )
-    elif executor not in (None, "threads") and not isinstance(executor, Executor):
-        if not hasattr(executor, "get_executor"):
+    elif executor is not None and not isinstance(executor, Executor):
+        if not hasattr(executor, "get_executor") and not (isinstance(executor, str) and executor == "threads"):
             raise InputError(
-                f"sweep: executor {executor!r}; give None, 'threads', 'processes', a concurrent.futures.Executor "
+                f"sweep: executor {shown(executor)}; give None, 'threads', 'processes', a concurrent.futures.Executor "
                 "or a distributed.Client"
             )
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..api.simulation import simulate
 from ..api.solution import Solution
 from ..api.system import System
+from ..base.checks import shown
 from ..base.concurrency import one_thread
 from ..base.errors import InputError
 
@@ -102,7 +103,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
     """ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise InputError(f"sweep: {what} {function!r} is not a function; give one")
+        raise InputError(f"sweep: {what} {shown(function)} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):

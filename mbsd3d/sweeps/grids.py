@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, number
-from ..base.errors import InputError
+from ..base.checks import Frozen, check_choice, listed, number, numbers, shown
+from ..base.errors import InputError, explaining
 
 METHODS = ("sobol", "latin hypercube", "random")
+MOST = 10_000_000  # points
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +29,12 @@ class Samples(Frozen):
     points: ArrayLike
 
     def __post_init__(self) -> None:
-        names, points = tuple(self.names), np.array(self.points, dtype=float)
+        names = listed(self.names, "Samples: names", "a tuple of names")
+        points = numbers(self.points, "Samples: points").copy()
         if points.ndim != 2 or points.shape[1] != len(names) or not points.size:
-            raise InputError(f"Samples: points have shape {points.shape}; give (count, {len(names)}) for {names}")
+            raise InputError(
+                f"Samples: points have shape {points.shape}; give (count, {len(names)}), names {shown(names)}"
+            )
         check_names(names)
         bad = np.argwhere(~np.isfinite(points))
         if bad.size:
@@ -38,6 +42,7 @@ class Samples(Frozen):
         self._store(names=names, points=points)
 
 
+@explaining
 def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
     """Points spread over named ranges, the same for the same seed, for `sweep`; its dataset has the dimension "sample".
 
@@ -51,12 +56,15 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     """
     from scipy.stats import qmc
 
-    if method not in METHODS:
-        raise InputError(f"samples: method {method!r} is unknown; give one of {', '.join(map(repr, METHODS))}")
-    if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
-        raise InputError(f"samples: count {count!r}; give a whole number of points > 0")
+    if not isinstance(ranges, Mapping):
+        raise InputError(f"samples: ranges {shown(ranges)}; give a mapping of names to (least, greatest)")
+    check_choice(method, METHODS, "samples: method")
+    if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= MOST:
+        raise InputError(f"samples: count {shown(count)}; give a whole number of points, 1 ... {MOST}")
     if method == "sobol" and count & (count - 1):
         raise InputError(f"samples: count {count} is not a power of two, which Sobol points need; give 2, 4, 8, ...")
+    if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
+        raise InputError(f"samples: seed {shown(seed)}; give a whole number >= 0")
     check_names(tuple(ranges))
     limits = np.array([check_range(name, values) for name, values in ranges.items()])
     if method == "random":
@@ -72,7 +80,7 @@ def check_range(name: str, values: Any) -> tuple[float, float]:
     try:
         low, high = values
     except (TypeError, ValueError):
-        raise InputError(f"samples: range {values!r} of '{name}'; give (least, greatest)") from None
+        raise InputError(f"samples: range {shown(values)} of '{name}'; give (least, greatest)") from None
     low, high = number(low, f"samples: least '{name}'"), number(high, f"samples: greatest '{name}'")
     if not low < high:
         raise InputError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
@@ -85,7 +93,7 @@ def check_names(names: tuple) -> None:
         raise InputError("sweep: the grid is empty; give at least one parameter with its values")
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
-            raise InputError(f"sweep: parameter {name!r}; give the name of a parameter of build")
+            raise InputError(f"sweep: parameter {shown(name)}; give the name of a parameter of build")
         if name in ("error", "sample") or names.count(name) > 1:
             raise InputError(f"sweep: parameter '{name}' is taken; give every parameter a unique name")
 
@@ -111,7 +119,7 @@ def make_grid(grid: Mapping[str, ArrayLike] | Samples) -> Grid:
         cells = [dict(zip(grid.names, point, strict=True)) for point in grid.points.tolist()]
         return Grid(("sample",), (len(cells),), columns, cells)
     if not isinstance(grid, Mapping):
-        raise InputError(f"sweep: grid {grid!r}; give a mapping of parameter names to values, or samples(...)")
+        raise InputError(f"sweep: grid {shown(grid)}; give a mapping of parameter names to values, or samples(...)")
     check_names(tuple(grid))
     values = {name: check_values(name, given) for name, given in grid.items()}
     lists = [array.tolist() for array in values.values()]
@@ -124,7 +132,7 @@ def check_values(name: str, given: Any) -> np.ndarray:
     """(k,) numbers or texts, none twice."""
     array = np.array(given)
     if array.ndim != 1 or array.dtype.kind not in "fiubU":
-        raise InputError(f"sweep: '{name}': {given!r}; give a list of numbers or texts")
+        raise InputError(f"sweep: '{name}': {shown(given)}; give a list of numbers or texts")
     if not array.size:
         raise InputError(f"sweep: '{name}' has no values; give at least one")
     if array.dtype.kind == "f" and not np.isfinite(array).all():

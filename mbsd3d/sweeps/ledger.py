@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.checks import shown
 from ..base.errors import InputError
-from ..base.paths import package_version
+from ..base.paths import as_path, package_version
 from .experiment import Experiment, Outcome
 from .grids import Grid
 
@@ -82,7 +82,7 @@ class Store:
     """
 
     def __init__(self, path: str | Path, identity: Mapping[str, Any], what: str, *, replace: bool = False) -> None:
-        self.path, self.what = Path(path), what
+        self.path, self.what = as_path(path, f"{what}.db"), what
         try:
             self.file = sqlite3.connect(self.path, isolation_level=None)
             self.file.execute("PRAGMA journal_mode=WAL")

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.checks import shown
 from ..base.concurrency import one_thread
-from ..base.errors import InputError, SweepError
+from ..base.errors import InputError, SweepError, explaining
 from ..base.paths import package_version
 from ..base.progress import Progress
 from .executors import check_executor, outcomes
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@explaining
 def sweep(
     build: Callable[..., Any],
     grid: Mapping[str, Any] | Samples,
@@ -101,7 +103,7 @@ def sweep(
 
     began = time.perf_counter()
     cells, experiment = make_grid(grid), Experiment(build, measure, {} if run is None else run)
-    check(experiment, cells, executor, units)
+    check(experiment, cells, executor, units, tag)
     book = None if ledger is None else Ledger(ledger, identity(experiment, cells, tag), len(cells.cells))
     results: dict[int, Outcome] = {}
     try:
@@ -118,7 +120,7 @@ def sweep(
     return table
 
 
-def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str, str] | None) -> None:
+def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str, str] | None, tag: str) -> None:
     """Checks before anything runs."""
     run = experiment.run
     check_parameters(experiment.build, "build", grid.cells[0])
@@ -130,11 +132,13 @@ def check(experiment: Experiment, grid: Grid, executor: Any, units: Mapping[str,
         except MisuseError as error:
             raise InputError(f"sweep: {error}") from None
     else:
-        raise InputError(f"sweep: run {run!r}; give a mapping of arguments of simulate, or a function that returns one")
+        raise InputError(f"sweep: run {shown(run)}; give a mapping of arguments of simulate, or a function")
     if not callable(experiment.measure):
-        raise InputError(f"sweep: measure {experiment.measure!r} is not a function; give one that takes a solution")
+        raise InputError(f"sweep: measure {shown(experiment.measure)} is not a function; give one of a solution")
+    if not isinstance(tag, str):
+        raise InputError(f"sweep: tag {shown(tag)}; give a text")
     if units is not None and not isinstance(units, Mapping):
-        raise InputError(f"sweep: units {units!r}; give a mapping of names to units")
+        raise InputError(f"sweep: units {shown(units)}; give a mapping of names to units")
     functions = [experiment.build, experiment.measure, *([run] if callable(run) else [])]
     check_executor(executor, functions)
 

@@ -138,6 +138,10 @@ def test_study_figure_and_command(tmp_path):
     weave = found.mode("weave", 5.0).eigenvalue
     every = complexes(TRUTHS["straight_running"]["rows"][3]["eigenvalues"]["5.0"])
     assert min(abs(weave - s) for s in every) < 1e-9 and abs(abs(weave.imag) - 4.1) < 0.01
+    between = found.mode("capsize", 5.3).eigenvalue  # at the speed asked for, not at one of the grid
+    assert between == pytest.approx(min(on_tyres.eigenvalues(found.build, P, [5.3])[0], key=abs), abs=1e-9)
+    with pytest.raises(ValueError, match="from 3 to 8 m/s"):
+        found.mode("weave", 9.0)
     out = ["--from", "3", "--to", "8", "--count", "4", "--tyre", "trail=0", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "stability", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "4.25414 ... 5.95697 m/s" in done.output
@@ -145,7 +149,8 @@ def test_study_figure_and_command(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("tyres", "text"), [({"grip": 1.0}, "grip unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")]
+    ("tyres", "text"),
+    [({"grip": 1.0, "law": 2}, "grip, law unknown"), ([{}], "rear, front"), ({"mu": -1.0}, "rear tyre.*mu")],
 )
 def test_errors(tyres, text):
     with pytest.raises(ValueError, match=text):
@@ -182,3 +187,28 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "5 m/s: up to a lean of 14.3°" in done.output
+
+
+def test_a_stiff_head_is_a_rigid_one():
+    """The difference is of first order in 1/k; a soft one adds a freedom, and with it a wobble of 4 to 10 Hz."""
+    rigid = on_tyres.eigenvalues(partial(whipple, tyres=BRUSH), P, [5.0])[0]
+    gaps = []
+    for k in (1e6, 1e7, 1e8):
+        found = on_tyres.eigenvalues(partial(whipple, tyres=BRUSH, head_stiffness=k), P, [5.0])[0]
+        gaps.append(max(np.abs(found - s).min() for s in rigid))
+    assert np.divide(gaps[:-1], gaps[1:]) == pytest.approx(10.0, rel=0.05)
+    soft = partial(whipple, tyres=BRUSH, head_stiffness=2000.0, head_damping=2.0)
+    assert soft(P, speed=5.0).check().configuration_freedom == 10
+    wobble = max(on_tyres.eigenvalues(soft, P, [5.0])[0], key=lambda s: s.real)
+    assert 4.0 < abs(wobble.imag) / (2.0 * np.pi) < 10.0
+
+
+def test_a_ride_with_a_soft_head():
+    found = ride.run(P, 1.0, speed=5.0, lean=0.1, steer=0.2, tyres=BRUSH, head_stiffness=2e4, head_damping=20.0)
+    twist = found.solution.angle("head twist")
+    assert found.steer[0] == pytest.approx(0.2) and abs(twist[0]) < 1e-15 and 1e-4 < np.abs(twist).max() < 0.1
+    assert found.solution.certificate.passed
+    with pytest.raises(ValueError, match="without head_stiffness"):
+        whipple(P, head_damping=1.0)
+    with pytest.raises(ValueError, match="head_stiffness without tyres"):
+        stability.study(P, head_stiffness=2000.0)

@@ -10,6 +10,7 @@ from click.testing import CliRunner
 from bicycle import Meijaard2007, assist, course, named, rider, tyres
 from bicycle.linear.general import linearization
 from bicycle.model.mechanism import Bicycle, whipple
+from bicycle.parameters import fittings
 from mbsd3d import StateFeedback, measures
 from mbsd3d.cli import main
 
@@ -99,6 +100,19 @@ def test_a_lane_change(on):
     assert found.ride.solution.certificate.passed
 
 
+def test_a_rider_who_falls():
+    """No wheel is held down: the ride ends where one lifts, or the frame has fallen."""
+    ideal, grip = (course.run(P, course.Course(lane=2.0), speed=1.0, tyres=on).ride for on in (None, tyres.TYPICAL))
+    assert ideal.event.name.endswith("wheel unloaded") and ideal.contacts["front"].normal.min() > -1e-3
+    assert grip.event.name == "fallen" and grip.t[-1] == grip.event.t < 12.0
+
+
+def test_a_course_keeps_the_steer_damper():
+    p = named("Sharp1971")
+    system = course.ridden(p, 10.0, course.Course(), rider.gains_of(p, 10.0), **fittings(p))
+    assert [force.name for force in system.forces] == ["rear tyre", "front tyre", "steer damper", "rider"]
+
+
 def test_small_courses_are_those_of_the_linear_loops():
     """A lane of a tenth of a millimetre: the linear equations' answer, to what 3e-5 rad squared adds."""
     gains, lane = rider.Gains(*TRUTHS["rider_closed_loop"]["benchmark"][1]["gains"]), 1e-4
@@ -115,5 +129,5 @@ def test_command(tmp_path):
     out = ["--course", "slalom", "--t-end", "2", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "rider", *out], catch_exceptions=False)
     assert done.exit_code == 0
-    assert "roll-rate feedback  -10 N m s/rad: self-stable 2.81174 ... 6.02426 m/s" in done.output
+    assert "roll-rate feedback  -10 N m s/rad: stable on ideal wheels 2.81174 ... 6.02426 m/s" in done.output
     assert (tmp_path / "Meijaard2007_slalom.csv").read_text().startswith("t [s],lean [rad]")

@@ -1,8 +1,11 @@
 """The gallery: pages are written, kept while nothing changes, found by words, and run without an error."""
 
 import json
+import re
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from mbsd3d.demos import gallery
 from mbsd3d.demos.discovery import discover, own_demos
@@ -27,6 +30,17 @@ def test_a_page_says_shows_and_proves(site):
     found = json.loads((site / f"{NAME}.json").read_text())
     assert found["passed"] and set(found["quantities"]) == set(demo.quantities)
     assert (site / f"{NAME}.png").stat().st_size > 5_000
+
+
+def test_the_front_page_moves_unless_the_reader_wants_it_still(site):
+    with Image.open(site / f"{NAME}.gif") as film:
+        assert film.n_frames > 20 and film.size == (480, 360)
+        film.seek(0)
+        first = np.asarray(film.convert("RGB"), float)
+        film.seek(film.n_frames // 3)
+        assert (np.abs(np.asarray(film.convert("RGB"), float) - first).max(axis=2) > 30).sum() > 600
+    source, still = re.search("<picture>(.*?)(<img.*?)</picture>", (site / "index.html").read_text()).groups()
+    assert "prefers-reduced-motion: no-preference" in source and f"{NAME}.gif" in source and f"{NAME}.png" in still
 
 
 def test_players_share_one_viewer(site):

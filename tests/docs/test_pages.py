@@ -1,9 +1,11 @@
 """The pages of docs/: their blocks print what they show, and what they name exists."""
 
 import inspect
+import json
 import re
 from importlib import import_module
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 from shown import blocks, run
@@ -14,9 +16,9 @@ from validation.cases.examples import JOINTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SLOW = {  # films, sweeps, other engines, compiled functions: a second or more
-    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md",
+    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md", "engines.md",
     "coming_from/mujoco.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md", "how/own_method.md",
-    "how/see.md", "how/sweeps.md",
+    "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
 }  # fmt: skip
 PAGES = {str(path.relative_to(DOCS)): path for path in sorted(DOCS.rglob("*.md"))}
 WITH_BLOCKS = [
@@ -104,6 +106,16 @@ def test_links_of_a_page_lead_somewhere(page):
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
         assert target.startswith("http") or (page.parent / target).exists(), target
+
+
+def test_notebooks_are_those_of_the_lessons():
+    texts = run_path(str(DOCS / "make_notebooks.py"))["lessons"]()
+    assert set(texts) == set((DOCS / "notebooks").glob("*.ipynb")) and len(texts) >= 5
+    for path, text in texts.items():
+        assert path.read_text(encoding="utf-8") == text, "make notebooks"
+        code = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+        assert len(code) == len(blocks(DOCS / "teaching" / f"{path.stem}.md"))
+        assert all(cell["outputs"] for cell in code)
 
 
 def test_forty_questions_have_a_page():

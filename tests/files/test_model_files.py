@@ -16,6 +16,7 @@ from mbsd3d import (
     AeroDrag,
     Body,
     Bushing,
+    CentralGravity,
     Constant,
     Contact,
     Cylindrical,
@@ -33,6 +34,8 @@ from mbsd3d import (
     Table,
     Torque,
     TorsionSpring,
+    Tyre,
+    Weight,
     shapes,
     simulate,
 )
@@ -69,6 +72,13 @@ def all_forces(rng):
             damping=(0.1, 0.2, 0.3), turning_damping=0.2, axes=random_orientation(rng),
         ),
         AeroDrag(two, drag_area=0.3, density=1.1, at=rng.normal(size=3), wind=(g, h, i)),
+        Tyre(
+            three, one, axis=direction(rng), centre=rng.normal(size=3), radius=0.4, crown=0.1, stiffness=41.0,
+            damping=0.7, cornering=11.0, longitudinal=13.0, camber=0.8, trail=0.02, mu=0.7, standing_damping=0.4,
+            standing_speed=0.3, plane=(rng.normal(size=3), direction(rng)),
+        ),
+        Weight(one, two, acceleration=rng.normal(size=3)),
+        CentralGravity(one, three, at=rng.normal(size=3), mu=0.7),
         Contact(
             three, two, shapes.Torus(0.3, 0.1, (1, 2, 3), at=rng.normal(size=3)), stiffness=31.0, exponent=1.3,
             damping=0.1, loss=0.2, friction=0.4, rolling=0.1, plane=(rng.normal(size=3), direction(rng)),

@@ -135,7 +135,7 @@ def test_reruns_are_the_same_to_the_bit():
 def test_bad_parameters_and_steps_far_too_long():
     with pytest.raises(ValueError, match="RadauIIA: dt"):
         RadauIIA(dt=0.0)
-    with pytest.raises(ValueError, match="RadauIIA: max_step -1.0 is not positive"):
+    with pytest.raises(ValueError, match="RadauIIA: max_step: -1.0 is not positive"):
         RadauIIA(max_step=-1.0)
     with pytest.raises(IntegrationError, match="smaller dt"):
         simulate(governor(), 2.0, method=RadauIIA(dt=1.0))

@@ -20,6 +20,7 @@ from mbsd3d import (
     AeroDrag,
     Body,
     Bushing,
+    CentralGravity,
     Contact,
     Cylindrical,
     Force,
@@ -33,6 +34,7 @@ from mbsd3d import (
     Torque,
     TorsionSpring,
     Tyre,
+    Weight,
     rotation,
     shapes,
 )
@@ -151,11 +153,13 @@ EXAMPLES = {
     "Contact that sticks": lambda rng, a, b: _contact(rng, a, b, shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE), **STICKS),
     "Contact that slips": lambda rng, a, b: _contact(rng, a, b, shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE), **SLIPS),
     "Contact that creeps": lambda rng, a, b: _contact(rng, a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), **CREEPS),
+    "Weight": lambda rng, a, b: ([], Weight(a, b, acceleration=rng.normal(size=3))),
+    "CentralGravity": lambda rng, a, b: ([], CentralGravity(a, b, at=a.position + direction(rng), mu=2.3)),
     "AeroDrag": lambda rng, a, b: ([], AeroDrag(b, drag_area=0.6, at=b.position + direction(rng), wind=_signals(rng))),
 }
 """Name -> factory(rng, a, b) of (joints it needs, element)."""
 
-INTERNAL = [name for name in EXAMPLES if not name.startswith(("Force", "Torque", "AeroDrag"))]
+INTERNAL = [name for name in EXAMPLES if not name.startswith(("Force", "Torque", "AeroDrag", "Weight"))]
 """Elements that act between two bodies."""
 
 every_element = pytest.mark.parametrize("name", EXAMPLES)

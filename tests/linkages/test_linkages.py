@@ -133,7 +133,7 @@ def test_sarrus_goes_straight():
         (lambda: linkages.bricard_line((1, 1), (1, 1), (0, 0), 0.3), "give one of each a link"),
         (lambda: linkages.bricard_line((1, 1, 0.1), (0.1, 0.2, 0.1), (9, 0, 0), 0.3), "no closed pose"),
         (lambda: linkages.bricard_plane((1, 1, 1), (1, 1, 1), (0, 0), 0.3, near=(0, 0)), "near has 2 angles; give 3"),
-        (lambda: linkages.schatz(-1.0, 0.3), "a > 0"),
+        (lambda: linkages.schatz(-1.0, 0.3), "length: -1.0 is not positive; give a number > 0"),
         (lambda: linkages.sarrus((0.5, 0.1), (0.5, 0.5), 1.0, 0.3), "steeper angle"),
         (lambda: linkages.sarrus((0.5, 0.5), (0.2, 0.2), 1.0, 1.0), "second leg .* does not reach"),
         (lambda: linkages.sarrus((0.5, 0.5), (0.5, 0.5), 0.0, 1.0), "in one plane"),

@@ -54,6 +54,8 @@ def test_a_wheel_that_is_dropped_bounces_as_the_linear_spring_says(m, k, c, h):
     assert fall.final.t == pytest.approx(np.sqrt(2 * h / g), rel=1e-9)
     assert up.final.t - fall.final.t == pytest.approx(ends, rel=1e-8)
     assert up.velocity(wheel)[-1, 2] == pytest.approx(-x_dot, rel=1e-8)
+    if m == 20.0:  # found by another program
+        assert up.velocity(wheel)[-1, 2] / impact == pytest.approx(0.759947801207112, rel=1e-8)
     assert up.measure(measures.clearance(road))[-1] == pytest.approx(-x, rel=1e-6)
     assert up.certificate.passed
     # it lets go while the spring is still pressed: nothing pulls
@@ -124,6 +126,20 @@ def test_spinning_friction_stops_a_top_and_it_stays():
     assert stops < 0.7 and np.abs(run.omega(stone)[-1]).max() < 1e-6
     heat = run.energy().total[0] - run.energy().total[-1]
     assert heat == pytest.approx(0.5 * 0.008 * 30.0**2, rel=1e-6)
+
+
+def test_rolling_friction_slows_a_ball_that_rolls_and_it_stays():
+    """(1 + b) m a = -N arm / r, b = I / m r^2, as the friction force adds to what the moment takes."""
+    r, arm, g, speed = 0.1, 4e-3, 9.81, 0.6
+    rolls = ball(position=(0, 0, r - 2.0 * g / 1e6), velocity=(speed, 0, 0), omega=(0, speed / r, 0))
+    floor = Contact(GROUND, rolls, shapes.Sphere(r), stiffness=1e6, damping=600.0, friction=0.5, rolling=arm)
+    run = simulate(System([rolls], forces=[floor], gravity=(0, 0, -g)), 3.0, method=STIFF, rtol=1e-9, output=301)
+    slowing = g * arm / (1.4 * r)
+    stops = speed / slowing
+    before = (run.t > 0.1) & (run.t < 0.9 * stops)
+    assert stops < 2.5 and run.acceleration(rolls)[before, 0] == pytest.approx(-slowing, rel=1e-3)
+    assert np.linalg.norm(run.velocity(rolls)[-1]) < 1e-9
+    assert run.energy().total[0] - run.energy().total[-1] == pytest.approx(0.7 * 2.0 * speed**2, rel=1e-5)
 
 
 def tumbling(seed=5):

@@ -473,7 +473,7 @@ NAMES = {
     "slide of a hinge": (lambda s: s.slide("hinge"), ["'hinge' .Revolute. has no slide", "e.g. a Prismatic"]),
     "foreign body": (lambda s: s.position(OTHER), ["'other' is not one of the bodies", "'rod'"]),
     "time after the end": (lambda s: s.at(2.0), ["t = 2 s", r"0 \.\.\. 0\.1 s"]),
-    "time NaN": (lambda s: s.at(NAN), ["t = nan s", "outside"]),
+    "time NaN": (lambda s: s.at(NAN), ["solution.at: t", "not finite"]),
 }
 
 

@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 
-from mbsd3d import GROUND, Body, Revolute, System, accelerations, simulate
+from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, simulate
 from mbsd3d.base.style import DARK
 from mbsd3d.plotting.panels import PANELS
 from mbsd3d.plotting.plots import MOST, plot_quantity, save_figure
@@ -199,3 +199,17 @@ def test_a_moment_that_is_rounding_beside_the_force_is_flat():
     swing = simulate(System([rod], [Revolute(GROUND, rod, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")]), 1.0)
     force, moment = swing.plot("reaction", "hinge").axes
     assert np.diff(force.get_ylim()) > 5.0 and np.diff(moment.get_ylim()) > 0.1
+
+
+def test_a_plot_without_a_quantity_is_what_a_page_shows():
+    crank, rod = (Body(name, 1.0, (0.1, 0.2, 0.2), position=(x, 0.1, 0)) for name, x in (("crank", 0.5), ("rod", 1.5)))
+    hinge = Revolute(GROUND, crank, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+    knee = Revolute(crank, rod, at=(1, 0, 0), axis=(0, 1, 0.2), name="knee")
+    run = simulate(System([crank, rod], [hinge, knee, SpeedDriver(hinge, 3.0, name="motor")]), 0.3, output=11)
+    labels = [axes.get_ylabel() for axes in run.plot().axes]
+    assert labels == ["angle [rad]", "energy [J]", "effort of motor [N m]", "|reaction force| [N]",
+                      "|reaction moment| [N m]"]  # fmt: skip
+    fall = simulate(System([Body("stone", 1.0, (0.1, 0.2, 0.2))]), 0.3, output=11)
+    assert len(fall.plot().axes) == 2  # no joints: angular velocity and energies
+    with pytest.raises(ValueError, match="plot: parts without a quantity; give one"):
+        run.plot(None, hinge)

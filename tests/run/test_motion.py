@@ -122,7 +122,7 @@ def test_a_single_sample_is_a_single_frame(solution):
 
 @pytest.mark.parametrize("count", [1, 0, -3, 2.5, "many", True])
 def test_a_wrong_count_is_refused(solution, count):
-    with pytest.raises(ValueError, match="frames = .*; give a whole number >= 2"):
+    with pytest.raises(ValueError, match="frames = .*; give a whole number from 2"):
         frames_of(solution, count)
 
 
@@ -202,7 +202,7 @@ def test_traces_follow_the_centres_that_move(solution, frames):
         ([3], "trace 3 is no body and no pair; give a body, or"),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
-        (7, "traces = 7; give a list"),
+        (7, "traces: 7 is no sequence; give a list"),
     ],
 )
 def test_wrong_traces_are_named(solution, frames, points, message):

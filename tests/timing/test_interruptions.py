@@ -29,6 +29,9 @@ COMMANDS = {
     "validate": ("validate",),
     "validate model": ("validate", "model.py", "--budget", "60"),
     "bicycle": ("bicycle", "sensitivity", "Browserins"),
+    "circles": ("bicycle", "circles"),
+    "nvh": ("nvh", "inline_4", "--page", "page"),
+    "road": ("nvh", "--road", "C"),
 }
 
 

@@ -328,6 +328,16 @@ def test_definitions_look_at_as_many_states_as_the_budget_allows(monkeypatch, se
     assert check.table().count(text) == (len(findings) if looks < 9 else 0)
 
 
+@pytest.mark.parametrize("turns", [0.5, -0.5, 1.5, 1.0])
+def test_definitions_count_turns_beyond_a_half_however_rounding_falls(turns):
+    """At half a turn the angle of the definition is pi or -pi; a wheel without weight has moments and no forces."""
+    wheel = Body("wheel", 2.0, ((0.3, 0.02, 0.0), (0.02, 0.4, 0.1), (0.0, 0.1, 0.5)))
+    hinge = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0.3, -0.2, 0.9))
+    system = System([wheel], [hinge, AngleDriver(hinge, Ramp(2 * np.pi * turns))], gravity=(0, 0, 0))
+    check = cross_check(system, 1.0, engines=["definitions"])
+    assert statuses(check.of("definitions")) == {AGREES}
+
+
 def test_nothing_compared_does_not_pass():
     """A controller with a filter of its own has no place in the engines nor in the second formulation."""
     system = arm()

@@ -2,9 +2,13 @@
 
 import json
 
+import pytest
+
+from mbsd3d.errors import InputError
+from validation.benchmark import speed as benchmark
 from validation.benchmark.precision import Climb, Point, Row, save
 from validation.benchmark.problems import PROBLEMS
-from validation.benchmark.texts import FEW, MEASURED, ROOT, TEXTS, measured, renewed, table
+from validation.benchmark.texts import FEW, MEASURED, ROOT, TEXTS, measured, renewed, speed, times
 
 DATA = json.loads((ROOT / MEASURED).read_text(encoding="utf-8"))
 
@@ -25,13 +29,27 @@ def test_problems_exist():
     assert set(TEXTS) == {"README.md", "docs/performance.md"}
 
 
-def test_measured_is_what_the_benchmark_stored(tmp_path):
+def test_measured_is_what_the_benchmark_stored(tmp_path, monkeypatch):
     ours = Climb("mbsd3d", "DOP853", (Point(1e-3, 0.002, 1e-5), Point(1e-4, 0.004, 1e-7)))
     never = Climb("Exudyn", "constraints", (Point(1e-3, 0.5, 1e-3),))
     row = Row("RSSR", "loop", 3, 16, (ours, never))
     save(tmp_path / "precision.json", [row], "A processor, 2 cores; Python 3; load 0.1", complete=True)
-    found = measured(tmp_path / "precision.json")
+    with pytest.raises(InputError, match=r"speed\.json: not found"):
+        measured(tmp_path)
+    costs = {benchmark.chain: [(10, 0.5), (40, 0.5)], benchmark.ladder: [(10, 0.5), (40, 1.0)]}  # n^1, n^1.5
+    for name, told in {
+        "per_evaluation": lambda: [(10, 0.5, 0.25), (40, 0.5, 1.0)],
+        "growth": lambda mechanism, sizes: costs[mechanism],
+        "check_seconds": lambda system: 0.51,
+        "process_time": lambda *code: (0.88, 0.8),
+        "compile_time": lambda: (31.2, 60.0),
+    }.items():
+        monkeypatch.setattr(benchmark, name, told)
+    benchmark.main(tmp_path / "speed.json")
+    found = measured(tmp_path)
     # the middle of two points in logarithms: 1e-6 lies half way, so sqrt(2 * 4) ms
     assert found["ms"] == {"RSSR": ["2.83", "-", ">500"]} and found["machine"] == "A processor, 2 cores; Python 3"
-    assert "| RSSR | 2.83 | - | > 500 |" in table(found, ("RSSR", "Bricard"))
-    assert "Bricard" not in table(found, ("RSSR", "Bricard"))
+    assert "| RSSR | 2.83 | - | > 500 |" in times(found, ("RSSR", "Bricard"))
+    assert "Bricard" not in times(found, ("RSSR", "Bricard"))
+    assert "n^1.00 from 10 to 40 links, and as n^1.50" in speed(found)
+    assert "| MuJoCo, RK4 | 0.25 | 1.00 |" in speed(found) and "| 0.9; 31 |" in speed(found)

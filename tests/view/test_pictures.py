@@ -273,7 +273,7 @@ def test_dark_paper_and_layers(solution):
         ({"t": 0.3}, "t = 0.3 s is outside the run"),
         ({"t": []}, "give a time"),
         ({"t": "end"}, "t = 'end'; give a time"),
-        ({"dark": "yes"}, "dark = 'yes'; give True or False"),
+        ({"dark": "yes"}, "dark 'yes' is unknown; give True or False"),
         ({"traces": [("foot", (0, 0, 0))]}, "'foot' is not one of the bodies"),
     ],
 )

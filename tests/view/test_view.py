@@ -194,14 +194,14 @@ def test_a_mode_is_animated():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"frames": 1}, "frames = 1; give a whole number >= 2"),
+        ({"frames": 1}, "frames = 1; give a whole number from 2"),
         ({"frames": True}, "frames = True"),
         ({"frames": 2.5}, "frames = 2.5"),
         ({"speed": 0}, "speed: 0.0 is not positive"),
         ({"title": 3}, "title = 3; give a text"),
         ({"dark": "yes"}, "dark = 'yes'; give True, False"),
         ({"curves": ["angles"]}, "quantity 'angles' is unknown"),
-        ({"hidden": 3}, "hidden = 3; give a list of layers"),
+        ({"hidden": 3}, "hidden: 3 is no sequence; give a list"),
         ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' is in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
         ({"path": 5}, "path = 5 names no file"),

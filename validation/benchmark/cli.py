@@ -12,6 +12,7 @@ from mbsd3d.extend import INTERRUPTED, Failure, ready_folder
 
 PARTS = ("precision", "redundancy", "speed")
 LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
+SPEED = "speed.json"
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -24,7 +25,7 @@ LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", 
 @click.option("--list", "listed", is_flag=True, help="Names of the mechanisms, and nothing else.")
 @click.option(
     "--out", type=click.Path(file_okay=False, path_type=Path), default=Path("out/benchmark"), show_default=True,
-    help="Folder for precision.json, precision.txt and the figure; an interrupted run goes on from there.",
+    help="Folder for precision.json, precision.txt, speed.json and the figure; an interrupted run goes on from there.",
 )  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Begin anew instead of going on with an interrupted run.")
 @click.option(
@@ -69,7 +70,8 @@ def run(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored
     if "speed" in parts:
         from validation.benchmark import speed
 
-        speed.main()
+        ready_folder(str(out), "--out")
+        speed.main(out / SPEED)
 
 
 def precision(names: tuple, out: Path, fresh: bool, pictures: Path | None) -> None:

@@ -4,16 +4,20 @@ Peers run interleaved, round by round in one process, so that a busy moment fall
 its rounds. Trust ratios, not times.
 """
 
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from mbsd3d import RK4, State, System, simulate
+from mbsd3d.extend import write_atomically
 from validation.cases.mechanisms import chain, ladder, mujoco_chain
 from validation.machine import machine
 
@@ -118,24 +122,30 @@ def show(title: str, head: str, rows: list[str]) -> None:
     print(f"\n{title}\n{head}", *rows, sep="\n", flush=True)
 
 
-def main() -> None:
+class Speed(NamedTuple):
+    """What is measured; costs in microseconds per body and evaluation, times in seconds."""
+
+    chain: list[tuple[int, float, float]]  # (links, ours, MuJoCo's) at RK4
+    growing: dict[str, list[tuple[int, float]]]  # "chain", "ladder" -> (bodies, ours)
+    check: tuple[float, float]  # of a chain of 1000 links, of a ladder of 100 four-bars
+    start: tuple[float, float]  # of a process to its first result; with an empty kernel cache
+
+
+def measure() -> Speed:
     """Measure and print."""
-    print(machine("numpy", "numba", "mujoco-core"))
     simulate(chain(2), 0.01, method=RK4(STEP))  # compiled before anything is timed
     rows = per_evaluation()
     lines = [f"{n:6} {ours:8.2f} {theirs:8.2f} {theirs / ours:8.2f}" for n, ours, theirs in rows]
     exponents = exponent(rows), exponent([(n, theirs) for n, _, theirs in rows])
     lines.append(f"cost ~ n^{exponents[0]:.2f}, MuJoCo n^{exponents[1]:.2f}")
     show("Chain of hinges, RK4(1 ms): us per body and evaluation", "     n     ours   MuJoCo    ratio", lines)
-    for name, mechanism, sizes in (("Chain", chain, (30, 300, 1000, 5000)), ("Ladder", ladder, (10, 30, 100, 300))):
-        rows = growth(mechanism, sizes)
-        lines = [f"{n:6} {cost:8.2f} {cost / rows[0][1]:8.2f}" for n, cost in rows]
-        show(
-            f"{name}: us per body and evaluation, cost ~ n^{exponent(rows):.2f}", "bodies     ours  ratio to first",
-            lines,
-        )  # fmt: skip
-    seconds = [check_seconds(system) for system in (chain(1000), ladder(100))]
-    show("check()", "", [f"chain of 1000: {seconds[0]:.2f} s, ladder of 100: {seconds[1]:.2f} s"])
+    growing = {"chain": growth(chain, (30, 300, 1000, 5000)), "ladder": growth(ladder, (10, 30, 100, 300))}
+    for name, found in growing.items():
+        lines = [f"{n:6} {cost:8.2f} {cost / found[0][1]:8.2f}" for n, cost in found]
+        title = f"{name.capitalize()}: us per body and evaluation, cost ~ n^{exponent(found):.2f}"
+        show(title, "bodies     ours  ratio to first", lines)
+    long, wide = check_seconds(chain(1000)), check_seconds(ladder(100))
+    show("check()", "", [f"chain of 1000: {long:.2f} s, ladder of 100: {wide:.2f} s"])
     process_time(FIRST_RESULT, 1)  # its kernels are on disk from here on
     (imports, _), (first, busy), (cold, cold_busy) = process_time(IMPORTS), process_time(FIRST_RESULT), compile_time()
     show(
@@ -145,3 +155,10 @@ def main() -> None:
             f"{cold:.1f} s with an empty kernel cache ({cold_busy:.1f} s of a processor)",
         ],
     )  # fmt: skip
+    return Speed(rows, growing, (long, wide), (first, cold))
+
+
+def main(path: Path) -> None:
+    """Measure, print, and store as JSON."""
+    print(machine("numpy", "numba", "mujoco-core"))
+    write_atomically(path, (json.dumps(measure()._asdict(), indent=1) + "\n").encode())

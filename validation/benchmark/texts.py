@@ -1,7 +1,7 @@
-"""``python -m validation.benchmark.texts [precision.json]`` renews the times in README.md and docs/performance.md.
+"""``python -m validation.benchmark.texts [FOLDER]`` renews the times in README.md and docs/performance.md.
 
 All figures stand in docs/measured.json, with date, machine and the kernels they belong to; the texts hold tables made
-of it between two marks. With the file of a new measurement, docs/measured.json is renewed first.
+of it between two marks. With the folder of a new measurement, docs/measured.json is renewed first.
 """
 
 import json
@@ -12,10 +12,13 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import CACHE, write_atomically
 from validation.benchmark.candidates import ENGINES
+from validation.benchmark.cli import DATA, SPEED
 from validation.benchmark.precision import load
 from validation.benchmark.problems import PROBLEMS
+from validation.benchmark.speed import exponent
 from validation.benchmark.tables import MIDDLE, milliseconds
 
 ROOT = Path(__file__).parents[2]
@@ -41,37 +44,79 @@ FEW = (
     "chain 100",
 )  # fmt: skip
 TEXTS = {"README.md": FEW, "docs/performance.md": tuple(PROBLEMS)}
-MARK = re.compile(r"(?<=<!-- times -->\n).*?(?=<!-- end of times -->)", re.DOTALL)
+MARK = re.compile(r"(?<=<!-- (times|speed) -->\n).*?(?=<!-- end of \1 -->)", re.DOTALL)
 
 
-def measured(path: Path) -> dict[str, Any]:
-    """What docs/measured.json is to hold of a file of ``validation.benchmark``; ValueError if there is none."""
-    rows = load(path)
+def measured(folder: Path) -> dict[str, Any]:
+    """What docs/measured.json is to hold of a folder of ``validation.benchmark``; ValueError if a file is missing."""
+    rows, speed = load(folder / DATA), folder / SPEED
+    if not speed.is_file():
+        raise InputError(f"{speed}: not found; measure first, python -m validation.benchmark --part speed")
+    found = json.loads(speed.read_text(encoding="utf-8"))
+    growing = found.pop("growing")
+    found |= {"long": growing["chain"], "growth": {name: exponent(costs) for name, costs in growing.items()}}
     ms = {row.name: [milliseconds(row.reached(engine, MIDDLE)) for engine in ENGINES] for row in rows}
-    machine = json.loads(path.read_text(encoding="utf-8"))["machine"].split("; load")[0]
-    return {"date": date.today().isoformat(), "machine": machine, "kernels": CACHE.name, "note": "", "ms": ms}
+    machine = json.loads((folder / DATA).read_text(encoding="utf-8"))["machine"].split("; load")[0]
+    when = {"date": date.today().isoformat(), "machine": machine, "kernels": CACHE.name, "note": ""}
+    return {**when, "ms": ms, "speed": found}
 
 
-def table(data: dict[str, Any], names: tuple[str, ...]) -> str:
-    """The lines between the marks of a text: where and when, a table of the problems that were measured, a note."""
-    lines = [*textwrap.wrap(f"Measured {data['date']} on {data['machine']}.", 120), ""]
-    lines += ["| ms | mbsd3d | MuJoCo | Exudyn |", "|---|---|---|---|"]
+def where(data: dict[str, Any]) -> list[str]:
+    """When and on what."""
+    return textwrap.wrap(f"Measured {data['date']} on {data['machine']}.", 120)
+
+
+def note(data: dict[str, Any]) -> list[str]:
+    """What must be said of the figures, if anything."""
+    return ["", *textwrap.wrap(data["note"], 120)] if data["note"] else []
+
+
+def times(data: dict[str, Any], names: tuple[str, ...]) -> str:
+    """Milliseconds to an error, of the problems that were measured."""
+    lines = ["| ms | mbsd3d | MuJoCo | Exudyn |", "|---|---|---|---|"]
     for name in (name for name in names if name in data["ms"]):
         cells = [cell.replace(">", "> ").replace("<", "< ") for cell in data["ms"][name]]
         lines.append(f"| {' | '.join([NAMES.get(name, name), *cells])} |")
-    note = ["", *textwrap.wrap(data["note"], 120)] if data["note"] else []
-    return "\n".join(["", *lines, *note, "", ""])
+    return "\n".join(["", *where(data), "", *lines, *note(data), "", ""])
+
+
+def speed(data: dict[str, Any]) -> str:
+    """Costs of an evaluation, and times of what is done once."""
+    found = data["speed"]
+    ours = {n: f"{cost:.2f}" for n, cost, *_ in (*found["long"], *found["chain"])}
+    theirs = {n: f"{cost:.2f}" for n, _, cost in found["chain"]}
+    growth, check, start = found["growth"], found["check"], found["start"]
+    sizes = sorted(ours)
+    lines = [
+        f"| µs per body and evaluation of a chain of hinges | {' | '.join(map(str, sizes))} |",
+        "|---" * (1 + len(sizes)) + "|",
+        f"| RK4, with projection after every step | {' | '.join(ours[n] for n in sizes)} |",
+        f"| MuJoCo, RK4 | {' | '.join(theirs.get(n, '') for n in sizes)} |",
+        "",
+        f"The cost grows as n^{growth['chain']:.2f} from {found['long'][0][0]} to {found['long'][-1][0]} links, and as "
+        f"n^{growth['ladder']:.2f} for ladders of four-bars with three",
+        "redundant rows each.",
+        "",
+        "| once | s |",
+        "|---|---|",
+        f"| `check()` of a chain of 1000 bodies, of a ladder of 100 four-bars | {check[0]:.1f}, {check[1]:.1f} |",
+        f"| start of a process to its first result; with all kernels to compile | {start[0]:.1f}; {start[1]:.0f} |",
+    ]
+    return "\n".join(["", *where(data), "", *lines, *note(data), "", ""])
 
 
 def renewed(root: Path, data: dict[str, Any]) -> dict[Path, str]:
     """Texts with their tables as they should be."""
-    texts = {root / name: (root / name).read_text(encoding="utf-8") for name in TEXTS}
-    return {path: MARK.sub(lambda _, p=path: table(data, TEXTS[p.relative_to(root).as_posix()]), text)
-            for path, text in texts.items()}  # fmt: skip
+    found = {}
+    for name, problems in TEXTS.items():
+        tables = {"times": times(data, problems), "speed": speed(data)}
+        text = (root / name).read_text(encoding="utf-8")
+        found[root / name] = MARK.sub(lambda mark, tables=tables: tables[mark[1]], text)
+    return found
 
 
 def main(arguments: list[str]) -> None:
-    """Renew the data if a file is given, and then the texts."""
+    """Renew the data if a folder is given, and then the texts."""
     store = ROOT / MEASURED
     if arguments:
         write_atomically(store, (json.dumps(measured(Path(arguments[0])), indent=1) + "\n").encode())

@@ -97,16 +97,19 @@ def gaps(solution: Solution, k: int, scale: float) -> tuple[float, str]:
     for joint in system.joints:
         if type(joint) in definitions.GEOMETRY:
             *parts, last = definitions.GEOMETRY[type(joint)](now, joint)
-            c = [*(part.x0 for part in parts), last.x0 + whole_turns(solution, k, joint)]
+            c = [*(part.x0 for part in parts), last.x0 + whole_turns(now, solution, k, joint)]
             found.append((float(np.max([largest(part) for part in c])) / scale, system.name(joint)))
     return max(found, key=lambda entry: np.nan_to_num(entry[0], nan=np.inf))
 
 
-def whole_turns(solution: Solution, k: int, joint: Joint) -> float:
-    """What the turns that a hinge has made add to c, the last part of a definition."""
+def whole_turns(now: definitions.Motion, solution: Solution, k: int, joint: Joint) -> float:
+    """What the turns that a hinge has made add to c, the last part of a definition.
+
+    They are counted from the angle of the definition: after half a turn rounding says whether that is pi or -pi.
+    """
     hinges = definitions.TURNS.get(type(joint), lambda joint: [])(joint)
-    angles = [(factor, float(solution.angle(hinge)[k])) for factor, hinge in hinges]
-    return sum(factor * (angle - float(np.arctan2(np.sin(angle), np.cos(angle)))) for factor, angle in angles)
+    beyond = [(factor, solution.angle(x)[k] - now.turn(x, x.angle().axis).x0) for factor, x in hinges]
+    return sum(factor * 2 * np.pi * round(float(np.squeeze(angle)) / (2 * np.pi)) for factor, angle in beyond)
 
 
 def worst(difference: Array, scale: float, parts: list[str]) -> tuple[float, str]:

@@ -78,7 +78,8 @@ def sizes(system: System, motion: Motion, length: float) -> Sizes:
     speed = max(speed, turn * length, 1e-3 * np.sqrt(pull * length), 1e-3 * length / span)
     _, L, kinetic, weight = momenta(system, motion)
     loads = motion.reactions.values()
-    force = max([largest(load.force) for load in loads], default=0.0) or mass * (pull or speed / span)
+    moment = max([largest(load.moment) for load in loads], default=0.0)
+    force = max([1e-3 * moment / length, *(largest(load.force) for load in loads)]) or mass * (pull or speed / span)
     reach = length + largest(motion.position)
     return Sizes(
         length=length,
@@ -88,7 +89,7 @@ def sizes(system: System, motion: Motion, length: float) -> Sizes:
         angular_momentum=max(largest(L), mass * speed * reach * 1e-3),
         energy=max(float(kinetic.max()), float(np.ptp(weight)), 1e-3 * mass * speed**2),
         force=force,
-        moment=max(max([largest(load.moment) for load in loads], default=0.0), force * length),
+        moment=max(moment, force * length),
     )
 
 

@@ -67,7 +67,7 @@ demo = Demo(
     "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its "
     "moment were the greatest. Television satellites are kept in place so while their aerial, turning once a "
     "day, points down.",
-    equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B), h = J W",
+    equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B); h = J W",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 6 (gyrostats)",
     quantities={
         "growth_wheel_off_1_s": Quantity("growth of an error, wheel off", "1/s"),

@@ -116,7 +116,7 @@ demo = Demo(
     "the spin through the body. About the axes of least and greatest moment it stays near; about the middle axis the "
     "smallest error grows until the body has turned over, and then again. No torque is at work: energy and angular "
     "momentum stay as they are.",
-    equation="I w_dot = -w x I w; interval = 2 K(k) / p, p^2 = (I_3 - I_2)(L^2 - 2 T I_1) / (I_1 I_2 I_3)",
+    equation="I w_dot = -w x I w; interval = 2 K(k) / p; p^2 = (I_3 - I_2)(L^2 - 2 T I_1) / (I_1 I_2 I_3)",
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
     quantities={
         "flip_interval_s": Quantity("interval between flips", "s", 1e-8, 1e-7),

@@ -68,7 +68,7 @@ demo = Demo(
     "into heat. For a given angular momentum the energy H^2/2I is greatest about the long axis, where I is "
     "least, and least about the short one. So the satellite tips, slowly at first, until it turns flat. A body "
     "without losses would have kept its spin.",
-    equation="I w' + w x I w = c (b - w), j (b' + w x b) = -c (b - w); in the end w = H / (I_3 + j)",
+    equation="I w' + w x I w = c (b - w); j (b' + w x b) = -c (b - w); in the end: w = H / (I_3 + j)",
     source="Hughes, Spacecraft Attitude Dynamics (energy sink, Explorer 1); Bracewell, Garriott, Nature 182 (1958)",
     quantities={
         "long_axis_rate_at_t_rad_s": Quantity("rate about the long axis at t", "rad/s", relative=1e-7),

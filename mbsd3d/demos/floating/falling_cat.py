@@ -54,7 +54,7 @@ demo = Demo(
     "Rolling has angular momentum; so that the sum stays zero, the bent cat as a whole turns the other way. "
     "After one roll its shape is what it was, and it has turned by half a revolution. Straight, it would turn "
     "back exactly what it rolled.",
-    equation="turn = 360 deg (C cos g / (C cos^2 g + A sin^2 g) - 1), g = bend / 2",
+    equation="turn = 360 deg (C cos g / (C cos^2 g + A sin^2 g) - 1); g = bend / 2",
     source="Kane, Scher, Int. J. Solids Struct. 5 (1969) 663; closed form of equal halves by angular momentum zero",
     quantities={"net_turn_deg": Quantity("turn of the cat after one roll", "deg")},
     mechanism=mechanism,

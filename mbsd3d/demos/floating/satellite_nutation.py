@@ -51,7 +51,7 @@ demo = Demo(
     "its angular momentum lie in one plane, and that plane turns. The axis runs around the angular momentum at "
     "H/A. A flat body, C = 2 A, wobbles twice as fast as it spins (Feynman's plate); a long one, C < A, more "
     "slowly.",
-    equation="body cone (C - A) w3 / A; space cone H / A; tan(half angle) = A wt / (C w3)",
+    equation="body cone: (C - A) w_3 / A; space cone: H / A; tan(half angle) = A w_t / (C w_3)",
     source="Goldstein, Classical Mechanics, 5.6; Landau, Lifshitz, Mechanics, par. 33",
     quantities={
         "body_cone_rate_rad_s": Quantity("rate on the body cone", "rad/s"),

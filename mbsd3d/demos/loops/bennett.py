@@ -58,7 +58,7 @@ demo = Demo(
     "parallel (a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's "
     "conditions. Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of "
     "their twists. One side a hair longer, and it is a rigid frame.",
-    equation="a / sin(alpha) = b / sin(beta); tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2)",
+    equation="a / sin(alpha) = b / sin(beta); tan(t_1/2) tan(t_2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2)",
     source="Bennett, Engineering 76 (1903) 777; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "follower_turn_deg": Quantity("turn of the next hinge", "deg"),

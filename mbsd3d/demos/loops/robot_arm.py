@@ -104,7 +104,7 @@ demo = Demo(
     "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion "
     "and back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with "
     "seven coordinates each; both know nothing of each other.",
-    equation="outwards w, w', a; inwards f = m a, n = I w' + w x I w, torque = n . z",
+    equation="outwards: w, w', a; inwards: f = m a, n = I w' + w x I w; torque = n . z",
     source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},
     mechanism=mechanism,

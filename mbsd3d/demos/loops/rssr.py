@@ -99,7 +99,7 @@ demo = Demo(
     why="A rod with a ball at each end asks for one thing only: that its length stays. So crank and rocker may turn "
     "about axes that are neither parallel nor meet, and still hand on one motion. Written down for the rocker's "
     "angle, the condition has two solutions: the two ways of putting it together.",
-    equation="A cos f + B sin f = C: f = atan2(B, A) +- acos(C / |A, B|)",
+    equation="A cos f + B sin f = C; f = atan2(B, A) +- acos(C / |A, B|)",
     source="Hartenberg, Denavit, Kinematic Synthesis of Linkages, ch. 12; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "turn_at_1rad_deg": Quantity("rocker after 1 rad of the crank", "deg"),

@@ -93,7 +93,7 @@ demo = Demo(
     "motorcycle out of its lean, so that it must lean farther to balance the same curve. A crankshaft that turns "
     "backwards takes part of that away: two tenths of a degree here, and less resistance to being thrown from "
     "one side to the other.",
-    equation="m g h sin a = m W^2 (R - h sin a) h cos a + S W cos a + W^2 (I_z - I_y) sin a cos a, S = sum J w",
+    equation="m g h sin a = m W^2 (R - h sin a) h cos a + S W cos a + W^2 (I_z - I_y) sin a cos a; S = sum of J w",
     source="Cossalter, Motorcycle Dynamics, ch. 4; Foale, Motorcycle Handling and Chassis Design",
     quantities={
         "lean_forward_crank_deg": Quantity("lean, crank forwards", "deg"),

@@ -54,7 +54,7 @@ demo = Demo(
     why="A cross passes on a moment only at right angles to its two pins. As it turns, this direction swings between "
     "the two shafts, and whatever is not along a shaft bends it. So a loaded Cardan joint bends each shaft twice "
     "a turn between nothing and T sin b or T tan b. The bearings feel it, however well the shafts are balanced.",
-    equation="couple on the driving shaft up to T sin b, on the driven shaft up to T tan b",
+    equation="couple on the driving shaft <= T sin b; couple on the driven shaft <= T tan b",
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts (secondary couples); SAE AE-7",
     quantities={
         "couple_on_driving_shaft_Nm": Quantity("greatest couple on the driving shaft", "N m"),

@@ -54,7 +54,7 @@ demo = Demo(
     "teeth is handed on; it sees each radius shortened by the cosine of its helix angle. So two wheels of the "
     "same size can gear down, and the ratio is set by the helix. The price is sliding and a large push along the "
     "shafts.",
-    equation="ratio = r1 cos b1 / (r2 cos b2), b1 + b2 = angle of the shafts; thrust T tan(b1) / r1",
+    equation="ratio = r_1 cos b_1 / (r_2 cos b_2); b_1 + b_2 = angle of the shafts; thrust = T tan(b_1) / r_1",
     source="Shigley, Mechanical Engineering Design, ch. 13; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={
         "ratio": Quantity("rate of the wheel over that of the pinion"),

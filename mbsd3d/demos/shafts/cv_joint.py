@@ -55,7 +55,7 @@ demo = Demo(
     "along one shaft is not the moment along the other: their difference points across, and some bearing must "
     "supply it. No joint can avoid that; here it stands still, T tan(b/2) on each shaft, instead of beating "
     "twice a turn.",
-    equation="ratio 1; couple T tan(b/2) on both shafts, constant",
+    equation="ratio = 1; couple = T tan(b/2) on both shafts, constant",
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; Hunt, J. Appl. Mech. 40 (1973)",
     quantities={
         "couple_on_driving_shaft_Nm": Quantity("couple on the driving shaft", "N m"),

@@ -57,7 +57,7 @@ demo = Demo(
     why="Teeth push at right angles to their flanks. Oblique teeth run more quietly, because they come into contact "
     "little by little, but their flanks face partly along the shaft, and so does their force. Bearings must hold "
     "it; teeth in the shape of a V cancel it.",
-    equation="F_t = T / r, F_a = F_t tan(helix), F_r = F_t tan(pressure) / cos(helix)",
+    equation="F_t = T / r; F_a = F_t tan(helix); F_r = F_t tan(pressure) / cos(helix)",
     source="Shigley, Mechanical Engineering Design, ch. 13; ISO 21771",
     quantities={"axial_N": Quantity("force along the shafts", "N"), "radial_N": Quantity("force between them", "N")},
     mechanism=mechanism,

@@ -79,7 +79,7 @@ demo = Demo(
     "is pushed in and out by a pure sine. Changing the slant changes the stroke while the pump runs. One piston "
     "alone needs a torque that swings twice a turn to be hurried to and fro; three or more in a ring cancel it "
     "exactly.",
-    equation="stroke 2 R tan a; torque of one piston m (R tan a)^2 w^2 sin(2wt) / 2",
+    equation="stroke = 2 R tan a; torque of one piston = m (R tan a)^2 w^2 sin(2 w t) / 2",
     source="Ivantysyn, Ivantysynova, Hydrostatic Pumps and Motors",
     quantities={
         "stroke_m": Quantity("stroke", "m"),

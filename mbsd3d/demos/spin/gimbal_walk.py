@@ -67,7 +67,7 @@ demo = Demo(
     "depends on how the inner ring stands: it is smaller while the rotor leans away from the horizon. So the "
     "ring swings farther one way than back, and creeps. With the axis horizontal both halves of the nod are "
     "alike, and the creep vanishes.",
-    equation="phi' = h (sin b0 - sin b) / (Co + (Ci + A) cos^2 b + Bi sin^2 b)",
+    equation="phi' = h (sin b_0 - sin b) / (C_o + (C_i + A) cos^2 b + B_i sin^2 b)",
     source="Plymale, Goodstein, J. Appl. Mech. 22 (1955); Arnold, Maunder, Gyrodynamics (gimbal walk)",
     quantities={
         "nutation_period_s": Quantity("period of the nutation", "s"),

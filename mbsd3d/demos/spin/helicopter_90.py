@@ -81,7 +81,7 @@ demo = Demo(
     "it swing exactly once a turn. A push that comes once a turn is therefore in resonance, and at resonance any "
     "swing follows its push by a quarter of a period. A hinge away from the shaft makes the spring stiffer, and "
     "the lag smaller.",
-    equation="I b'' + c b' + (I W^2 (1 + 3e/2L) + k) b = M0 cos W t; tan(lag) = c W / (I W^2 3e/2L + k)",
+    equation="I b'' + c b' + (I W^2 (1 + 3e/2L) + k) b = M_0 cos W t; tan(lag) = c W / (I W^2 3e/2L + k)",
     source="Johnson, Helicopter Theory (flapping); Leishman, Principles of Helicopter Aerodynamics (flapping blade)",
     quantities={
         "lag_deg": Quantity("lag of the flap behind the push", "deg"),

@@ -65,7 +65,7 @@ demo = Demo(
     "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by "
     "yawing. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other "
     "side.",
-    equation="I w' + w x (I w + h) = M with h = J W along the nose; small angles: r = J W theta / I_z",
+    equation="I w' + w x (I w + h) = M; h = J W along the nose; small angles: r = J W theta / I_z",
     source="Hughes, Spacecraft Attitude Dynamics (gyrostats); Stevens, Lewis, Aircraft Control and Simulation",
     quantities={
         "yaw_rate_rad_s": Quantity("yaw rate at the end", "rad/s"),

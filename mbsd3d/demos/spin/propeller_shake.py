@@ -64,7 +64,7 @@ demo = Demo(
     "inertia only while they stand across the axis of the turn: the moment beats between zero and twice its "
     "mean, twice a turn, and a yawing moment of the same size beats with it. Three or more blades are as good as "
     "a disc, whose inertia is the same in all directions of its plane.",
-    equation="two blades: M_pitch = J W r (1 - cos 2 psi), M_yaw = -J W r sin 2 psi; three: M_pitch = J W r",
+    equation="two blades: M_pitch = J W r (1 - cos 2 psi), M_yaw = -J W r sin 2 psi; three blades: M_pitch = J W r",
     source="d(I w)/dt of a body of two and of three equal moments; Den Hartog, Mechanics (gyroscopes)",
     quantities={
         "pitch_moment_peak_Nm": Quantity("pitching moment, peak", "N m"),

@@ -51,7 +51,7 @@ demo = Demo(
     "at the same time is pushed at right angles to its own velocity. A force that is always at right angles to "
     "the velocity and proportional to it makes circles, as a magnet does with electrons. Their rate does not "
     "depend on place, speed, size or mass: only on how the mass is spread, k = I/m r^2.",
-    equation="v' = W k/(1 + k) z x v; solid ball k = 2/5: 2/7 of the table's rate",
+    equation="v' = W k/(1 + k) z x v; solid ball: k = 2/5, 2/7 of the rate of the table",
     source="Weltner, Am. J. Phys. 47 (1979) 984; Burns, Am. J. Phys. 49 (1981) 56",
     quantities={
         "circle_rate_rad_s": Quantity("rate of the circle", "rad/s"),

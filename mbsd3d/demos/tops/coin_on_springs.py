@@ -7,10 +7,10 @@ from mbsd3d import DOP853, GROUND, Body, Contact, Rolling, System, rotation, sha
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 
 G = 9.81  # m/s^2
-PER_WEIGHT = (1e3, 1e4, 1e5, 1e6)  # 1/m: stiffness of the table over the weight of the coin
+SOFTER = (1e-3, 1e-2, 0.1, 1.0)  # tables beside the stiffest
 
 
-def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0, mu=0.6, stiffness=1e5) -> System:
+def mechanism(*, m=0.2, R=0.1, rho=0.01, I1=6e-4, I3=11e-4, tilt_deg=60.0, W=3.0, mu=0.6, stiffness=1e6) -> System:
     """Coin whose edge is a tube rho [m] about a circle R [m], moments (I1, I1, I3) [kg m^2], its axis tilted from the
     vertical, on a table of ``stiffness`` [1/m] times its weight and friction mu, or without slip (0).
 
@@ -47,9 +47,10 @@ def theory(*, m, W, R, rho, I1, I3, tilt_deg, mu):
     """The steady motion goes on, if friction holds it; what the table gives way falls with one over its stiffness."""
     require(W != 0 and 0 < tilt_deg < 90, "the coin does not go round: give W other than 0 and a tilt below 90")
     tilt = np.radians(tilt_deg)
-    needed = abs(W * (W * R * np.cos(tilt) + steady_spin(m, R, rho, I1, I3, tilt, W) * (R + rho * np.sin(tilt)))) / G
+    way = W * R * np.cos(tilt) + steady_spin(m, R, rho, I1, I3, tilt, W) * (R + rho * np.sin(tilt))
+    needed = abs(W * way) / G
     require(mu > needed, f"the coin slips: it needs friction {needed:.3f}, not {mu}; give a greater mu")
-    return {"limit_rad_s": W, "order": 1.0, "exact_rad_s": W}
+    return {"limit_rad_s": W, "order": 1.0, "exact_rad_s": W, "spare": mu - needed}
 
 
 def rate_of(system, t, terms):
@@ -60,15 +61,17 @@ def rate_of(system, t, terms):
     return (turn[-1] - turn[0]) / t, run
 
 
-def measure(build, terms, *, tilt_deg, t=2.0) -> Measured:
+def measure(build, terms, *, tilt_deg, mu, stiffness, t=2.0) -> Measured:
     """Rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
-    rates, runs = zip(*(rate_of(build(stiffness=k), t, terms) for k in (*PER_WEIGHT, 0.0)), strict=True)
+    tables = stiffness * np.array(SOFTER)
+    rates, runs = zip(*(rate_of(build(stiffness=k), t, terms) for k in (*tables, 0.0)), strict=True)
     off = np.log10(np.abs(np.array(rates[:-1]) - rates[-1]))
-    ratio, powers = PER_WEIGHT[-1] / PER_WEIGHT[-2], np.log10(PER_WEIGHT)
+    ratio, powers, force = SOFTER[-1] / SOFTER[-2], np.log10(tables), runs[-2].force("table").force[-1]
     values = {
         "limit_rad_s": (ratio * rates[-2] - rates[-3]) / (ratio - 1),
         "order": (off[-2] - off[-1]) / np.log10(ratio),
         "exact_rad_s": rates[-1],
+        "spare": mu - np.hypot(force[0], force[1]) / force[2],
     }
     lean = [np.degrees(np.arccos(run.rotation("coin")[:, 2, 2])) for run in runs]
     curves = [
@@ -93,6 +96,7 @@ demo = Demo(
         "limit_rad_s": Quantity("rate on springs, in the limit", "rad/s", relative=1e-5),
         "order": Quantity("power of 1/k with which the difference falls", absolute=0.1),
         "exact_rad_s": Quantity("rate without slip", "rad/s"),
+        "spare": Quantity("friction to spare", absolute=1e-4),
     },
     mechanism=mechanism,
     theory=theory,
@@ -100,5 +104,5 @@ demo = Demo(
     ablation=Ablation("friction", "without friction it falls, whatever the stiffness", {"mu": 0.0},
                       values=lambda W: {"exact_rad_s": W}),
     show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5},
-    ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": None},
+    ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": (8e5, 1e6)},
 )  # fmt: skip

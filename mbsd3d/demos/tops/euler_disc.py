@@ -60,7 +60,7 @@ demo = Demo(
     "smaller the angular momentum that its weight has to turn, so it must turn it faster: without limit as the "
     "tilt goes to zero. But the edge and its track on the table are then nearly of the same length, and the face "
     "turns only by the difference.",
-    equation="W^2 = g / (a (I_1 / m a^2) sin tilt) (= 4 g / (a sin tilt)); the face turns at W (1 - cos tilt)",
+    equation="W^2 = g / (a (I_1 / m a^2) sin tilt); disc: W^2 = 4 g / (a sin tilt); the face turns at W (1 - cos tilt)",
     source="Moffatt, Nature 404 (2000) 833; O'Reilly, Nonlinear Dynamics 10 (1996) 287",
     quantities={
         "precession_rad_s": Quantity("rate of the contact point", "rad/s"),

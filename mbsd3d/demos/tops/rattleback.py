@@ -4,9 +4,10 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from mbsd3d import GROUND, Body, Rolling, System, rotation, shapes, simulate
+from mbsd3d.rotations import matrix
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity
-from ..quadrature import cross, dot, motion
+from ..stones import rolled
 
 G = 9.81  # m/s^2
 
@@ -23,36 +24,9 @@ def mechanism(
 
 
 def own(times, *, m, radii, I, delta_deg, wobble, spin):
-    """(times, 7) of the vertical n and of w in axes of the surface, and of the turn: Newton and Euler without slip.
-
-    (I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n) with a = D n / sqrt(n'D n) from the contact to G.
-    """
-    c, s = np.cos(np.radians(delta_deg)), np.sin(np.radians(delta_deg))
-    xx, yy, xy, zz = c * c * I[0] + s * s * I[1], s * s * I[0] + c * c * I[1], c * s * (I[0] - I[1]), I[2]
-    A, B, C = (x * x for x in radii)
-
-    def rate(_, y):
-        n, w = y[:3].tolist(), y[3:6].tolist()  # plain numbers: ten times faster here
-        n_dot, h = cross(n, w), (A * n[0] ** 2 + B * n[1] ** 2 + C * n[2] ** 2) ** 0.5
-        a = (A * n[0] / h, B * n[1] / h, C * n[2] / h)
-        along = dot(n_dot, a)
-        a_dot = (
-            (A * n_dot[0] - along * a[0]) / h,
-            (B * n_dot[1] - along * a[1]) / h,
-            (C * n_dot[2] - along * a[2]) / h,
-        )
-        L = (xx * w[0] + xy * w[1], xy * w[0] + yy * w[1], zz * w[2])
-        turn = cross(w, a)
-        pull = cross(w, [a_dot[k] + turn[k] for k in range(3)])
-        spin, lever = cross(w, L), cross(a, [pull[k] + G * n[k] for k in range(3)])
-        load = [-spin[k] - m * lever[k] for k in range(3)]
-        first = (xx + m * (a[1] ** 2 + a[2] ** 2), xy - m * a[0] * a[1], -m * a[0] * a[2])
-        second = (first[1], yy + m * (a[0] ** 2 + a[2] ** 2), -m * a[1] * a[2])
-        third = (first[2], second[2], zz + m * (a[0] ** 2 + a[1] ** 2))
-        minors = cross(second, third), cross(third, first), cross(first, second)
-        return [*n_dot, *(dot(load, minor) / dot(first, minors[0]) for minor in minors), dot(n, w)]
-
-    return motion(rate, np.array([0, 0, 1, wobble, 0, spin, 0]), times, 1e-11)
+    """(times, 7) of the vertical and of w in axes of the surface, and of the turn, by the stone's own equations."""
+    turn = matrix(rotation("z", delta_deg, degrees=True))
+    return rolled(times, m=m, g=G, I=turn @ np.diag(I) @ turn.T, radii=radii, n=(0, 0, 1), w=(wobble, 0, spin))
 
 
 def theory(*, m, radii, I, delta_deg, wobble, spin, t):

@@ -61,7 +61,7 @@ demo = Demo(
     why="A leaning coin is pulled down by its weight. As it starts to fall, its spin turns it into the fall, and on "
     "the curve that it then rolls the centrifugal force sets it up again. Both parts grow with the square of the "
     "speed, the weight does not: above a certain speed the coin rights itself.",
-    equation="v_c^2 = m g a^3 I_1 / (I_3 (I_3 + m a^2)); a thin disc: v_c^2 = g a / 3",
+    equation="v_c^2 = m g a^3 I_1 / (I_3 (I_3 + m a^2)); thin disc: v_c^2 = g a / 3",
     source="Neimark, Fufaev, Dynamics of Nonholonomic Systems, ch. VI; Routh, Advanced Rigid Dynamics",
     quantities={
         "critical_speed_m_s": Quantity("speed from which it does not fall", "m/s"),

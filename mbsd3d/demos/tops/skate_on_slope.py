@@ -65,7 +65,8 @@ demo = Demo(
     why="The blade lets the skate move along itself only. As it turns, gravity speeds it up while it points downhill "
     "and slows it down by the same amount while it points uphill; what is left is a drift across the slope. The "
     "energy never allows it to go lower than one arc: a condition on velocities alone does what no rail could.",
-    equation="down = g' (1 - cos 2wt) / (4 w^2), sideways = g' t / (2w) - g' sin 2wt / (4 w^2), g' = g sin(slope)",
+    equation="down = g_s (1 - cos 2 w t) / (4 w^2); sideways = g_s t / (2 w) - g_s sin 2 w t / (4 w^2); "
+    "g_s = g sin(slope)",
     source="Neimark, Fufaev, Dynamics of Nonholonomic Systems; Bloch, Nonholonomic Mechanics and Control, 1.6",
     quantities={
         "down_slope_m": Quantity("way down the slope", "m"),

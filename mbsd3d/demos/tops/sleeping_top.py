@@ -68,7 +68,7 @@ demo = Demo(
     "right angles: it circles instead of falling. Two motions are possible, a quick nutation and a slow "
     "precession; as the spin slows down their rates come together, and where they meet the top wakes: its lean "
     "grows.",
-    equation="w_c = 2 sqrt(A m g l) / C; below: growth sqrt(4 A m g l - C^2 w^2) / (2 A)",
+    equation="w_c = 2 sqrt(A m g l) / C; below: growth = sqrt(4 A m g l - C^2 w^2) / (2 A)",
     source="Goldstein, Classical Mechanics, 5.7; Klein, Sommerfeld, Theory of the Top",
     quantities={
         "critical_spin_rad_s": Quantity("spin at which it wakes", "rad/s"),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, CustomForce, Distance, Revolute, SpeedDriver, System, shapes, simulate
+from mbsd3d import GROUND, Body, Distance, Revolute, SpeedDriver, System, Weight, shapes, simulate
 
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..quadrature import cross, motion
@@ -10,28 +10,21 @@ from ..quadrature import cross, motion
 G = 9.81  # m/s^2
 
 
-def plumb(t, bodies, z, parameters, loads, z_dot):
-    """A weight along the downward axis of the laboratory."""
-    loads[1, 0] = -parameters[0] * bodies[0].R[0, 2]
-    loads[1, 1] = -parameters[0] * bodies[0].R[1, 2]
-    loads[1, 2] = -parameters[0] * bodies[0].R[2, 2]
-
-
 def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
     """Laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
     north."""
-    place, mass = np.array([amp, 0, -np.sqrt(l**2 - amp**2)]), 28.0
+    place = np.array([amp, 0, -np.sqrt(l**2 - amp**2)])
     rate = earth(lat_deg, Omega_e)
     floor = shapes.Cylinder(1.5 * amp, 0.01 * l, at=(0, 0, -1.02 * l))
     lab = Body("laboratory", 1.0, (1, 1, 1), omega=rate, shape=floor)
     velocity = np.cross(rate, place)
-    bob = Body("bob", mass, (1, 1, 1), position=place, velocity=velocity, omega=rate, shape=shapes.Sphere(0.02 * l))
+    bob = Body("bob", 28.0, (1, 1, 1), position=place, velocity=velocity, omega=rate, shape=shapes.Sphere(0.02 * l))
     joints = [
         Revolute(GROUND, lab, at=(0, 0, 0), axis=earth(lat_deg, 1.0), name="axis of the Earth"),
         SpeedDriver(GROUND, lab, axis=earth(lat_deg, 1.0), speed=Omega_e, name="day"),
         Distance(lab, bob, at_a=(0, 0, 0), at_b=place, name="rod"),
     ]
-    weight = CustomForce(plumb, on=(lab, bob), parameters=(mass * G,), external=True, name="weight")
+    weight = Weight(lab, bob, acceleration=(0, 0, -G), name="weight")
     return System([lab, bob], joints, [weight], gravity=(0, 0, 0))
 
 
@@ -79,7 +72,7 @@ demo = Demo(
     "turn about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. "
     "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
     "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
-    equation="r'' = g - 2 O x r' - O x (O x r) - k r; small swings turn at -O sin(lat)",
+    equation="r'' = g - 2 W x r' - W x (W x r) - k r; small swings turn at -W sin(lat)",
     source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
     quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},
     mechanism=mechanism,

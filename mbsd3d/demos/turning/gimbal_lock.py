@@ -58,7 +58,7 @@ demo = Demo(
     "turn about it moves nothing. A target that passes close by must be followed by swinging round half a "
     "revolution while it crosses the gap: the closer, the faster, without limit. No third coordinate helps; "
     "every pair of angles has such poles.",
-    equation="rate of the outer axis = w sin(miss) / (1 - cos^2(miss) sin^2(wt)), at most w / sin(miss)",
+    equation="rate of the outer axis = w sin(miss) / (1 - cos^2(miss) sin^2(w t)) <= w / sin(miss)",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 2; Wie, Space Vehicle Dynamics and Control, 5.2",
     quantities={"outer_rate_peak_rad_s": Quantity("greatest rate of the outer axis", "rad/s")},
     mechanism=mechanism,

@@ -69,7 +69,7 @@ demo = Demo(
     "slower, so between its greatest and its least distance the bob goes round by more than a quarter turn "
     "(always by more: Puiseux). What has not come round after one swing is added at the next, and the ellipse "
     "becomes a rosette.",
-    equation="u'^2 = 2 (E + g l u)(1 - u^2)/l^2 - h^2/l^4, phi' = h/(l^2 (1 - u^2)), u = cos theta",
+    equation="u'^2 = 2 (E + g l u)(1 - u^2)/l^2 - h^2/l^4; phi' = h/(l^2 (1 - u^2)); u = cos theta",
     source="Whittaker, Analytical Dynamics, par. 55; Landau, Lifshitz, Mechanics, par. 14",
     quantities={
         "half_nutation_s": Quantity("time from the farthest to the nearest place", "s"),

@@ -12,18 +12,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...base.checks import number
+from ...base.checks import listed, number, shown
 from ...base.errors import InputError
+from ...base.paths import as_path
 from .builder import KINDS, Builder, Imported
 from .xml_scan import Scan
 
 
 def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -> Imported:
     """Scan, let the worker compile, build."""
-    path, timeout = Path(path), number(timeout, "timeout", positive=True)
-    drop = (drop,) if isinstance(drop, str) else tuple(drop)
-    if unknown := [x for x in drop if x not in KINDS]:
-        raise InputError(f"'{path}': drop: {unknown[0]!r} is not a kind of part; give some of {', '.join(KINDS)}")
+    path, timeout = as_path(path, f"model.{kind}"), number(timeout, "timeout", positive=True)
+    drop = (drop,) if isinstance(drop, str) else listed(drop, "drop", "kinds of parts")
+    if unknown := [x for x in drop if not isinstance(x, str) or x not in KINDS]:
+        raise InputError(f"'{path}': drop: {shown(unknown[0])} is not a kind of part; give some of {', '.join(KINDS)}")
     scan = Scan(path)
     scan.read(path)
     scan.check_named()

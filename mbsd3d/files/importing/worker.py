@@ -224,7 +224,7 @@ def main() -> None:
 
         answer = {"facts": plain(Facts(mujoco, sys.argv[1]).all(), "")}
     except ImportError as error:
-        answer = {"error": f"needs the package mujoco ({error}); install it"}
+        answer = {"error": f"needs the package mujoco ({error}); install it: pip install 'mbsd3d[import]'"}
     except (Exception, MemoryError) as error:
         answer = {"error": " ".join(str(error).split()) or type(error).__name__}
     with os.fdopen(out, "w") as stream:

@@ -113,6 +113,7 @@ class Contact(ForceElement):
     Energy ``k d^(m+1) / (m+1) + k_t z'z / 2`` (and that of the rotations); the rest of the power is dissipated.
     `measures.clearance` and `measures.normal_force` read it; `measures.touches`, `measures.leaves` stop a run.
     Contacts are stiff: give `RadauIIA` or `GeneralizedAlpha` to `simulate` where they last, `DOP853` where they bounce.
+    There is one point of contact: a disc that settles to lie flat has it run round ever faster, end such runs before.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from numba.core.ccallback import CFunc
 from numba.extending import is_jitted
 from numpy.typing import ArrayLike
 
-from ...base.checks import sequence, shown, vector
+from ...base.checks import listed, sequence, shown, vector
 from ...base.errors import InputError
 from ...kernels.jit import inner_kernel
 from ...kernels.layout import MOST_BODIES, data_records
@@ -142,13 +142,16 @@ class FunctionForce(ForceElement):
         for body in on:
             if not isinstance(body, Body | Ground):
                 raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
-        points = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else list(self.points)
+        own = [np.zeros(3) if b is GROUND else b.position for b in on]
+        points = own if self.points is None else listed(self.points, f"{what}: points", "one per body")
         if len(points) != len(on):
             raise InputError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
         named = isinstance(self.states, Mapping)
         states = sequence(self.states.values() if named else self.states, f"{what}: states")
         labels = tuple(self.states) if named else self.labels
-        labels = tuple(str(k) for k in range(len(states))) if labels is None else tuple(labels)
+        labels = (
+            tuple(str(k) for k in range(len(states))) if labels is None else listed(labels, f"{what}: labels", "names")
+        )
         if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
             raise InputError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
         scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")

@@ -15,6 +15,7 @@ from ...kernels.jit import merged_kernel
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground
+from ..contacts import checked_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..signals import Signal, as_signal
 
@@ -237,8 +238,7 @@ class Tyre(ForceElement):
             raise InputError(f"{what}: camber_lag = {self.camber_lag!r}; give True or False")
         if self.mu is not None and not isinstance(self.mu, Signal):
             number(self.mu, f"{what}: mu", positive=True)
-        at, normal = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if self.plane is None else self.plane
-        plane = (vector(at, f"{what}: plane point"), unit(normal, f"{what}: plane normal"))
+        plane = checked_plane(self.plane, what)
         axis = unit(self.axis, f"{what}: axis")
         if np.linalg.norm(np.cross(axis, plane[1])) < 1e-9:
             raise InputError(f"{what}: the wheel lies flat on the plane, so it has no contact point; tilt its axis")

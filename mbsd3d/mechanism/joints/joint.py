@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import vector
+from ...base.checks import shown, vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
 from ...base.errors import InputError
 from ..bodies import Body, Ground, Part
@@ -37,7 +37,7 @@ class Joint(Part):
         """Validate and convert the fields; errors start with ``what``."""
         for side in ("a", "b"):
             if not isinstance(getattr(self, side), Body | Ground):
-                raise InputError(f"{what}: {side} = {getattr(self, side)!r} is not a body; give a Body or GROUND")
+                raise InputError(f"{what}: {side} = {shown(getattr(self, side))} is not a body; give a Body or GROUND")
         if self.a is self.b:
             raise InputError(f"{what}: joins '{self.a.name}' to itself; give two different bodies")
 
@@ -130,7 +130,7 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     """The angle or slide of a joint, or a ValueError that names both."""
     found = getattr(part, kind)() if isinstance(part, Joint) else None
     if found is None:
-        have = f"{part.name!r} ({type(part).__name__})" if isinstance(part, Joint) else repr(part)
+        have = f"{part.name!r} ({type(part).__name__})" if isinstance(part, Joint) else shown(part)
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
         raise InputError(f"{what}: {have} has no {kind}; give a joint that has one, e.g. a {example}")
     return found

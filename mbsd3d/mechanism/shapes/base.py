@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import Frozen, number, vector
+from ...base.checks import Frozen, number, shown, vector
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...base.rotations import AXES, as_quaternion, matrix
@@ -79,7 +79,7 @@ class Round(Solid):
     def check(self, what: str) -> None:
         axis = self.axis if isinstance(self.axis, str) else vector(self.axis, f"{what}: axis")
         if (axis not in AXES) if isinstance(axis, str) else not axis.any():
-            raise InputError(f"{what}: axis is {self.axis!r}; give 'x', 'y', 'z' or a vector that is not zero")
+            raise InputError(f"{what}: axis is {shown(self.axis)}; give 'x', 'y', 'z' or a vector that is not zero")
         self._store(axis=axis)
         super().check(what)
 
@@ -109,5 +109,5 @@ def hex_colour(colour: Any, what: str) -> str | None:
 
     known = isinstance(colour, str) and not CYCLE.fullmatch(colour) and is_color_like(colour)
     if not known or to_rgba(colour)[3] < 1.0:
-        raise InputError(f"{what}: colour {colour!r} is unknown; give '#rrggbb' or a name such as 'steelblue'")
+        raise InputError(f"{what}: colour {shown(colour)} is unknown; give '#rrggbb' or a name such as 'steelblue'")
     return to_hex(colour)

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import number
+from ...base.checks import number, shown
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from .base import Round, Shape, Shaped, Solid, positive
@@ -166,9 +166,9 @@ class MeshFile(Solid):
         try:
             path = os.fspath(self.path)
         except TypeError:
-            raise InputError(f"{what}: path is {self.path!r}; give the name of a file") from None
+            raise InputError(f"{what}: path is {shown(self.path)}; give the name of a file") from None
         if not isinstance(path, str) or not path.lower().endswith(SUFFIXES):
-            raise InputError(f"{what}: path '{path}' is not a mesh; give a file that ends in {', '.join(SUFFIXES)}")
+            raise InputError(f"{what}: path {shown(path)} is not a mesh; give one that ends in {', '.join(SUFFIXES)}")
         self.set(path=path, scale=number(self.scale, f"{what}: scale", positive=True))
 
     def origin(self, body: Shaped) -> np.ndarray:
@@ -192,7 +192,7 @@ class Lines(Shape):
         remedy = "give (k, 3) numbers [m], at least two points, with rows of NaN between strokes"
         try:
             points = np.array(self.points, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(f"{what}: points are not numeric; {remedy}") from None
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(f"{what}: points have shape {points.shape}; {remedy}")

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from ...base.checks import check_size
@@ -69,7 +70,7 @@ class Polynomial(Signal):
     12.0
     """
 
-    coefficients: tuple[float, ...]
+    coefficients: ArrayLike
 
     def __post_init__(self) -> None:
         values = _row(self.coefficients, "Polynomial: coefficients")
@@ -94,8 +95,8 @@ class Table(Signal):
     (27.0, (0.0, 4.0))
     """
 
-    times: np.ndarray
-    values: np.ndarray
+    times: ArrayLike
+    values: ArrayLike
 
     def __post_init__(self) -> None:
         times, values = _row(self.times, "Table: times"), _row(self.values, "Table: values")

@@ -12,7 +12,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...base.checks import Frozen, floats, number, shown
+from ...base.checks import Frozen, floats, listed, number, shown
 from ...base.errors import InputError
 from .terms import POLYNOMIAL, Term, evaluate, scaled
 
@@ -54,7 +54,7 @@ class Signal(Frozen, ABC):
         return self._at(t, 2)
 
     def _at(self, t: ArrayLike, order: int) -> np.ndarray:
-        t = np.asarray(t, dtype=float)
+        t = floats(t, f"{type(self).__name__}: t", "times [s]")
         if t.size:
             check_interval(self, t.min(), t.max(), type(self).__name__)
         return evaluate(self.terms(), t, order)
@@ -117,6 +117,10 @@ class Sum(Signal):
     signals: tuple[Signal, ...]
 
     def __post_init__(self) -> None:
+        signals = listed(self.signals, "Sum: signals", "a tuple of signals")
+        if not signals or not all(isinstance(signal, Signal) for signal in signals):
+            raise InputError(f"Sum: signals {shown(self.signals)}; give a tuple of signals")
+        self._store(signals=signals)
         start, end = self.interval
         if not start < end:
             raise InputError(

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...base.checks import number
+from ...base.checks import number, shown
 from ...base.errors import InputError
 from ...base.style import house, theme
 from ...mechanism.mechanism import Mechanism
@@ -44,7 +44,7 @@ def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: 
 def pair(value: Sequence[float], what: str) -> tuple[float, float]:
     """Two numbers."""
     if np.shape(value) != (2,):
-        raise InputError(f"{what}: {value!r} is not a pair; give two numbers")
+        raise InputError(f"{what}: {shown(value)} is not a pair; give two numbers")
     return number(value[0], what), number(value[1], what)
 
 
@@ -138,15 +138,15 @@ def moments(motion: Poses, run: Frames, t: float | Sequence[float] | None) -> Fr
     """The poses at the given times, at the last one for None; poses of a run are integrated, not interpolated."""
     try:
         times = np.atleast_1d(np.asarray(run.t[-1] if t is None else t, float))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         times = np.empty(0)
     if times.ndim != 1 or not times.size:
-        raise InputError(f"picture: t = {t!r}; give a time or a sequence of times [s]")
+        raise InputError(f"picture: t = {shown(t)}; give a time or a sequence of times [s]")
     if isinstance(motion, Continuous):
         poses = [poses_of(motion.system, motion.at(float(time))) for time in times]
         return Frames(times, *(np.array(x) for x in zip(*poses, strict=True)))
     if not (run.t[0] <= times.min() and times.max() <= run.t[-1]):
-        raise InputError(f"picture: t = {t!r} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
+        raise InputError(f"picture: t = {shown(t)} is outside the motion {run.t[0]:g} ... {run.t[-1]:g} s")
     return frames_at(motion, times)
 
 

@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...base.checks import listed, shown
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...mechanism.bodies import GROUND
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
 from ...mechanism.state import State
+from ...run.simulation import check_state
 
 ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction moment")
 NAMES = ("body names", "joint names")
@@ -98,12 +100,10 @@ def layers_of(shown: Layers, hidden: Layers, usual: Collection[str] = USUAL) -> 
 
 def known(wanted: Layers, option: str) -> tuple[str, ...]:
     """Names of layers, checked; a text is a single one."""
-    if not isinstance(wanted, Iterable):
-        raise InputError(f"{option} = {wanted!r}; give a list of layers, e.g. ['angular velocity']")
-    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    wanted = (wanted,) if isinstance(wanted, str) else listed(wanted, option, "a list, e.g. ['angular velocity']")
     for layer in wanted:
-        if layer not in LAYERS:
-            raise InputError(f"{option}: layer {layer!r} is unknown; give some of {', '.join(LAYERS)}")
+        if not isinstance(layer, str) or layer not in LAYERS:
+            raise InputError(f"{option}: layer {shown(layer)} is unknown; give some of {', '.join(LAYERS)}")
     return wanted
 
 
@@ -113,6 +113,7 @@ def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray,
         r = np.array([body.position for body in system.bodies])
         e = np.array([body.orientation for body in system.bodies])
     else:
+        check_state(state, "picture")
         q, n = state.q.reshape(-1, 7), len(system.bodies)
         if len(q) != n:
             raise InputError(f"state has {len(q)} bodies, the system {n}; give a state of this system")

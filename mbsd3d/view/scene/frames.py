@@ -13,13 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...base.checks import shown
 from ...base.errors import InputError
 from ...base.quaternions import H
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 
 TURN, RATE = 0.2, 25.0  # [rad] a body turns at most from frame to frame; frames per second of film
-MOST, ALL_POSES = 1000, 200_000  # frames, and poses of all bodies
+MOST, ALL_POSES, ASKED = 1000, 200_000, 100_000  # frames, poses of all bodies, frames that may be asked for
 SHORT, LONG, SENSIBLE = 2.0, 30.0, 10.0  # s of a run shown in real time; s any other one takes
 FAR = 1.5  # [rad] a body turns between two samples: beyond it the nearest sample is shown; the error below is 1e-3 rad
 
@@ -41,8 +42,9 @@ def frames_of(motion: Poses, count: int | None = None) -> Frames:
     t = motion.t
     if not t.size:
         raise InputError("the solution has no samples, so nothing can be shown; run it to a later time")
-    if count is not None and (isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2):
-        raise InputError(f"frames = {count!r}; give a whole number >= 2, or None")
+    whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if count is not None and not (whole and 2 <= count <= ASKED):
+        raise InputError(f"frames = {shown(count)}; give a whole number from 2 to {ASKED}, or None")
     times = np.linspace(t[0], t[-1], (count or enough_frames(motion)) if t[-1] > t[0] else 1)
     return frames_at(motion, times)
 

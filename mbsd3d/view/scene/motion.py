@@ -5,14 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.checks import vector
+from ...base.checks import listed, shown, vector
 from ...base.errors import InputError
 from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, paler
 from ...mechanism.bodies import GROUND, Body
-from ...mechanism.drivers import Driver
 from ...mechanism.mechanism import Mechanism
-from ...plotting.panels import Panel, Wanted, panels_of
+from ...plotting.panels import Panel, Wanted
+from ...plotting.telling import seen_panels, telling
 from ...results.body_motion import Poses
 from ...results.certificate import scales_of
 from ...results.every_reaction import every_reaction
@@ -20,9 +20,8 @@ from ...results.run_result import RunResult
 from .drawing import ARROWS
 from .frames import Between, Frames, between
 
-TRACES, LINES = 12, 6  # traces, and lines of one curve, at most, unless asked for
+TRACES = 12  # at most, unless asked for
 NOTHING = 1e-9  # of its scale: what rounding leaves of a vector that is zero
-STILL = 1e-9  # [rad or m, or of its scale] what changes less stands still
 Points = Iterable[Body | str | tuple[Body | str, Iterable[float]]]
 
 
@@ -141,10 +140,10 @@ def traces_of(motion: Poses, frames: Frames, points: Points | None = None) -> li
     """
     system = motion.system
     index = {id(body): i for i, body in enumerate(system.bodies)}
-    if isinstance(points, str) or not (points is None or isinstance(points, Iterable)):
-        raise InputError(f"traces = {points!r}; give a list of (body, (x, y, z))")
     if points is not None:
-        found = [trace_point(system, entry) for entry in points]
+        if isinstance(points, str):
+            raise InputError(f"traces = {points!r:.80}; give a list of (body, (x, y, z))")
+        found = [trace_point(system, entry) for entry in listed(points, "traces", "a list of (body, (x, y, z))")]
         return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
@@ -159,7 +158,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
         body = system.part(entry)
         return body, body.com
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise InputError(f"trace {entry!r} is no body and no pair; give a body, or (body, (x, y, z))")
+        raise InputError(f"trace {shown(entry)} is no body and no pair; give a body, or (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
@@ -175,19 +174,8 @@ def curves_of(motion: Poses, frames: Frames, wanted: Wanted | None = None) -> li
     if not isinstance(motion, RunResult):
         return []
     if isinstance(wanted, str) or not (wanted is None or isinstance(wanted, Iterable)):
-        raise InputError(f"curves = {wanted!r}; give a list of quantities or (quantity, part, ...)")
-    scale = scales_of(motion)
-    least = {
-        "[N]": scale.force,
-        "[N m]": scale.moment,
-        "[kg m/s]": scale.momentum,
-        "[kg m²/s]": scale.angular_momentum,
-    }
-    panels: list[Panel] = []
-    for entry in telling(motion) if wanted is None else wanted:
-        found = panels_of(motion, [entry])
-        seen = [x for x in found if max(np.abs(y).max() for _, y in x.lines) > STILL * least.get(x.unit, 0.0)]
-        panels += seen or found[:1]
+        raise InputError(f"curves = {shown(wanted)}; give a list of quantities or (quantity, part, ...)")
+    panels = seen_panels(motion, telling(motion) if wanted is None else wanted)
     return [curve(motion.t, frames.t, panel) for panel in panels]
 
 
@@ -196,15 +184,3 @@ def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
     label = f"{panel.label} ({' '.join(panel.note.split())})" if panel.note else panel.label
     lines = [(name, np.interp(t, samples, values)) for name, values in panel.lines]
     return Curve(label, panel.unit.strip("[]"), lines)
-
-
-def telling(run: RunResult) -> list:
-    """The curves that are shown if none are asked for."""
-    system, first = run.system, ("omega_body", run.system.bodies[0])
-    for kind in ("slide", "angle"):
-        joints = [joint for joint in system.joints if getattr(joint, kind)() is not None]
-        if moving := [joint for joint in joints if np.ptp(getattr(run, kind)(joint)) > STILL]:
-            first = (kind, *moving[:LINES])
-    held = [joint for joint in system.joints if not isinstance(joint, Driver)]
-    efforts = ["effort"] if run.compiled.drives else []
-    return [first, "energy", *efforts, *([("reaction", *held[:LINES])] if held else [])]

@@ -69,6 +69,7 @@ function speedText(x) {
 function setUpTime() {
   icon($("play"), "play"), icon($("back"), "back"), icon($("forth"), "forth");
   Object.assign($("scrub"), {min: times.first, max: last, step: "any", value: times.first});
+  $("time").style.minWidth = `${timeText(last).length}ch`; // else the page is laid out anew when a digit is added
   $("scrub").addEventListener("input", () => seek($("scrub").valueAsNumber));
   const choices = new Set([data.speed]);
   for (let k = -3; k <= 1; k++) for (const factor of [1, 2, 5]) choices.add(Number((factor * 10 ** k).toPrecision(3)));

@@ -1,0 +1,148 @@
+"""Weight where the vertical turns, and the pull of a centre that is near enough to be felt as one."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...base.checks import number, vector
+from ...base.errors import InputError
+from ...kernels.force_laws import push, twist
+from ...kernels.jit import merged_kernel
+from ...kernels.vectors import (
+    add,
+    arm,
+    columns,
+    cross,
+    dot,
+    mat,
+    point,
+    point_velocity,
+    rotate,
+    rotate_back,
+    scale,
+    sub,
+    vec,
+)  # fmt: skip
+from ..bodies import Body, Ground
+from ..force_element import ForceElement, ForceRecord, check_body, check_pair
+from .bushing import out_of
+
+
+@merged_kernel
+def weight(m, d, p, out, t):
+    """Force mass g at the centre of mass of b, g = value resting in a."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    s = vec(b.s)
+    g = out_of(columns(a, p.frame[0]), (p.value[0], p.value[1], p.value[2]))
+    pull = scale(m.body[p.body[1]].mass, g)
+    push(b, pull, s)
+    out.power = dot(pull, point_velocity(b, s))
+
+
+@dataclass(frozen=True, eq=False)
+class Weight(ForceElement):
+    """Weight m g of body ``b`` at its centre of mass, g resting in body ``a``: a laboratory that turns with the Earth.
+
+    What attracts is no part of the system, so nothing acts on ``a``. The work is counted; no energy is stored, as the
+    field moves. Give the system ``gravity=(0, 0, 0)``, or it acts besides.
+
+    Parameters
+    ----------
+    a : Body or GROUND
+        In which g rests.
+    b : Body
+        Which is heavy.
+    acceleration : (3,) array_like
+        g, world at the reference pose [m/s^2].
+
+    Examples
+    --------
+    >>> from mbsd3d import Body, System, Weight, accelerations, rotation
+    >>> lab, stone = (Body(name, mass=2.0, inertia=(0.1, 0.1, 0.1)) for name in ("lab", "stone"))
+    >>> system = System([lab, stone], forces=[Weight(lab, stone, acceleration=(0, 0, -9.81))], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(stone)[0, 2]), 12)
+    -9.81
+    """
+
+    law = staticmethod(weight)
+
+    a: Body | Ground
+    b: Body
+    acceleration: ArrayLike = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_pair(self.a, self.b, what)
+        check_body(self.b, what)
+        self.set(acceleration=vector(self.acceleration, f"{what}: acceleration"))
+
+    def record(self) -> ForceRecord:
+        return ForceRecord((self.a, self.b), (self.b.centre, self.b.centre), values=tuple(self.acceleration))
+
+
+@merged_kernel
+def attraction(m, d, p, out, t):
+    """Force and moment of U = -k (m/r + (tr I - 3 n.I n)/(2 r^3)) on b, and their opposites on a; value[0] = k.
+
+    n = unit vector from the centre to the centre of mass; its moment about the centre vanishes, as a centre turns
+    nothing about itself.
+    """
+    a, b, i = d.body[p.body[0]], d.body[p.body[1]], p.body[1]
+    sa, s = arm(a, p.point[0]), vec(b.s)
+    reach = sub(point(b, s), point(a, sa))
+    r = np.sqrt(dot(reach, reach))
+    n, I, R = scale(1.0 / r, reach), mat(m.body[i].inertia), mat(b.R)
+    In = rotate(R, rotate(I, rotate_back(R, n)))
+    along, trace, k = dot(n, In), I[0] + I[4] + I[8], p.value[0] / (r * r)
+    outwards = scale(-k * (m.body[i].mass + 1.5 * (trace - 5.0 * along) / (r * r)), n)
+    pull = add(outwards, scale(-3.0 * k / (r * r), In))
+    push(b, pull, s)
+    twist(b, scale(3.0 * k / r, cross(n, In)))
+    push(a, scale(-1.0, pull), sa)
+    out.potential = -k * r * (m.body[i].mass + 0.5 * (trace - 3.0 * along) / (r * r))
+
+
+@dataclass(frozen=True, eq=False)
+class CentralGravity(ForceElement):
+    """Newton's attraction of body ``b`` by a centre in body ``a``, to second order in the size of ``b`` (MacCullagh).
+
+    Energy U = -mu (m/r + (tr I - 3 n.I n)/(2 r^3)), n from the centre to the centre of mass of ``b``, I about it. So
+    besides mu m/r^2 there is the moment 3 mu n x I n/r^3, which turns a long satellite towards the Earth (the gradient
+    of gravity). What is left out is of the size of ``b`` over r to the third. The opposite force acts on ``a``.
+
+    Parameters
+    ----------
+    a : Body or GROUND
+        In which the centre rests.
+    b : Body
+        Which is attracted.
+    at : (3,) array_like
+        The centre, world at the reference pose [m].
+    mu : float
+        Newton's constant times the mass of the centre, > 0 [m^3/s^2]; of the Earth 3.986e14.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, CentralGravity, System, accelerations
+    >>> stone = Body("stone", mass=5.0, inertia=(1, 1, 1), position=(2.0, 0, 0))
+    >>> system = System([stone], forces=[CentralGravity(GROUND, stone, at=(0, 0, 0), mu=12.0)], gravity=(0, 0, 0))
+    >>> round(float(accelerations(system).acceleration(stone)[0, 0]), 12)
+    -3.0
+    """
+
+    law = staticmethod(attraction)
+
+    a: Body | Ground
+    b: Body
+    at: ArrayLike = field(kw_only=True)
+    mu: float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        check_pair(self.a, self.b, what)
+        check_body(self.b, what)
+        self.set(at=vector(self.at, f"{what}: at"), mu=number(self.mu, f"{what}: mu", positive=True))
+        if np.linalg.norm(self.b.centre - self.at) < 1e-12:
+            raise InputError(f"{what}: the centre of mass of '{self.b.name}' lies in the centre; move one of them")
+
+    def record(self) -> ForceRecord:
+        return ForceRecord((self.a, self.b), (self.at, self.b.centre), values=(self.mu,))

@@ -1,0 +1,136 @@
+"""Formulas as one types them, in MathML, which browsers set without a font or a script of ours.
+
+``A W^2 cos(tilt) - C w_3 W + m g l = 0``: a space multiplies, digits behind a letter and ``_`` lower, ``^`` raises,
+``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas, words stand upright.
+``a b / c d`` divides the whole product by all that follows, ``a/b`` without spaces its neighbours only; formulas with a
+semicolon between them stand below each other.
+"""
+
+import re
+from html import escape
+
+from ..base.errors import InputError
+
+GREEK = dict(zip("alpha beta gamma delta theta lambda lam rho phi psi pi w W".split(), "αβγδθλλρφψπωΩ", strict=True))
+SIGNS = {"-": "−", "+-": "±", "<=": "≤", "x": "×", ".": "·"}
+DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
+FUNCTIONS = ("sin", "cos", "tan", "cot", "acos", "atan2", "cd", "det", "mod")
+CLOSING = {"(": ")", "|": "|"}
+ENDS = ("", "=", "<=", "+", "-", "+-", ",", ":")  # of a product
+PIECE = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|\S)")
+NAME = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
+SPACE = '<mspace width=".3em"></mspace>'
+THIN = '<mspace width=".2em"></mspace>'
+
+
+def mathml(text: str) -> str:
+    """One ``<math>`` element for each formula of a text; ValueError where a bracket stays open."""
+    return "".join(f'<math display="block">{Reader(line).formula()}</math>' for line in text.split(";"))
+
+
+class Reader:
+    """The pieces of one formula from the left: (whether a space stands before it, text)."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.pieces = [(bool(space), piece) for space, piece in PIECE.findall(text)][::-1]
+        self.inside: dict[str, str] = {}  # what stands in the brackets read so far
+
+    @property
+    def coming(self) -> tuple[bool, str]:
+        """The next piece."""
+        return self.pieces[-1] if self.pieces else (True, "")
+
+    def take(self) -> str:
+        """Read it."""
+        return self.pieces.pop()[1]
+
+    def formula(self) -> str:
+        """The whole of it."""
+        return self.sequence("")
+
+    def sequence(self, closing: str) -> str:
+        """Products and the signs between them, as far as a closing bracket or the end."""
+        parts = []
+        while self.coming[1] not in ("", closing):
+            parts.append(sign(self.take()) if self.coming[1] in ENDS else self.product(closing))
+        return "".join(parts)
+
+    def product(self, closing: str) -> str:
+        """Factors; a slash between spaces divides all of them by all that follow."""
+        factors = ""
+        while self.coming[1] not in (*ENDS, closing):
+            if self.coming[1] == "/":
+                self.take()
+                return self.fraction(factors, self.product(closing))
+            found = sign(self.take()) if self.coming[1] in ("x", ".") else self.quotient(closing)
+            beside = factors and (factors.endswith("</mtext>") or found.startswith("<mtext>"))
+            factors += (SPACE if beside else "") + found
+        return factors
+
+    def quotient(self, closing: str) -> str:
+        """Factors without a space between them, divided by others where a slash follows as close."""
+        above = self.factors(closing)
+        if self.coming != (False, "/"):
+            return above
+        self.take()
+        return self.fraction(above, self.factors(closing))
+
+    def factors(self, closing: str) -> str:
+        """Factors without a space between them, the first of them in any case."""
+        found = self.power()
+        while not self.coming[0] and self.coming[1] not in (*ENDS, closing, "/", ")"):
+            found += self.power()
+        return found
+
+    def power(self) -> str:
+        """Number, name or bracket, with what it is raised to."""
+        piece = self.take()
+        if piece == "sqrt":
+            found = f"<msqrt>{self.bracket(self.take())[1]}</msqrt>"
+        elif piece in CLOSING:
+            found, inside = self.bracket(piece)
+            self.inside[found] = inside if piece == "(" else found
+        else:
+            found = f"<mn>{piece}</mn>" if piece[0].isdigit() else name(piece)
+        if self.coming == (False, "^"):
+            self.take()
+            raised = self.bracket(self.take())[1] if self.coming[1] == "(" else self.power()
+            found = f"<msup>{found}<mrow>{raised}</mrow></msup>"
+        return f"{THIN}{found}{THIN if self.coming[0] else ''}" if piece in FUNCTIONS else found
+
+    def bracket(self, opening: str) -> tuple[str, str]:
+        """A bracket, and what stands in it; it is as tall as the fractions in it."""
+        inside = self.sequence(CLOSING.get(opening, ""))
+        if self.coming[1] != CLOSING.get(opening):
+            raise InputError(f"formula '{self.text.strip()}': '{opening}' is not closed; write e.g. sqrt(2)")
+        tall = str("<mfrac>" in inside).lower()
+        ends = [f'<mo stretchy="{tall}">{end}</mo>' for end in (opening, self.take())]
+        return f"<mrow>{ends[0]}{inside}{ends[1]}</mrow>", inside
+
+    def fraction(self, above: str, below: str) -> str:
+        """One over the other; the line is bracket enough."""
+        above, below = (self.inside.get(part, part) for part in (above, below))
+        return f"<mfrac><mrow>{above}</mrow><mrow>{below}</mrow></mfrac>"
+
+
+def name(text: str) -> str:
+    """A letter with index and dots, a function, or a word."""
+    if text in FUNCTIONS:
+        return f"<mi>{text}</mi>"
+    found = NAME.fullmatch(text)
+    if not found:
+        return sign(text)
+    letter, digits, dots, lowered, late = found.groups()
+    if len(letter) > 1 and letter not in GREEK:
+        return f"<mtext>{text}</mtext>"
+    base = f"<mi>{GREEK.get(letter, letter)}</mi>"
+    if dots or late:
+        base = f'<mover accent="true">{base}<mo stretchy="false">{DOTS[dots or late]}</mo></mover>'
+    index = digits or lowered
+    return f"<msub>{base}<mi>{GREEK.get(index, index)}</mi></msub>" if index else base
+
+
+def sign(text: str) -> str:
+    """An operator, a bracket or a comma."""
+    return f"<mo>{escape(SIGNS.get(text, text))}</mo>"
