@@ -100,6 +100,7 @@ def in_car(
         raise InputError(
             f"nvh: --sound needs a car whose shell is known; '{car.name}' is not one, give compact or saloon"
         )
+    swept = None if sweep is None else study.sweep(sweep)
     facts = tables.facts(study)
     width = max(len(name) for name, _ in facts)
     click.echo("\n".join(f"{name:{width}}  {text}" for name, text in facts))
@@ -110,8 +111,8 @@ def in_car(
     show("modes on the mounts", tables.modes(study))
     show("mounts", tables.mounts(study))
     show("handed on to the car", tables.handed_on(study))
-    if sweep is not None:
-        show("over the speed", tables.sweep(study.sweep(sweep)))
+    if swept is not None:
+        show("over the speed", tables.sweep(swept))
     rows = None
     if active:
         from validation.nvh.active.report import ActiveMount
