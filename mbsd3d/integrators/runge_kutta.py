@@ -11,7 +11,17 @@ from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
 from .outputs import evaluate_start, full, hermite, outputs
-from .step_control import LOCAL, end_of_step, nearly_singular, note_rows, rows_hold, state_error, update_scales
+from .step_control import (
+    LOCAL,
+    end_of_step,
+    nearly_singular,
+    note_rows,
+    pass_over_singular,
+    rows_hold,
+    state_error,
+    update_scales,
+    way_to_singular,
+)
 
 # What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
 AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
@@ -160,29 +170,6 @@ def retry(run, step):
     run.now.retried = 1
 
 
-@inner_kernel
-def way_to_singular(before, now, h):
-    """Time to where the pivots would vanish, after a step h: they fall with the square of the distance."""
-    return h / (np.sqrt(before / now) - 1.0) if 0.0 < now < before else np.inf
-
-
-@inner_kernel
-def pass_over_singular(own, run):
-    """Shorten a step so that a singular position ahead lies in the widest gap between stages: of this step or the next.
-
-    At a distance x from it a pose known to rounding leaves the acceleration known to rounding / x^3 only. The next
-    step is as long as this one would have been.
-    """
-    step, ahead = run.now.step, run.rows.ahead
-    low, high = own.gap
-    middle, margin = 0.5 * (low + high), 0.15 * (high - low)
-    at_hand = ahead < own.table.c[1] * step  # the first stages are close in any case
-    if at_hand or low + margin < ahead / step < high - margin or ahead > (1.0 + middle) * step:
-        return
-    run.now.step = ahead / middle if ahead < middle * step else ahead - middle * step
-    run.rows.planned = step
-
-
 @merged_kernel
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
@@ -190,7 +177,7 @@ def attempt(m, d, s, own, run):
     while True:
         run.rows.planned = 0.0
         if nearly_singular(run) and not fixed:
-            pass_over_singular(own, run)
+            pass_over_singular(run, own.gap, own.table.c[1])
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return STEP_TOO_SMALL, t_new, h, 0.0

@@ -87,6 +87,29 @@ def note_rows(s, run):
 
 
 @inner_kernel
+def way_to_singular(before, now, h):
+    """Time to where the pivots would vanish, after a step h: they fall with the square of the distance."""
+    return h / (np.sqrt(before / now) - 1.0) if 0.0 < now < before else np.inf
+
+
+@inner_kernel
+def pass_over_singular(run, gap, first):
+    """Shorten a step so that a singular position ahead lies in the widest gap between stages: of this step or the next.
+
+    At a distance x from it a pose known to rounding leaves the acceleration known to rounding / x^3 only. The next
+    step is as long as this one would have been.
+    """
+    step, ahead = run.now.step, run.rows.ahead
+    low, high = gap
+    middle, margin = 0.5 * (low + high), 0.15 * (high - low)
+    at_hand = ahead < first * step  # close to stages in any case
+    if at_hand or low + margin < ahead / step < high - margin or ahead > (1.0 + middle) * step:
+        return
+    run.now.step = ahead / middle if ahead < middle * step else ahead - middle * step
+    run.rows.planned = step
+
+
+@inner_kernel
 def rows_hold(m, d, s, run):
     """True while the rows of the tree are well independent and those left out are satisfied."""
     rows, tolerance = run.rows, run.task.tolerance

@@ -142,35 +142,28 @@ class FunctionForce(ForceElement):
         for body in on:
             if not isinstance(body, Body | Ground):
                 raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
-        own = [np.zeros(3) if b is GROUND else b.position for b in on]
-        points = own if self.points is None else listed(self.points, f"{what}: points", "one per body")
+        given = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else self.points
+        given = listed(given, f"{what}: points", "one per body")
+        points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(given))
         if len(points) != len(on):
             raise InputError(f"{what}: {len(points)} points for {len(on)} bodies; give one per body")
         named = isinstance(self.states, Mapping)
         states = sequence(self.states.values() if named else self.states, f"{what}: states")
-        labels = tuple(self.states) if named else self.labels
-        labels = (
-            tuple(str(k) for k in range(len(states))) if labels is None else listed(labels, f"{what}: labels", "names")
-        )
+        names = list(map(str, range(len(states)))) if self.labels is None else self.labels
+        labels = listed(self.states if named else names, f"{what}: labels", "names")
         if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
             raise InputError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
         scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
         if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
             raise InputError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
-        points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(points))
         parameters = sequence(self.parameters, f"{what}: parameters")
         if not isinstance(self.external, bool):
             raise InputError(f"{what}: external {shown(self.external)}; give True or False")
         self.set(on=on, points=points, parameters=parameters, states=states, scales=scales, labels=labels)
 
     def record(self) -> ForceRecord:
-        return ForceRecord(
-            self.on,
-            self.points,
-            numbers=self.parameters,
-            states=self.states,
-            scales=tuple((scale, 0.0, 0.0) for scale in self.scales),
-        )
+        scales = tuple((scale, 0.0, 0.0) for scale in self.scales)
+        return ForceRecord(self.on, self.points, numbers=self.parameters, states=self.states, scales=scales)
 
     def state_names(self) -> tuple[str, ...]:
         return self.labels
