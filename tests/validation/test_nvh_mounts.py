@@ -81,9 +81,10 @@ def test_a_sweep_is_the_full_motion_at_each_speed():
     found = study.sweep(3)
     assert found.map.rpm == pytest.approx(np.linspace(study.preset.idle, study.preset.redline, 3))
     last = replace(study, rpm=study.preset.redline)
-    assert np.array_equal(found.full[-1], last.run_force)
+    # the sweep has fewer samples of the same motion, in other steps of a tolerance of 1e-8
+    assert found.full[-1] == pytest.approx(last.run_force, abs=1e-5 * np.abs(last.run_force).max())
     assert found.off[1:].max() < 5e-3
-    assert found.off[-1] == pytest.approx(last.difference)
+    assert found.off[-1] == pytest.approx(last.difference, abs=1e-5)
 
 
 def test_without_the_spin_of_the_crank_the_map_misses_the_full_motion():

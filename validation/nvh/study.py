@@ -24,6 +24,7 @@ from validation.nvh.held.roll_axis import Decoupled, decouple, roll_share
 SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
 IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
+COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
 THREADS = 2  # of a sweep: the compiled time loop leaves the others running
 SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
@@ -152,7 +153,7 @@ class Study:
         found = held.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
 
         def full(rpm: float) -> np.ndarray:
-            run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles)
+            run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles, count=COARSE)
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
         with ThreadPoolExecutor(THREADS) as pool:
