@@ -26,6 +26,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Signal
 from .variations import Field, Tangent, Variations
 
+BALANCING = 20  # sweeps, of which each goes half of the way for a pair
+
 
 @dataclass(frozen=True, eq=False)
 class Units:
@@ -48,7 +50,21 @@ def natural_units(model: Model, at: Variations, space: Tangent) -> Units:
     for j in range(2 * n, x.size):  # own states: what causes a unit acceleration, or what a unit motion causes
         cause, effect = np.abs(at.F[n : 2 * n, j] / x[n : 2 * n]).max(), np.abs(at.F[j, : 2 * n] * x[: 2 * n]).max()
         x[j] = rate / cause if cause else effect / rate or 1.0
+    balance(at.F, x, 2 * n)
     return Units(x, float(rate))
+
+
+def balance(F: np.ndarray, x: np.ndarray, first: int) -> None:
+    """Change the sizes x of the own states, from ``first``, until what each causes is as large as what causes it.
+
+    Own states that drive each other may have sizes which the motion says nothing of.
+    """
+    for _ in range(BALANCING if x.size > first else 0):
+        for j in range(first, x.size):
+            causes, caused = np.abs(F[:, j] / x) * x[j], np.abs(F[j] * x) / x[j]
+            causes[j] = caused[j] = 0.0
+            if causes.any() and caused.any():
+                x[j] *= np.sqrt(caused.sum() / causes.sum())
 
 
 def check_signals(system: Mechanism) -> None:

@@ -41,6 +41,7 @@ def four_bar(rate):
     return System([crank, rod, rocker], [*hinges, AngleDriver(hinges[0], Ramp(rate), name="motor")])
 
 
+@pytest.mark.slow  # 20 s
 @pytest.mark.parametrize("rate", [2.0, -2.0])
 @pytest.mark.parametrize("output", [31, 2])
 def test_a_locked_loop_names_its_driver_and_the_pose(rate, output):

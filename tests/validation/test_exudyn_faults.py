@@ -68,7 +68,7 @@ def test_refused_forces(name):
     one, two = random_body(rng, "one"), random_body(rng, "two")
     joints, force = FORCES[name](rng, one, two)
     reason = REFUSED_FORCES.get(type(force), "Exudyn has no element for it")
-    with pytest.raises(NotExpressible, match=f"force '{name} 1' .{name}.: {reason}"):
+    with pytest.raises(NotExpressible, match=f"force '{type(force).__name__} 1' .{type(force).__name__}.: {reason}"):
         twin(System([one, two], joints, [force]))
 
 

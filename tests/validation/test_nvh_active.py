@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from mbsd3d import GROUND, Body, Prismatic, SpringDamper, System
+from mbsd3d import GROUND, Body, Prismatic, SpringDamper, System, linearize
 from validation.nvh.active.cancel import Cancel, Path
 from validation.nvh.active.report import RATE, ActiveMount
 from validation.nvh.active.skyhook import Skyhook, growth, limit, on_mounts
@@ -23,19 +23,33 @@ def cancel():
     return Cancel(study.on_mounts, study.source, 2700.0, 1, 2.0, 1500.0)
 
 
+MASS, STIFFNESS, DAMPING = 178.0, 2.3e5, 640.0
+
+
+def hooked(gain: float, corner: float, share: float) -> System:
+    """A body on a spring and a skyhook."""
+    body = Body("body", MASS, (1, 2, 3), com=(0.1, -0.2, 0.3))
+    slide = Prismatic(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+    spring = SpringDamper(GROUND, body, at_a=(0, 0, -0.3), at_b=(0, 0, 0), stiffness=STIFFNESS, damping=DAMPING)
+    hook = Skyhook((0.2, 0.1, 0.0), gain, corner, share)
+    return System([body], [slide], [spring, hook.force(body)], gravity=(0, 0, 0))
+
+
+@pytest.mark.parametrize("gain", [0.0, 1e-9])
+def test_own_states_that_motion_does_not_reach_keep_their_eigenvalues(gain):
+    """The actuator alone is an oscillator, the body on its spring another one."""
+    corner, share = 370.0, 0.6
+    expected = np.concatenate([np.roots([MASS, DAMPING, STIFFNESS]), np.roots([1, 2 * share * corner, corner**2])])
+    found = linearize(hooked(gain, corner, share)).eigenvalues
+    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(expected), rtol=1e-9)
+
+
 @pytest.mark.parametrize(("corner", "share"), [(370.0, 0.6), (90.0, 0.3)])
 def test_a_skyhook_with_a_slow_actuator_is_unstable_from_where_routh_says(corner, share):
-    mass, rate, damping = 178.0, 2.3e5, 640.0
-
     def build(gain: float) -> System:
-        body = Body("body", mass, (1, 2, 3), com=(0.1, -0.2, 0.3))
-        slide = Prismatic(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
-        below = (0, 0, -0.3)
-        spring = SpringDamper(GROUND, body, at_a=below, at_b=(0, 0, 0), stiffness=rate, damping=damping)
-        hook = Skyhook((0.2, 0.1, 0.0), gain, corner, share)
-        return System([body], [slide], [spring, hook.force(body)], gravity=(0, 0, 0))
+        return hooked(gain, corner, share)
 
-    known = active.skyhook_limit(mass, damping, rate, corner, share)
+    known = active.skyhook_limit(MASS, DAMPING, STIFFNESS, corner, share)
     assert limit(build) == pytest.approx(known, rel=1e-8)
     assert growth(build(0.9 * known)) < 0 < growth(build(1.1 * known))
 

@@ -150,7 +150,7 @@ def test_bad_input_ends_in_one_line_before_any_work(tmp_path):
     (tmp_path / "file").write_text("")
     for arguments, words in [
         (["--case", "nothing"], "--case 'nothing': there is no such case; --list names them all"),
-        (["--out", tmp_path / "file"], "cannot be written"),
+        (["--out", tmp_path / "file"], "is a file; give a folder"),
         (["--t-end", "2"], "--t-end is for a MODEL"),
         (["model.json", "--quick"], "--quick is for all cases, without MODEL"),
     ]:
