@@ -55,6 +55,6 @@ def test_four_bars_of_two_windows_are_the_reference_case():
 def test_forty_windows_are_counted_and_run_in_seconds_where_a_peer_takes_minutes():
     found = peers.large()
     assert (found.rows, found.rank) == (605, 485)
-    assert found.error < 8e-3  # measured 2e-4; Exudyn ends 500 steps at 8e-2
+    assert found.error < 1e-3  # ten times rtol for ten singular positions; Exudyn ends 500 steps at 8e-2
     # measured: 0.8 s altogether against minutes; a tenth leaves room for a busy moment
     assert found.check_seconds + found.run_seconds < peers.STEPS * peers.step_seconds() / 10
