@@ -58,7 +58,8 @@ def compare(seed):
         acceleration, wrench, expected = found
         # the start is rounded, a step is projected
         assert max(expected.residual, expected.rate) < slack * max(1.0, np.abs(at.v).max())
-        limit = max(LIMIT, np.finfo(float).eps * expected.condition)
+        # what two stable solutions may differ by: some roundings times the condition
+        limit = max(LIMIT, 10 * np.finfo(float).eps * expected.condition)
         assert acceleration < limit and wrench < limit
 
 
