@@ -84,7 +84,8 @@ def lay(
 class Stage:
     """All that is shown, drawn at the first frame into the scene of a server of viser or of a `Recording`.
 
-    ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only.
+    ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only;
+    ``endless``: the ground has no edge.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class Stage:
         shown: Sequence[str] = USUAL,
         *,
         near: bool = False,
+        endless: bool = False,
     ) -> None:
         low, high = bounds(drawing, frames.r, frames.e)
         box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
@@ -122,7 +124,7 @@ class Stage:
         self.traces: list[SceneNodeHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
             self.add_trace(i, trace)
-        self.add_grid(low, high, drawing.floor)
+        self.add_grid(low, high, drawing.floor, endless)
         for layer in self.layers:
             if layer not in shown:  # nodes are visible when they are made
                 self.show(layer, False)
@@ -200,7 +202,7 @@ class Stage:
             self.add_segments(f"/traces/{i}/path", "traces", segments, paler(trace.colour), 1.5)
             self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
 
-    def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float) -> None:
+    def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
         """A ground grid whose lines are at round coordinates."""
         thin, thick = CELLS["light"]
         cell, span = self.cell, float((high - low)[:2].max())
@@ -209,7 +211,7 @@ class Stage:
         node = self.scene.add_grid(
             "/grid", side, side, cell_size=cell * self.scale, section_size=5.0 * cell * self.scale,
             position=np.array([*middle, min(floor, low[2])]) * self.scale,
-            cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25,
+            cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25, infinite_grid=endless,
             fade_distance=max(100.0, 4.0 * frame_camera(low, high, FOV).distance * self.scale),  # 100: viser's own
         )  # fmt: skip
         self.layers["ground grid"].append(node)
