@@ -96,7 +96,7 @@ class Server:
         silent.propagate = False
         self.server = await serve(
             self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE,
-            compression=None, close_timeout=CLOSING, logger=silent, server_header=None,
+            compression=None, close_timeout=CLOSING, ping_interval=None, logger=silent, server_header=None,
         )  # fmt: skip
         ready.set()
         await self.server.wait_closed()
@@ -117,6 +117,8 @@ class Server:
 
     async def _converse(self, connection: "ServerConnection") -> None:
         """With one browser, until it leaves."""
+        from websockets.exceptions import ConnectionClosed
+
         await connection.send(self.greet())
         outlet = Outlet()
         self.outlets.add(outlet)
@@ -125,6 +127,8 @@ class Server:
             async for said in connection:
                 if not (isinstance(said, str) and self.hear(said)):
                     await connection.close(1008, "not understood")
+        except ConnectionClosed:
+            pass  # it hung up
         finally:
             self.outlets.discard(outlet)
             feed.cancel()

@@ -6,7 +6,7 @@ const HEAD = 3; // numbers before the curves: time, late frames, share of the pa
 const count = data.moving.length;
 const controls = new Map(); // name -> {set(value)}
 const pressed = new Map(); // key -> what its release does
-let socket = null, frame = null, last = null, state = {running: true, pace: 1}, told = "", strips = [], shapes = "{}", ride = null, pictures = 0;
+let socket = null, frame = null, last = null, drawn = null, state = {running: true, pace: 1}, told = "", strips = [], shapes = "{}", ride = null, pictures = 0;
 
 const tell = (message) => socket?.readyState === WebSocket.OPEN && socket.send(JSON.stringify(message));
 const numberText = (x) => Number(x.toPrecision(3)).toString().replace("-", "\u2212");
@@ -119,7 +119,7 @@ function tick() {
     r.set(frame.subarray(at, at + 3), 3 * i), e.set(frame.subarray(at + 3, at + 7), 4 * i);
   }
   scene.put(r, e);
-  frame = null;
+  (drawn = t), (frame = null);
 }
 
 function connect() {
@@ -166,5 +166,5 @@ async function start() {
 }
 
 // For scripts and tests.
-window.mbsd3d = {data, tell, get state() { return state; }, get frames() { return strips[0]?.count ?? 0; }, get last() { return last; }};
+window.mbsd3d = {data, tell, get state() { return state; }, get frames() { return strips[0]?.count ?? 0; }, get last() { return last; }, get drawn() { return drawn; }};
 start().catch((error) => say(`This page cannot be shown: ${error.message}`));
