@@ -37,6 +37,8 @@ FOOT = 0.3048
 """[m]"""
 CLOSED = 1e-8
 """How little the heading may matter, relative to the largest entry of A; rounding leaves 1e-13."""
+TWO = (2.0, 6.0)
+"""[m/s] from which all speeds follow."""
 ROUNDING = 1e-6
 """Of the equations of almost rigid tyres, of 1e6 times their load for a radian and relaxation within 0.01 mm."""
 
@@ -122,6 +124,17 @@ def matrix(system: System, speed: float) -> np.ndarray:
     if left > CLOSED * np.abs(A).max():
         raise InputError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
     return A[:-1, :-1]
+
+
+def coefficients(build: Build, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """(A_0, A_1), both (k, k), of A(v) = A_0 + v A_1: all speeds from two.
+
+    Slip, gyroscopic and centripetal terms are products of v and a small rate, a deflection fades at the rate v over
+    its relaxation length, and the heading, whose terms would hold v^2, is left out.
+    """
+    slow, fast = (matrix(build(parameters, speed=v), v) for v in TWO)
+    rate = (fast - slow) / (TWO[1] - TWO[0])
+    return slow - TWO[0] * rate, rate
 
 
 def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:

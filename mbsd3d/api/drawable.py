@@ -106,6 +106,7 @@ class Drawable:
         shown: Layers = (),
         hidden: Layers = (),
         follow: Body | str | None = None,
+        view: Sequence[float] | None = None,
         title: str | None = None,
         dark: bool | None = None,
         port: int = 0,
@@ -132,6 +133,8 @@ class Drawable:
             Added to and removed from the usual layers at the start, see `mbsd3d.api.viewable`.
         follow : Body, str or None
             Body that the camera goes along and turns with.
+        view : (float, float) or None
+            First azimuth (from x about z) and elevation of the eye [degrees]; None = as in `show`.
         title, dark
             As for `show`.
         port : int
@@ -155,12 +158,10 @@ class Drawable:
         ...     play.wait()
         """
         from ..run.playable import plain
-        from ..run.playing import Playing
-        from ..view.play.play import play
-        from .replay import played
+        from .playing import play_model
 
         model = plain(self, state or self.state(as_built=as_built), inputs, curves)
-        return play(
-            Playing(model, method, rtol, as_built), shown=shown, hidden=hidden, follow=follow, title=title, dark=dark,
-            port=port, as_solution=played,
+        return play_model(
+            model, method=method, rtol=rtol, as_built=as_built, shown=shown, hidden=hidden, follow=follow, view=view,
+            title=title, dark=dark, port=port,
         )  # fmt: skip

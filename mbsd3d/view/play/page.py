@@ -1,7 +1,8 @@
 """The page of a ride: the scene at its start, and what its scripts need to move it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from markupsafe import Markup
@@ -24,12 +25,24 @@ SHAPES = ("vertices", "faces", "points")  # of the messages of nodes
 Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
 
 
-def ride_page(
-    model: Playable, built: Built, title: str, layers: tuple[str, ...], followed: int, dark: bool | None
-) -> str:
+class Look(NamedTuple):
+    """How a ride is shown."""
+
+    title: str
+    layers: tuple[str, ...]
+    followed: int = -1  # number of the body that the camera goes along with
+    view: Sequence[float] | None = None  # azimuth and elevation at first [degrees]
+    dark: bool | None = None
+
+
+def ride_page(model: Playable, built: Built, look: Look) -> str:
     """The whole page."""
-    recording, content = drawn(built, title, layers, followed)
-    stage = Stage(recording.scene, recording.camera, *content[:4], layers, endless=True)
+    recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
+    still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
+    content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
+    stage = Stage(
+        recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view
+    )  # fmt: skip
     bodies = built.system.bodies
     data = player_data(content, stage) | {
         "moving": [*range(len(bodies))],
@@ -44,19 +57,12 @@ def ride_page(
         "client": client_head(),
         "data": as_script(data),
         "script": "\n".join([asset(name) for name in SCENE] + [asset(name, __package__) for name in RIDE]),
-        "dark": json.dumps(dark),
+        "dark": json.dumps(look.dark),
     }
+    marked = {name: Markup(text) for name, text in texts.items()}
     return page_template("ride.html").render(
-        title=printable(title), controls=bool(model.controls), **{name: Markup(text) for name, text in texts.items()}
-    )
-
-
-def drawn(built: Built, title: str, layers: tuple[str, ...], followed: int) -> tuple[Recording, Content]:
-    """What to draw into, and what: the model at its state."""
-    r, e = poses_of(built.system, built.state)
-    still = Frames(np.array([built.state.t]), r[None], e[None])
-    content = Content(draw_system(built.system), still, [], [], [], 1.0, title, layers, followed=followed)
-    return Recording("System.play"), content
+        title=printable(look.title), controls=bool(model.controls), **marked
+    )  # fmt: skip
 
 
 def control_data(control: Control) -> dict[str, object]:
@@ -69,7 +75,7 @@ def control_data(control: Control) -> dict[str, object]:
 
 def shapes_of(system: Mechanism) -> Shapes:
     """Meshes and lines of the bodies, as the nodes of the scene hold them."""
-    recording = Recording("System.play")
+    recording = Recording("play")
     (r, e), drawing = poses_of(system), draw_system(system)
     Stage(recording.scene, recording.camera, drawing, Frames(np.zeros(1), r[None], e[None]))
     found = {}

@@ -3,9 +3,8 @@
 import json
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,24 +16,14 @@ from ...mechanism.mechanism import Mechanism
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 from ...run.playing import PERIOD, Frame, Playing
-from ..page.recorder import import_viser
 from ..page.served import Served
 from ..page.show import animate, check_options, page_layers
 from ..scene.drawing import Layers, title_of
-from .page import SECONDS, ride_page, shapes_of
+from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
 PACES = (0.01, 10.0)  # seconds of the model per second
 STEADY = 6  # frames from one look at what seldom changes to the next
-
-
-class Look(NamedTuple):
-    """How a ride is shown."""
-
-    title: str
-    layers: tuple[str, ...]
-    followed: int = -1  # number of the body that the camera goes along with
-    dark: bool | None = None
 
 
 class Play(Served):
@@ -54,23 +43,17 @@ class Play(Served):
         self, playing: Playing, look: Look, port: int, as_solution: Callable[[RunResult], Poses] = lambda run: run
     ) -> None:
         super().__init__()
-        import_viser("System.play")
         self._playing, self._look, self._as_solution = playing, look, as_solution
         self._controls = {control.name: control for control in playing.model.controls}
         self._history: deque[list[float | None]] = deque(maxlen=round(SECONDS / PERIOD))
         self._told, self._count, self._ride, self._saving, self._good = "", 0, 0, False, {}
         self._drawn, self._shapes = playing.built.system, {}
         self._drawings = shapes_of(self._drawn) if playing.builds else {}
-        self._pages = {"/": self._page()}
+        self._pages = {"/": ride_page(playing.model, playing.built, look)}
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="mbsd3d play pages")
         self._server = Server(port, self._token, self._pages, self._greeting, self._hear, self._leave)
         self.port = self._server.port
         playing.start(self._publish)
-
-    def _page(self) -> str:
-        """The page as it is served."""
-        playing, look = self._playing, self._look
-        return ride_page(playing.model, playing.built, look.title, look.layers, look.followed, look.dark)
 
     @property
     def t(self) -> float:
@@ -240,6 +223,7 @@ def play(
     shown: Layers,
     hidden: Layers,
     follow: Body | str | None,
+    view: Sequence[float] | None,
     title: str | None,
     dark: bool | None,
     port: int,
@@ -251,7 +235,7 @@ def play(
         raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
     system = playing.built.system
     followed = -1 if follow is None else followed_body(system, follow)
-    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, dark)
+    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
     return Play(playing, look, port, as_solution)
 
 

@@ -81,9 +81,12 @@ function makeScene(data, arrays) {
   // The camera is shifted by what the followed body has moved, and turned by what it has if asked to.
   function goAlong(r, e) {
     const control = viewer.cameraControl, there = placeIn(r), way = headingIn(e);
-    const aim = control.getTarget(there.clone()).add(there).sub(seen ?? there);
-    if (seen !== null) control.moveTo(aim.x, aim.y, aim.z, false);
-    if (seen !== null && turning) control.rotate(Math.atan2(Math.sin(way - faced), Math.cos(way - faced)), 0, false);
+    if (seen !== null) {
+      const turn = turning ? Math.atan2(Math.sin(way - faced), Math.cos(way - faced)) : 0;
+      const {x, y, z} = control.getTarget(there.clone()).sub(seen), c = Math.cos(turn), s = Math.sin(turn);
+      control.moveTo(there.x + c * x + s * z, there.y + y, there.z + c * z - s * x, false);
+      if (turn) control.rotate(turn, 0, false);
+    }
     (seen = there), (faced = way);
   }
 

@@ -79,7 +79,7 @@ function onNews(news) {
   $("play").disabled = news.over;
   $("speed").value = news.pace;
   ($("note").textContent = news.note), ($("note").hidden = !news.note);
-  $("save").textContent = news.saving ? "saving ..." : `save the ride${news.since > 0 ? ` since ${news.since.toFixed(1)} s` : ""}`;
+  $("save").textContent = news.saving ? "saving ..." : `save the ride${news.since > 0.05 ? ` since ${news.since.toFixed(1)} s` : ""}`;
   $("save").disabled = news.saving;
   if (ride !== null && news.ride > ride) element("a", {href: `/ride-${news.ride}.html`, download: `${document.title}.html`}).click();
   ride = news.ride;

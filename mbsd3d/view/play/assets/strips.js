@@ -30,7 +30,7 @@ function makeStrip(panel, colours, seconds) {
     const width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width || !times.length) return;
     if (!marked) marks(), (marked = true);
-    const last = Math.max(times[times.length - 1], times[0] + 1e-9), first = last - seconds;
+    const first = Math.max(times[times.length - 1] - seconds, times[0]), last = first + seconds; // they fill it, then it goes along
     const g = sharp(canvas, width, height), axes = makeAxes(width, height, ...range(), first, last);
     axes.draw(g);
     panel.lines.forEach((_, i) => {
