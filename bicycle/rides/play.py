@@ -26,7 +26,7 @@ FADING = (
 ASSIST = 50.0  # [N m s/rad]
 TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
 LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
-SPEEDS = np.linspace(0.0, 15.0, 151)  # [m/s] between which the stable range is sought
+SPEEDS = np.linspace(0.0, 15.0, 301)  # [m/s] between which the stable range is sought
 BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
 STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
 Key = tuple[Parameters, float]  # a bicycle and its assist
@@ -174,9 +174,8 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     ]
     for control in made:
         if not control.low <= control.value <= control.high:
-            raise InputError(
-                f"play: {control.name} = {control.value:g} is not within {control.low:g} ... {control.high:g}"
-            )
+            span = f"{control.low:g} ... {control.high:g} {control.unit}"
+            raise InputError(f"play: {control.name} = {control.value:g} is not within {span}")
     return made
 
 
