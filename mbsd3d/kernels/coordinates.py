@@ -1,17 +1,35 @@
 """Hinge coordinates (angle or slide of a joint, with its gradient) and measures (scalar functions of the state).
 
 Angle between x_a, y_a (fixed in a) and x_b (fixed in b): theta = atan2(x_b.y_a, x_b.x_a), exact off the joint's
-manifold too. Slide: s = n_a . (p_b - p_a). Angles are unwrapped against the last accepted state, never by a counter.
+manifold too. Slide: s = n_a . (p_b - p_a). Path: length s along a curve x(s) of a up to where it is nearest to p_b;
+touch: to where it is highest over a face of b. Angles are unwrapped against the last accepted state, never by a
+counter, and curves are searched from there.
 """
 
 import math
 
 import numpy as np
 
+from .curves import group, search
 from .jit import inner_kernel, kernel, merged_kernel
-from .kinds import ANGLE, CLEARANCE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, PRESS, TURN, VELOCITY
+from .kinds import (
+    ANGLE,
+    CLEARANCE,
+    COORDINATE,
+    COORDINATE_RATE,
+    GAP,
+    LEAN,
+    OWN_STATE,
+    PATH,
+    POSITION,
+    PRESS,
+    SLIDE,
+    TOUCH,
+    TURN,
+    VELOCITY,
+)
 from .surfaces import meeting, pressure
-from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
+from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, rotate_back, scale, sub, turning, vec
 
 
 @kernel
@@ -26,11 +44,16 @@ def arctan2(y, x):
 
 
 @merged_kernel
+def expected(d, i, t):
+    """Where the last accepted state says that coordinate i should be at time t."""
+    last = d.coordinate[i]
+    return last.value + last.rate * (t - d.unwrap_time[0])
+
+
+@merged_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
-    last = d.coordinate[i]
-    expected = last.value + last.rate * (t - d.unwrap_time[0])
-    return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
+    return angle + 2.0 * math.pi * math.floor((expected(d, i, t) - angle.real) / (2.0 * math.pi) + 0.5)
 
 
 @merged_kernel
@@ -86,21 +109,90 @@ def slide(m, d, i):
     return slide_along(a, b, arm(a, x.axis[0]), arm(a, x.point[0]), arm(b, x.point[1]))
 
 
+@inner_kernel
+def nearest(m, d, i, t):
+    """Of path i, in axes of a: (s, its rate, its second rate at rest in a, gradient of s, place of the piece, s in it,
+    p - x, x', x'', velocity of p relative to a): F = x' . (p - x) = 0 gives s, and its derivatives the rates.
+    """
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    sb = arm(b, x.point[1])
+    reach = sub(point(b, sb), vec(a.r))
+    moving = sub(sub(point_velocity(b, sb), vec(a.velocity)), cross(vec(a.w), reach))
+    place, speed = rotate_back(mat(a.R), reach), rotate_back(mat(a.R), moving)
+    s, k, u = search(m.number, x.number, place, 1.0, expected(d, i, t))
+    curve, along, bend, twist = group(m.number, k, u)
+    off = sub(place, curve)
+    yields = dot(along, along) - dot(bend, off)
+    s_dot = dot(along, speed) / yields
+    s_ddot = (2.0 * dot(bend, speed) + (dot(twist, off) - 3.0 * dot(along, bend)) * s_dot) * s_dot / yields
+    return s, s_dot, s_ddot, scale(1.0 / yields, along), k, u, off, along, bend, speed
+
+
+@inner_kernel
+def path(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    s, _, s_ddot, gradient, _, _, _, _, _, _ = nearest(m, d, i, t)
+    _, bias, la, ta, lb, tb = slide_along(a, b, rotate(mat(a.R), gradient), (0.0, 0.0, 0.0), arm(b, x.point[1]))
+    return s, bias + s_ddot, la, ta, lb, tb
+
+
+@inner_kernel
+def highest(m, d, i, t):
+    """Of touch i, in axes of a: (s, its rate, J_dot v, gradient by the turn of b relative to a, x, x', normal):
+    F = x' . n = 0 gives s, and its derivatives the rest.
+    """
+    c = m.coordinate[i]
+    a, b = d.body[c.body[0]], d.body[c.body[1]]
+    R, wa, wb = mat(a.R), vec(a.w), vec(b.w)
+    n, w = rotate_back(R, arm(b, c.axis[2])), rotate_back(R, sub(wb, wa))
+    n_dot, swing = cross(w, n), rotate_back(R, cross(wb, wa))
+    n_ddot = add(cross(swing, n), cross(w, n_dot))
+    s, k, u = search(m.number, c.number, n, 0.0, expected(d, i, t))
+    x, along, bend, twist = group(m.number, k, u)
+    yields = -dot(bend, n)
+    s_dot = dot(along, n_dot) / yields
+    s_ddot = ((2.0 * dot(bend, n_dot) + dot(twist, n) * s_dot) * s_dot + dot(along, n_ddot)) / yields
+    return s, s_dot, s_ddot, scale(1.0 / yields, cross(n, along)), x, along, n
+
+
+@inner_kernel
+def touch(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of touch i."""
+    a = d.body[m.coordinate[i].body[0]]
+    s, _, bias, gradient, _, _, _ = highest(m, d, i, t)
+    turn = rotate(mat(a.R), gradient)
+    zero = scale(0.0, turn)
+    return s, bias, zero, scale(-1.0, turn), zero, turn
+
+
 @kernel
 def coordinate(m, d, i, t):
     """(value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
-    if m.coordinate[i].kind == ANGLE:
+    kind = m.coordinate[i].kind
+    if kind == ANGLE:
         return angle(m, d, i, t)
-    return slide(m, d, i)
+    if kind == SLIDE:
+        return slide(m, d, i)
+    if kind == PATH:
+        return path(m, d, i, t)
+    return touch(m, d, i, t)
 
 
 @merged_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
-    if m.coordinate[i].kind == ANGLE:
+    kind = m.coordinate[i].kind
+    if kind == ANGLE:
         _, _, _, sine, cosine, _, g = turn(m, d, i)
         return unwrapped(d, i, arctan2(sine, cosine), t), dot(g, sub(vec(b.w), vec(a.w)))
+    if kind == PATH:
+        return nearest(m, d, i, t)[:2]
+    if kind == TOUCH:
+        return highest(m, d, i, t)[:2]
     value, _, la, ta, lb, tb = slide(m, d, i)
     return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
 

@@ -9,10 +9,24 @@ A new primitive is one function here and one line in `rows`.
 import numpy as np
 
 from .coordinates import coordinate, slide_along
+from .curve_rows import on_curve, on_face
 from .jit import inner_kernel, kernel, merged_kernel
-from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
+from .kinds import (
+    BAUMGARTE,
+    COINCIDE,
+    DISTANCE,
+    DOT,
+    DOT_DIFFERENCE,
+    IN_PLANE,
+    MESH,
+    NO_SIDESLIP,
+    ON_CURVE,
+    ON_FACE,
+    RATIO,
+    TURN_RATE,
+)
 from .signals import signal
-from .surfaces import lowest, lowest_rate
+from .surfaces import contact_row, lowest, lowest_rate
 from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
@@ -144,18 +158,6 @@ def turn_rate(row, p, a, b):
     put6(row.J[1], zero, x)
 
 
-@inner_kernel
-def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
-    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
-
-    arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
-    """
-    slip = sub(point_velocity(b, arm_b), point_velocity(a, arm_a))
-    row.gamma = -(dot(n_dot, slip) + dot(n, sub(arm_b_bias, cross(vec(a.w), arm_a_dot))))
-    put6(row.J[0], scale(-1.0, n), cross(n, arm_a))
-    put6(row.J[1], n, cross(arm_b, n))
-
-
 @merged_kernel
 def no_sideslip(row, p, a, b):
     """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
@@ -239,6 +241,10 @@ def fill(m, d, p, t):
         turn_rate(row, p, a, b)
     elif p.kind == NO_SIDESLIP:
         no_sideslip(row, p, a, b)
+    elif p.kind == ON_CURVE:
+        on_curve(m, d, row, p, t)
+    elif p.kind == ON_FACE:
+        on_face(m, d, row, p, t)
     else:
         roll(d, p, a, b)
 

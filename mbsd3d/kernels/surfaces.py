@@ -1,4 +1,4 @@
-"""Smooth convex surfaces on planes: where they are lowest, and how hard they press.
+"""Surfaces that touch: where smooth convex ones are lowest over a plane, how hard they press, the row of a contact.
 
 A surface is an ellipsoid with half axes r_i along u_i, some of which may be 0, thickened by a ball of radius rho: with
 r = (R, R, 0) the outside of a torus, with rho = 0 an ellipsoid, with equal r_i a sphere. Its lowest point over a plane
@@ -10,7 +10,7 @@ of normal n lies in closed form at
 import numpy as np
 
 from .jit import inner_kernel
-from .vectors import add, arm, columns, cross, dot, point, point_velocity, scale, sub, vec
+from .vectors import add, arm, columns, cross, dot, point, point_velocity, put6, scale, sub, vec
 
 FLAT = 1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
 
@@ -59,3 +59,15 @@ def pressure(p, gap, speed):
     elastic = p.value[4] * depth ** p.value[5] if gap.real < 0.0 else depth
     normal = elastic * (1.0 + p.value[7] * speed) + p.value[6] * speed if gap.real < 0.0 else depth
     return normal if normal.real > 0.0 else 0.0 * normal, elastic, depth
+
+
+@inner_kernel
+def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
+    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
+
+    arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
+    """
+    slip = sub(point_velocity(b, arm_b), point_velocity(a, arm_a))
+    row.gamma = -(dot(n_dot, slip) + dot(n, sub(arm_b_bias, cross(vec(a.w), arm_a_dot))))
+    put6(row.J[0], scale(-1.0, n), cross(n, arm_a))
+    put6(row.J[1], n, cross(arm_b, n))
