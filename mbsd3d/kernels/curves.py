@@ -99,5 +99,5 @@ def search(data, first, e, weight, expected):
         if done:
             break
     f, rate = slope(data, at, u, e, weight)  # of e as it is: complex in a complex step
-    end = math.nan if left and period == 0.0 else 0.0
-    return turns + start + (u - f / rate) + end, at, u - f / rate
+    within = u - f / rate + (math.nan if left and period == 0.0 else 0.0)
+    return turns + start + within, at, within
