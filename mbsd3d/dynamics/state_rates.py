@@ -76,7 +76,7 @@ def finish(m, d, s, t, dy):
     return status
 
 
-@inner_kernel
+@kernel
 def evaluate(m, d, s, t, y, dy):
     """dy = dy/dt at (t, y); SOLVED or the reason why not."""
     kinematics(m, d, y)
@@ -163,7 +163,7 @@ def project_positions(m, d, s, t, y, near):
     return PROJECTED if residual <= enough else NOT_CLOSED
 
 
-@merged_kernel
+@kernel
 def project_velocities(m, d, s, y):
     """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
     for k in range(m.row.shape[0]):

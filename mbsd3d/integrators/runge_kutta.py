@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
+from ..kernels.by_reference import by_reference
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -31,6 +32,7 @@ TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspi
 SUSPICIOUS, CALM = 15, 6
 
 
+@by_reference
 class Table(NamedTuple):
     """Butcher table of an explicit method with n stages; the rate at the end of the step is stage n + 1."""
 
@@ -50,6 +52,7 @@ class Table(NamedTuple):
         return float(nodes[k]), float(nodes[k + 1])
 
 
+@by_reference
 class Stages(NamedTuple):
     """The table and the method's own memory."""
 

@@ -97,23 +97,25 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 
 
 def compiled(
-    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False
-) -> Callable:
+    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False,
+    apart: bool = False,
+) -> Callable:  # fmt: skip
     """Compile in nopython mode, kept on disk under a digest of every kernel source of the package."""
     made = numba.njit(
         error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
         forceinline=fused, inline="always" if merged else "never",
     )(function)  # fmt: skip
-    return keep_code(made, CACHE)
+    return keep_code(made, CACHE, apart)
 
 
 def kernel(function: Callable) -> Callable:
     """A compiled function that allocates nothing: without numba's reference counts calls are several times cheaper.
 
     Measured on one evaluation of a single body: 3.1 us with the atomic counts of some 20 array arguments, 0.9 without.
+    It is compiled once, for Python and for all kernels that call it.
     """
-    return compiled(function)
+    return compiled(function, apart=True)
 
 
 def inner_kernel(function: Callable) -> Callable:
@@ -135,7 +137,7 @@ def merged_kernel(function: Callable) -> Callable:
     Model and work space are 170 numbers to pass: of 350 cycles for the rows of a hinge, 240 went into calls. And a
     kernel is compiled again with all that it calls in every kernel above it: one level less is seconds less.
     """
-    return compiled(function, merged=True)
+    return compiled(function, from_python=numba.config.DISABLE_JIT)
 
 
 def allocating_kernel(function: Callable) -> Callable:
