@@ -133,7 +133,7 @@ class CodeFiles(NullCache):
             )
 
 
-def keep_code(compiled: Callable, folder: Path, apart: bool) -> Callable:
+def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:
     """The same function with its code kept in a folder; one that is not to be compiled stays as it is."""
     if isinstance(compiled, Dispatcher):
         compiled._cache = CodeFiles(compiled.py_func, folder, apart and "<locals>" not in compiled.py_func.__qualname__)
