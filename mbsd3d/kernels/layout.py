@@ -220,7 +220,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
             ("C", dtype, 9),
             ("basis", dtype, (6, 6)),  # r directions the rows hold, then 6 - r they leave free
-            ("R", dtype, (6, 6)),  # row j of the joint is sum_i R[j, i] basis_i; the diagonal holds 1 / R_jj
+            ("R", dtype, (6, 6)),  # row j of the joint: basis_j + sum_i R[j, i] basis_i, i < j; R[j, j] = 1 / basis_j^2
             ("u", dtype, (6, 6)),  # inertia times each free direction
             ("inverse", dtype, 6),  # of each pivot
             ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it
