@@ -10,8 +10,7 @@ import math
 
 import numpy as np
 
-from .curves import group, search
-from .jit import inner_kernel, kernel, merged_kernel
+from .jit import inner_kernel, kernel
 from .kinds import (
     ANGLE,
     CLEARANCE,
@@ -28,8 +27,8 @@ from .kinds import (
     TURN,
     VELOCITY,
 )
-from .surfaces import meeting, pressure
-from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, rotate_back, scale, sub, turning, vec
+from .surfaces import expected, highest, meeting, nearest, pressure
+from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
 
 
 @kernel
@@ -43,20 +42,13 @@ def arctan2(y, x):
     return angle + (c * y - s * x) / (c * x + s * y)
 
 
-@merged_kernel
-def expected(d, i, t):
-    """Where the last accepted state says that coordinate i should be at time t."""
-    last = d.coordinate[i]
-    return last.value + last.rate * (t - d.unwrap_time[0])
-
-
-@merged_kernel
+@inner_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
     return angle + 2.0 * math.pi * math.floor((expected(d, i, t) - angle.real) / (2.0 * math.pi) + 0.5)
 
 
-@merged_kernel
+@inner_kernel
 def turn(m, d, i):
     """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
 
@@ -110,26 +102,6 @@ def slide(m, d, i):
 
 
 @inner_kernel
-def nearest(m, d, i, t):
-    """Of path i, in axes of a: (s, its rate, its second rate at rest in a, gradient of s, place of the piece, s in it,
-    p - x, x', x'', velocity of p relative to a): F = x' . (p - x) = 0 gives s, and its derivatives the rates.
-    """
-    x = m.coordinate[i]
-    a, b = d.body[x.body[0]], d.body[x.body[1]]
-    sb = arm(b, x.point[1])
-    reach = sub(point(b, sb), vec(a.r))
-    moving = sub(sub(point_velocity(b, sb), vec(a.velocity)), cross(vec(a.w), reach))
-    place, speed = rotate_back(mat(a.R), reach), rotate_back(mat(a.R), moving)
-    s, k, u = search(m.number, x.number, place, 1.0, expected(d, i, t))
-    curve, along, bend, twist = group(m.number, k, u)
-    off = sub(place, curve)
-    yields = dot(along, along) - dot(bend, off)
-    s_dot = dot(along, speed) / yields
-    s_ddot = (2.0 * dot(bend, speed) + (dot(twist, off) - 3.0 * dot(along, bend)) * s_dot) * s_dot / yields
-    return s, s_dot, s_ddot, scale(1.0 / yields, along), k, u, off, along, bend, speed
-
-
-@inner_kernel
 def path(m, d, i, t):
     """(value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
     x = m.coordinate[i]
@@ -137,25 +109,6 @@ def path(m, d, i, t):
     s, _, s_ddot, gradient, _, _, _, _, _, _ = nearest(m, d, i, t)
     _, bias, la, ta, lb, tb = slide_along(a, b, rotate(mat(a.R), gradient), (0.0, 0.0, 0.0), arm(b, x.point[1]))
     return s, bias + s_ddot, la, ta, lb, tb
-
-
-@inner_kernel
-def highest(m, d, i, t):
-    """Of touch i, in axes of a: (s, its rate, J_dot v, gradient by the turn of b relative to a, x, x', normal):
-    F = x' . n = 0 gives s, and its derivatives the rest.
-    """
-    c = m.coordinate[i]
-    a, b = d.body[c.body[0]], d.body[c.body[1]]
-    R, wa, wb = mat(a.R), vec(a.w), vec(b.w)
-    n, w = rotate_back(R, arm(b, c.axis[2])), rotate_back(R, sub(wb, wa))
-    n_dot, swing = cross(w, n), rotate_back(R, cross(wb, wa))
-    n_ddot = add(cross(swing, n), cross(w, n_dot))
-    s, k, u = search(m.number, c.number, n, 0.0, expected(d, i, t))
-    x, along, bend, twist = group(m.number, k, u)
-    yields = -dot(bend, n)
-    s_dot = dot(along, n_dot) / yields
-    s_ddot = ((2.0 * dot(bend, n_dot) + dot(twist, n) * s_dot) * s_dot + dot(along, n_ddot)) / yields
-    return s, s_dot, s_ddot, scale(1.0 / yields, cross(n, along)), x, along, n
 
 
 @inner_kernel
@@ -181,7 +134,7 @@ def coordinate(m, d, i, t):
     return touch(m, d, i, t)
 
 
-@merged_kernel
+@inner_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
@@ -213,7 +166,7 @@ def remember(m, d, t):
     d.unwrap_time[0] = t
 
 
-@merged_kernel
+@inner_kernel
 def of_contact(m, d, p):
     """Clearance or normal force of a contact."""
     f = m.force[p.force]

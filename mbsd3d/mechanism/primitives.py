@@ -28,7 +28,7 @@ class Coordinate:
     Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis, or along
     ``zero_a`` (across the axis) and ``zero_b``. Slide: ``axis . (point_b - point_a)``. Path: length of a curve up to
     where it is nearest to ``point_b``; touch: to where it is highest along ``axis_b``. World coordinates at the
-    reference pose; ``numbers`` of the curve as the kernels have them (see `kernels.curves`).
+    reference pose; ``numbers`` of the curve as the kernels have them (see `kernels.surfaces`).
     """
 
     kind: str  # a key of COORDINATES

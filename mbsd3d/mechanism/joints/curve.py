@@ -167,7 +167,7 @@ class Curve:
         return (-np.inf, np.inf) if self.closed else (0.0, self.length)
 
     def numbers(self, start: float, axes: np.ndarray, origin: np.ndarray, groups: list[PPoly]) -> np.ndarray:
-        """What the kernels read (see `kernels.curves`): s from ``start`` on, x and directions in axes, the columns of
+        """What the kernels read (see `kernels.surfaces`): s from ``start`` on, x and directions in axes, the columns of
         ``axes`` (3, 3), about ``origin``, world at the reference pose.
         """
         own = self.x.c @ axes
