@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from .by_reference import by_reference
+
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
 MOST_BODIES = 4  # of a custom force
 
@@ -76,6 +78,7 @@ MEASURE = [
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
 
+@by_reference
 class Model(NamedTuple):
     """A compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
 
@@ -155,6 +158,7 @@ def data_records(dtype: type) -> dict[str, list]:
     }
 
 
+@by_reference
 class Data(NamedTuple):
     """Work space of one evaluation; real or complex."""
 
@@ -169,6 +173,7 @@ class Data(NamedTuple):
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
 
 
+@by_reference
 class Tree(NamedTuple):
     """The saddle point over the rows in use: bodies from the leaves of a spanning tree to its roots, then loops.
 

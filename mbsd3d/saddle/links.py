@@ -11,7 +11,7 @@ between heavy ones cost no digits. One free direction after the other is taken o
 The rows themselves are lam = R'^-1 Z_r'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
 """
 
-from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
+from ..kernels.jit import fused_kernel, inner_kernel
 from ..kernels.vectors import add, cross, mat, pair, put, put6, rotate, rotate_back, scale, vec
 from .basis import hold, release, row_on_body
 from .spatial import along6, dot6, less_outer, moved_inertia, moved_load, moved_motion, product, sub9, times, transposed
@@ -94,7 +94,7 @@ def hand_down(s, link):
                 G[3 + j] += angular[j]
 
 
-@merged_kernel
+@inner_kernel
 def start_links(m, d, s):
     """Inertias, levers and direct loop rows of all links, before anything is eliminated."""
     for i in range(s.link.shape[0]):
@@ -119,7 +119,7 @@ def start_links(m, d, s):
                 put6(at.G, linear, angular)
 
 
-@merged_kernel
+@inner_kernel
 def factor_links(m, d, s):
     """All links from the leaves to the roots; sets ``dense`` or ``worn`` where that cannot be done."""
     start_links(m, d, s)
@@ -152,7 +152,7 @@ def prescribed(d, s, link):
     return y
 
 
-@merged_kernel
+@inner_kernel
 def load_links(m, d, s):
     """Loads of all links from the leaves to the roots, and the right side of the loop rows."""
     for i in range(s.link.shape[0]):
@@ -202,7 +202,7 @@ def solve_alone(fixed, body):
     put6(body.acceleration, add(scale(fixed.inv_sqrt_mass, linear), cross(s, w)), w)
 
 
-@merged_kernel
+@inner_kernel
 def move_links(m, d, s):
     """Accelerations from the roots to the leaves and multipliers of the links; those of the loop rows are known."""
     for i in range(s.link.shape[0] - 1, -1, -1):
