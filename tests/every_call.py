@@ -10,7 +10,7 @@ from mbsd3d import GROUND, measures
 
 NAN, INF = float("nan"), float("inf")
 WRONG = (
-    None, "", "hinje", "1mm", b"x", NAN, INF, -INF, -1, -1.5, 0, 1e-300, 1e9, 1e308, 10**400, 1 + 2j, True, [], {}, (1, 2),
+    None, "", "hinje", "1mm", b"x", NAN, INF, -INF, -1, -1.5, 0, 1e-300, 1e308, 10**400, 1 + 2j, True, [], {}, (1, 2),
     (1, 2, 3), (0, 0, 0), (NAN, 0, 0), [[1, 2], [3, 4]], ["a", "b", "c"], [None] * 3, np.zeros((2, 2)), np.array("x"),
     np.zeros(0), object(), object, len, lambda: 3, GROUND, "\ud800", "\0", "x" * 5000, {"a": 1}, {1: None},
 )  # fmt: skip

@@ -126,7 +126,7 @@ def parts():
     for ask in (m.Ramp(1.0), m.Ramp(1.0).derivative, m.Ramp(1.0).second_derivative):
         yield ask, {"t": 1.0}
     yield signals.as_signal, {"value": 1.0, "what": "force 'push'"}
-    yield signals.check_interval, {"signal": m.Table([0, 1, 2, 3], [0, 1, 0, 2]), "start": 0.0, "end": 1.0, "what": "x"}
+    yield m.Table([0, 1, 2, 3], [0, 1, 0, 2]), {"t": [0.5, 1.0]}
     yield m.RollingBearing, {"C": 1e4, "p": 3.0, "tilting": 0.1, "X": 0.5, "Y": 1.2, "e": 0.3}
     yield m.DeepGrooveBallBearing, {"C": 1e4, "p": 3.0, "tilting": 0.1, "C0": 5e3, "f0": 14.0}
     yield m.reliability_factor, {"reliability": 0.95}

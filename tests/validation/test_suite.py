@@ -145,6 +145,7 @@ def test_forty_four_bars_with_605_rows_of_rank_485():
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_of_a_demo_of_forgotten_terms_the_whole_equations_are_judged():
     (trial,) = listing.chosen(families.demonstrations(quick=True), ("gallery_wall",))
     record, made = examine(trial)

@@ -194,7 +194,7 @@ def check_interval(signal: Signal, start: float, end: float, what: str) -> None:
 
     1e-9 of the interval may be missing, the rounding of a last step; ``what`` names the part, "driver 'motor'".
     """
-    first, last = as_signal(signal, what).interval
+    first, last = signal.interval
     margin = 1e-9 * (last - first)
     if not (start >= first - margin and end <= last + margin):
         raise InputError(
