@@ -139,6 +139,16 @@ def test_notebooks_are_those_of_the_lessons():
         assert all(cell["outputs"] for cell in code)
 
 
+def test_every_lesson_has_its_pictures():
+    named = {
+        page: set(re.findall(r"\]\(\.\./pictures/lessons/(\S+)\)", text.read_text(encoding="utf-8")))
+        for page, text in PAGES.items()
+        if page.startswith("teaching/") and blocks(text)
+    }
+    assert all(len(pictures) >= 2 for pictures in named.values())
+    assert set().union(*named.values()) == {path.name for path in (DOCS / "pictures/lessons").iterdir()}
+
+
 def test_forty_questions_have_a_page():
     text = PAGES["questions.md"].read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+) \| .*\]\(([\w/.]+)\) \|$", text, re.MULTILINE)
