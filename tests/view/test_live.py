@@ -107,7 +107,7 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
 def test_a_missing_package_is_named(solution, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "viser", None)
     with pytest.raises(
-        ValueError, match=r"a live view needs the package viser; install it: pip install 'mbsd3d\[view\]'"
+        ValueError, match=r"a live view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.\*'"
     ):
         solution.animate(live=True)
 
