@@ -28,7 +28,7 @@ TAKES = {
 @click.option("--sweep", type=int, metavar="N", help="Full motions at N speeds from idle to redline.")
 @click.option("--active", is_flag=True, help="An active mount: skyhook, and feed-forward on the largest order.")
 @click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
-@click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
+@click.option("--road", help="The car on a road: a class, A (smooth) to H, or a file of x,left,right.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
 @click.option("--page", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
 @click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
@@ -41,8 +41,8 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
     main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the speeds, and at one speed
     by the full motion of the crank train on its mounts. The exit code is 1 if the two differ by more than 1 %.
 
-    Instead of LAYOUT, --road: vibration at the seat of a quarter, linked, half and whole car on a rough road, and what
-    the links of its axles make of the travel of a wheel; --valve: from which speed on a valve leaves its cam, and how
+    Instead of LAYOUT, --road: vibration at the seat of a quarter, half and whole car on a rough road, on slides and on
+    the links of its axles, and what these make of the travel of a wheel; --valve: from which speed on a valve leaves its cam, and how
     it comes back; --planes: what a plane can say.
     """
     from validation.nvh.engine import presets
@@ -137,19 +137,20 @@ def in_car(
 
 
 def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:
-    """Quarter, linked, half and whole car on a road; show them, write their page."""
+    """Quarter, half and whole car on a road, on slides and on links; show them, write their page."""
     from validation.nvh.road import report
-    from validation.nvh.road.vehicle import KINDS
 
-    rides = [report.ride_of(car, kind, road, speed) for kind in KINDS]
-    click.echo(f"{car.title.split(',')[0]} on a road of class {road} at {speed:g} m/s")
+    rides = report.rides_of(car, road, speed)
+    click.echo(f"{car.title.split(',')[0]} on {rides[-1].road.title} at {speed:g} m/s")
+    if missing := report.left_out(rides[-1]):
+        click.echo(missing)
     show("at the seat", report.comfort(rides))
-    show("wheels", report.struts(rides[-1]))
-    show("modes", report.modes(rides[-1]))
+    show("wheels of the whole car on links", report.struts(rides[-1]))
+    show("modes of the whole car on links", report.modes(rides[-1]))
     show("guides of the wheels", report.guides(rides[-1].vehicle))
     click.echo(f"\n{report.braking(rides[-1].vehicle)}")
     if page is not None:
-        click.echo(report.write_page(car, rides[-1], page))
+        click.echo(report.write_page(car, rides, page))
 
 
 def on_cam(valve: str, rpm: float | None = None, page: str | None = None) -> None:

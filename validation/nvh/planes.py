@@ -115,9 +115,8 @@ class Planes:
 
     def road(self) -> list[Line]:
         """Cars on a rough road, and what guides their wheels."""
-        quarter, linked, half, whole = (
-            ride_of(self.car, kind, "C", SPEED) for kind in ("quarter", "linked", "half", "whole")
-        )
+        quarter, half, whole = (ride_of(self.car, kind, "C", SPEED) for kind in ("quarter", "half", "whole"))
+        linked = ride_of(self.car, "quarter", "C", SPEED, linked=True)
         known, quick = timed(lambda: quarter_car(quarter))
         _, slow = timed(lambda: replace(quarter, vehicle=replace(quarter.vehicle)).seat)
         off = rms(quarter.run_seat - known) / rms(known)  # and all is compiled before times are taken

@@ -69,10 +69,17 @@ class Guide:
                 "give links whose lines do not meet or run in parallel"
             )
 
-    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0)) -> list[Distance]:
-        """The links between a body and the upright; ``origin``: of the guide's points [m]."""
+    @cached_property
+    def mirrored(self) -> "Guide":
+        """Of the right wheel."""
+        across = np.array([1.0, -1.0, 1.0])
+        links = {name: across * ends for name, ends in self.links.items()}
+        return Guide(self.kind, across * self.centre, links, across * self.strut)
+
+    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0), whose: str = "") -> list[Distance]:
+        """The links between a body and the upright, named with ``whose``; ``origin``: of the guide's points [m]."""
         return [
-            Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name)
+            Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name + whose)
             for name, (inner, outer) in self.links.items()
         ]
 
