@@ -64,7 +64,8 @@ def lines(change: str) -> str:
     rows = [f"{x:g},{a:g},{b:g}" for x, a, b in zip(X, *Z, strict=True)]
     text = {
         "gap": rows[:50] + rows[52:], "cell": [*rows[:50], "15.5,,0.1", *rows[51:]], "order": rows[:50] + rows[40:],
-        "nan": [*rows[:50], "15.5,nan,0.1", *rows[51:]], "short": rows[:10], "less": [*rows[:50], "15.5,0.1", *rows[51:]],
+        "nan": [*rows[:50], "15.5,nan,0.1", *rows[51:]], "short": rows[:10],
+        "less": [*rows[:50], "15.5,0.1", *rows[51:]],
     }.get(change, rows)  # fmt: skip
     return "\n".join(["x,left,right" if change != "header" else "s,a,b", *text])
 

@@ -31,10 +31,13 @@ SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
 @dataclass(frozen=True)
 class Sweep:
-    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N]."""
+    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N], from
+    so many ``cycles``.
+    """
 
     map: Map
     full: np.ndarray
+    cycles: int
 
     @property
     def off(self) -> np.ndarray:
@@ -159,7 +162,7 @@ class Study:
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
         with ThreadPoolExecutor(THREADS) as pool:
-            return Sweep(found, np.array(list(pool.map(full, found.rpm))))
+            return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
     @cached_property
     def cabin(self) -> Cabin | None:

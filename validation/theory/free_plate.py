@@ -22,7 +22,9 @@ def free_plate(ratio: float, poisson: float, count: int) -> np.ndarray:
     second = np.array([0 * s, 0 * s, *(np.gradient(x, s, edge_order=2) for x in first[2:])])
     w = np.full(POINTS, s[1])
     w[[0, -1]] /= 2
-    one, slope, bend, mixed = ((a * w) @ b.T for a, b in ((base, base), (first, first), (second, second), (second, base)))
+    one, slope, bend, mixed = (
+        (a * w) @ b.T for a, b in ((base, base), (first, first), (second, second), (second, base))
+    )
     r2 = ratio**2
     V = np.kron(bend, one) + r2**2 * np.kron(one, bend) + 2 * (1 - poisson) * r2 * np.kron(slope, slope)
     V += poisson * r2 * (np.kron(mixed, mixed.T) + np.kron(mixed.T, mixed))

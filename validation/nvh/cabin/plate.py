@@ -56,7 +56,9 @@ def plate_shell(
         if max(np.abs(x).max(), np.abs(y).max()) > 1.0:
             raise InputError(f"plate: {length:g} m long and {width:g} m wide, a place lies beyond; give a larger one")
         P = [np.array([Legendre.basis(i).deriv(k)(s) for i in range(DEGREES)]) for s in (x, y) for k in (0, 1)]
-        w, along, across = (np.einsum("ij,ip,jp->p", part, *pair) for pair in ((P[0], P[2]), (P[1], P[2]), (P[0], P[3])))
+        w, along, across = (
+            np.einsum("ij,ip,jp->p", part, *pair) for pair in ((P[0], P[2]), (P[1], P[2]), (P[0], P[3]))
+        )
         return np.stack([-at[:, 2] * along / size[0], -at[:, 2] * across / size[1], w], axis=1) / np.sqrt(mass)
 
     turning = mass * (length**2 + width**2) / 12

@@ -40,7 +40,9 @@ class Cabin:
         if self.made_of not in KINDS and "." not in self.made_of:
             raise InputError(f"shell '{self.made_of}' is unknown; give {', '.join(KINDS)} or a file of modes (.csv)")
         if not known(self.car, self.made_of):
-            raise InputError(f"car '{self.car.name}': its shell is not known; give compact or saloon, or a file of modes")
+            raise InputError(
+                f"car '{self.car.name}': its shell is not known; give compact or saloon, or a file of modes"
+            )
 
     @cached_property
     def shell(self) -> ModalShell | ModalTable:

@@ -14,9 +14,9 @@ from validation import theory
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.held.mounts import Car
 from validation.nvh.road.comfort import verdict, weight
+from validation.nvh.road.measured import Measured, read_road
 from validation.nvh.road.profile import SHORTEST, Road
 from validation.nvh.road.ride import Ride, rms
-from validation.nvh.road.measured import Measured, read_road
 from validation.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 
 if TYPE_CHECKING:

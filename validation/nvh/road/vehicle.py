@@ -30,7 +30,7 @@ from mbsd3d import (
 )  # fmt: skip
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, matrix, number
-from validation.nvh.road.guide import SWING, Guide, guide
+from validation.nvh.road.guide import SWING, Guide, guide, made
 
 KINDS = ("quarter", "half", "whole")
 HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
@@ -78,6 +78,9 @@ class Vehicle:
                 number(value, f"car on wheels: {name}", positive=True)
         for value in (*self.ride["damper"], self.ride["tyre_damping"]):
             number(value, "car on wheels: damping", minimum=0.0)
+        for name in ("front", "brakes"):
+            if not 0.0 < number(self.ride[name], f"car on wheels: {name}") < 1.0:
+                raise InputError(f"car on wheels: {name} {self.ride[name]:g}; give a share between 0 and 1")
 
     @property
     def title(self) -> str:
@@ -117,7 +120,8 @@ class Vehicle:
     @cached_property
     def guides(self) -> list[Guide]:
         """Of the front and the rear left wheel."""
-        return [guide(kind, self.ride["track"]) for kind in self.ride["guides"]]
+        track = self.ride["track"]
+        return [made("own", x, track) if isinstance(x, dict) else guide(x, track) for x in self.ride["guides"]]
 
     @property
     def anti(self) -> tuple[float, float]:
