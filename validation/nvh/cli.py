@@ -40,13 +40,14 @@ TAKES = {
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
     """What an engine does to its bearings, its mounts and the car it is in.
 
-    LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments on the block, loads of the
-    main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the speeds, and at one speed
-    by the full motion of the crank train on its mounts. The exit code is 1 if the two differ by more than 1 %.
+    LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments
+    on the block, loads of the main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the
+    speeds, and at one speed by the full motion of the crank train on its mounts. The exit code is 1 if the two differ
+    by more than 1 %.
 
     Instead of LAYOUT, --road: vibration at the seat of a quarter, half and whole car on a rough road, on slides and on
-    the links of its axles, and what these make of the travel of a wheel; --valve: from which speed on a valve leaves its cam, and how
-    it comes back; --planes: what a plane can say.
+    the links of its axles, and what these make of the travel of a wheel; --valve: from which speed on a valve leaves
+    its cam, and how it comes back; --planes: what a plane can say.
     """
     from validation.nvh.engine import presets
     from validation.nvh.held import mounts
@@ -109,7 +110,7 @@ def in_car(
     study = Study(chosen, car, speed, load, shafts, shell)
     if sound is not None and study.cabin is None:
         raise InputError(
-            f"nvh: --sound needs a car whose shell is known; '{car.name}' is not one, give compact or saloon, or --shell"
+            f"nvh: --sound needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or --shell"
         )
     if study.cabin is not None:
         study.cabin.at_feet, study.cabin.at_seat  # noqa: B018  # refuses a table that lacks a place

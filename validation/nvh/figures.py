@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bicycle.output import new_figure
-from mbsd3d.extend import LINE, THIN, dress
+from mbsd3d.extend import LINE, THIN, digits, dress
 from validation.engine_balance import gas, phasor
 from validation.engine_balance.pages.portrait import upright
 from validation.nvh.held.response import Map
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 SHOWN = 5  # orders of a figure
 STACKED, DECADES = 2, 3  # speeds of the map from line to line of a waterfall; what its peaks show
+SMALL = 1e-3  # of the 1x force of a cylinder: less is no force of the engine
 TALL = 5.0  # speeds of the map that its highest peak takes
 
 
@@ -48,7 +49,7 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
             axes.vlines(at[stacked], rpm[stacked], tips[stacked], color=colour, linewidth=LINE, label=name)
             axes.plot(at, tips, color=colour, linewidth=THIN)
         axes.set(xlabel="frequency [Hz]", ylabel="speed [1/min]", xlim=(0.0, 1.05 * end))
-        axes.set_title(f"peaks: {DECADES} decades up to {most:.3g} {unit}", loc="left")
+        axes.set_title(f"peaks: {DECADES} decades up to {digits(most, count=3)} {unit}", loc="left")
         made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
     return made
 
@@ -57,7 +58,8 @@ def on_block(study: Study) -> tuple[np.ndarray, str]:
     """((s, n) size of the engine's forces on its block, unit); of its moments for an engine without forces."""
     parts = (np.linalg.norm(np.abs(study.map.load[:, :, k : k + 3]), axis=2) for k in (0, 3))
     force, moment = (np.where(study.map.orders > 0, part, 0.0) for part in parts)
-    return (force, "N") if force.max() > 1e-3 * study.preset.engine(study.preset.redline).single else (moment, "N m")
+    single = study.preset.engine(study.preset.redline).single
+    return (force, "N") if force.max() > SMALL * single else (moment, "N m")
 
 
 def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
@@ -79,14 +81,17 @@ def order_lines(study: Study, swept: Sweep | None = None) -> "Figure":
 
 
 def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
-    """Over the engine's, order by order: [(s, n) force on the car, (s, n) moment about the crank]; nan without."""
-    at, found = np.array([mount.at for mount in study.placed]), []
-    moment = (np.cross(at, force)[..., 0]).sum(axis=2)
-    parts = (map.load[:, :, :3], force.sum(axis=2)), (map.load[:, :, 3:4], moment[..., None])
-    for given, taken in parts:
-        size, out = (np.linalg.norm(np.abs(part), axis=2) for part in (given, taken))
-        there = (size > 1e-3 * size[:, 1:].max()) & (map.orders > 0)
-        found.append(np.where(there, out / np.where(there, size, 1.0), np.nan))
+    """(s, n) on the car over the engine's, order by order, nan for orders without: [force, or couple for an engine
+    without forces, about y and z; moment about the crank].
+    """
+    at = np.array([mount.at for mount in study.placed])
+    taken = np.concatenate([force.sum(axis=2), np.cross(at, force).sum(axis=2)], axis=2)
+    first = slice(0, 3) if on_block(study)[1] == "N" else slice(4, 6)
+    found = []
+    for part in (first, slice(3, 4)):
+        given, out = (np.linalg.norm(np.abs(both[:, :, part]), axis=2) for both in (map.load, taken))
+        there = (given > 1e-3 * given[:, 1:].max()) & (map.orders > 0)
+        found.append(np.where(there, out / np.where(there, given, 1.0), np.nan))
     return found
 
 
@@ -98,16 +103,14 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
     if swept is not None:
         dots, speeds, size = transmitted(study, swept.map, swept.full), swept.map.rpm, 3
     chosen = largest(handed(study.map.force))
+    titles = "force" if on_block(study)[1] == "N" else "couple", "roll"
     with new_figure(7.5, 3.2) as (made, look):
-        for axes, line, dot, title in zip(
-            made.subplots(1, 2, sharey=True), lines, dots, ("force", "roll"), strict=True
-        ):
+        panels = made.subplots(1, 2, sharey=True)
+        for axes, line, dot, title in zip(panels, lines, dots, titles, strict=True):
             dress(axes, look)
             for number, k in enumerate(chosen):
-                colour = look.colour(number)
-                axes.semilogy(
-                    study.map.rpm, line[:, k], color=colour, linewidth=LINE, label=f"{study.map.orders[k]:g}x"
-                )
+                colour, name = look.colour(number), f"{study.map.orders[k]:g}x"
+                axes.semilogy(study.map.rpm, line[:, k], color=colour, linewidth=LINE, label=name)
                 axes.semilogy(speeds, dot[:, k], "o", color=colour, markersize=size)
             axes.set(xlabel="speed [1/min]")
             axes.set_title(f"{title}: car over engine", loc="left")

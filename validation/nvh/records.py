@@ -1,4 +1,4 @@
-"""Engines and cars as records: those of the data files under a name, and a user's own, a file (.json) with one record."""
+"""Engines and cars as records: those of the data files under a name, and a user's own, a file (.json) with one."""
 
 import json
 from collections.abc import Iterable

@@ -31,8 +31,8 @@ SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
 @dataclass(frozen=True)
 class Sweep:
-    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N], from
-    so many ``cycles``.
+    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N],
+    from so many ``cycles``.
     """
 
     map: Map

@@ -11,6 +11,7 @@ from validation.nvh.study import Study, Sweep
 
 Rows = list[list[str]]
 LEAST = 1e-3  # of the largest: smaller orders are left out
+SMALL = 1e-6  # of the 1x force of a cylinder: smaller forces are those of moments
 HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
 
 
@@ -45,8 +46,8 @@ def on_engine(study: Study) -> list[tuple[str, Rows]]:
 
 
 def loads(study: Study) -> Rows:
-    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank, and of the
-    torque that turns the crank.
+    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank, and of
+    the torque that turns the crank.
     """
     load = study.source.at(study.rpm)
     found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]", "crank [N m]"]]
@@ -124,19 +125,19 @@ def mounts(study: Study) -> Rows:
 def handed_on(study: Study) -> Rows:
     """What the mounts hand on at the study's speed: by order, linear and in the full run."""
     rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
-    here, (size, off) = study.here, study.differences
+    here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
         if size[k] > LEAST * size.max():
-            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > LEAST * engine.max(initial=1.0) else "moment only"
-            forces = figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k])
+            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > SMALL * single else "moment only"
+            forces = figure(engine[k], single), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
 
 
 def sweep(found: Sweep, most: int | None = None) -> Rows:
-    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart; ``most``: rows
-    of a shorter table, the speed where they differ most among them.
+    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart; ``most``:
+    rows of a shorter table, the speed where they differ most among them.
     """
     rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]], found.map.rpm.size
     chosen = np.linspace(0, count - 1, min(most or count, count)).astype(int)

@@ -13,7 +13,7 @@ TERMS, POINTS = 6, 4001  # beam functions each way, rigid ones among them; of th
 def free_plate(ratio: float, poisson: float, count: int) -> np.ndarray:
     """(count,) lowest elastic ``w a^2 sqrt(rho h / D)`` of a plate with sides a and a / ratio.
 
-    Of V = int w_ss^2 + r^4 w_tt^2 + 2 nu r^2 w_ss w_tt + 2 (1 - nu) r^2 w_st^2 over T = int w^2, s = x / a, t = r y / a.
+    ``int w_ss^2 + r^4 w_tt^2 + 2 nu r^2 w_ss w_tt + 2 (1 - nu) r^2 w_st^2`` over ``int w^2``, s = x / a, t = r y / a.
     """
     s = np.linspace(0.0, 1.0, POINTS)
     roots = bending_roots(TERMS - 2)

@@ -1,6 +1,7 @@
 """The shell of a car as a uniform thin plate with free edges, by Ritz with Legendre polynomials.
 
-    w = sum a_ij P_i(2 x / L) P_j(2 y / B),   strain energy  D/2 int w_xx^2 + w_yy^2 + 2 nu w_xx w_yy + 2 (1 - nu) w_xy^2
+    w = sum a_ij P_i(2 x / L) P_j(2 y / B),
+    strain energy  D/2 int w_xx^2 + w_yy^2 + 2 nu w_xx w_yy + 2 (1 - nu) w_xy^2
 
 The polynomials meet the free edges in the limit; with 12 each way the first ten frequencies hold seven digits. Surge,
 sway and yaw are those of a rigid body. A place above the plate moves with its normal.

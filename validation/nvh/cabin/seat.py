@@ -28,8 +28,8 @@ OF_BEAM = ("mass", "roll_inertia", "length", "bending", "lateral", "torsion", "d
 
 @dataclass(frozen=True)
 class Cabin:
-    """A car around a powertrain on mounts: ``car``, known by its shell; ``held``; ``made_of``: "beam", "plate", or a file
-    with a table of modes. ValueError for a car or a shell that is not known.
+    """A car around a powertrain on mounts: ``car``, known by its shell; ``held``; ``made_of``: "beam", "plate", or a
+    file with a table of modes. ValueError for a car or a shell that is not known.
     """
 
     car: Car

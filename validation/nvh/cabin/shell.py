@@ -4,8 +4,9 @@ With the shapes phi_r of unit modal mass the shell moves at rate w under forces 
 
     u = H(w) f,   H = sum_r phi_r phi_r' / (w_r^2 - w^2 + 2 i z w_r w)
 
-Modes come from a table (`table.read_modes`), a plate (`plate.plate_shell`) or a beam: `beam_shell` makes the modes of a uniform beam with free ends by finite elements: bending up and sideways (cubic),
-torsion and surge, the six motions as a rigid body among them.
+Modes come from a table (`table.read_modes`), a plate (`plate.plate_shell`) or a beam: `beam_shell` makes those of a
+uniform beam with free ends by finite elements: bending up and sideways (cubic), torsion and surge, the six motions as a
+rigid body among them.
 """
 
 from collections.abc import Callable, Sequence
@@ -51,7 +52,7 @@ class Modes:
 
 
 class ModalShell(Modes):
-    """Modes whose shapes are known everywhere: places (p, 3) -> (p, 3), x ahead, y left, z up from the centre of mass."""
+    """Modes with shapes known everywhere: places (p, 3) -> (p, 3), x ahead, y left, z up from the centre of mass."""
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """(r, 3 p) shapes at places (p, 3) [m]."""

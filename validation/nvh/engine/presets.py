@@ -24,8 +24,8 @@ from validation.engine_balance.layouts import names as layout_names
 from validation.nvh.records import Record, data, fields, is_file, positive, record, triple
 
 POSITIVE = (
-    "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass", "throw_mass",
-    "flywheel", "main_diameter", "main_width", "roller_rating",
+    "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass",
+    "throw_mass", "flywheel", "main_diameter", "main_width", "roller_rating",
 )  # fmt: skip
 OWN = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
 FRACTION, TWO_MASSES = 0.28, 1.0965
