@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bicycle.output import new_figure
-from mbsd3d.extend import LINE, THIN, digits, dress
+from mbsd3d.extend import LINE, THIN, dress
 from validation.engine_balance import gas, phasor
 from validation.engine_balance.pages.portrait import upright
 from validation.nvh.held.response import Map
@@ -49,7 +49,9 @@ def waterfall(study: Study, size: np.ndarray, unit: str) -> "Figure":
             axes.vlines(at[stacked], rpm[stacked], tips[stacked], color=colour, linewidth=LINE, label=name)
             axes.plot(at, tips, color=colour, linewidth=THIN)
         axes.set(xlabel="frequency [Hz]", ylabel="speed [1/min]", xlim=(0.0, 1.05 * end))
-        axes.set_title(f"peaks: {DECADES} decades up to {digits(most, count=3)} {unit}", loc="left")
+        axes.set_title(
+            f"peaks: {DECADES} decades up to {f'{most:.0f}' if most >= 100 else f'{most:.3g}'} {unit}", loc="left"
+        )
         made.legend(frameon=False, labelcolor=look.ink, ncols=SHOWN, loc="outside lower right")
     return made
 
@@ -90,7 +92,8 @@ def transmitted(study: Study, map: Map, force: np.ndarray) -> list[np.ndarray]:
     found = []
     for part in (first, slice(3, 4)):
         given, out = (np.linalg.norm(np.abs(both[:, :, part]), axis=2) for both in (map.load, taken))
-        there = (given > 1e-3 * given[:, 1:].max()) & (map.orders > 0)
+        least = 1e-3 * np.linalg.norm(np.abs(map.load[:, 1:, 3:]), axis=2).max() if part.start else SMALL * given.max()
+        there = (given > least) & (map.orders > 0)
         found.append(np.where(there, out / np.where(there, given, 1.0), np.nan))
     return found
 
@@ -104,9 +107,10 @@ def transmissibility(study: Study, swept: Sweep | None = None) -> "Figure":
         dots, speeds, size = transmitted(study, swept.map, swept.full), swept.map.rpm, 3
     chosen = largest(handed(study.map.force))
     titles = "force" if on_block(study)[1] == "N" else "couple", "roll"
+    there = [part for part in zip(titles, lines, dots, strict=True) if np.isfinite(part[1][:, chosen]).any()]
     with new_figure(7.5, 3.2) as (made, look):
-        panels = made.subplots(1, 2, sharey=True)
-        for axes, line, dot, title in zip(panels, lines, dots, titles, strict=True):
+        panels = made.subplots(1, len(there), sharey=True, squeeze=False)[0]
+        for axes, (title, line, dot) in zip(panels, there, strict=True):
             dress(axes, look)
             for number, k in enumerate(chosen):
                 colour, name = look.colour(number), f"{study.map.orders[k]:g}x"
