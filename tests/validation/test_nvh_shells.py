@@ -5,6 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from validation import theory
+from validation.nvh.cabin.checks import held_in
 from validation.nvh.cabin.plate import RIGID, plate_modes, plate_shell
 from validation.nvh.cabin.seat import Cabin
 from validation.nvh.cabin.table import HEADER, SEAT, read_modes, write_modes
@@ -12,16 +13,9 @@ from validation.nvh.cli import nvh
 from validation.nvh.engine import presets
 from validation.nvh.engine.loads import Source
 from validation.nvh.held import mounts
-from validation.nvh.held.powertrain import equivalent
-from validation.nvh.held.response import OnMounts
 
 SQUARE = (13.489, 19.789, 24.432, 35.024, 35.024, 61.526, 61.526)
 """w a^2 sqrt(rho h / D), nu = 0.3: A. W. Leissa, The free vibration of rectangular plates, J. Sound Vib. 31 (1973)."""
-
-
-def held_in(car: str, engine: str) -> OnMounts:
-    body = equivalent(presets.preset(engine))
-    return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
 
 
 def test_products_of_beam_functions_give_the_published_frequencies():
