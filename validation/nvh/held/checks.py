@@ -1,6 +1,7 @@
 """Powertrains so simple that theory knows their small motions; the general model must find the same.
 
-Each returns quantity -> (computed, exact), or with a limit of their difference; what is exact comes from `validation.theory`, fed with numbers alone.
+Each returns quantity -> (computed, exact), or with a limit of their difference; what is exact comes from
+`validation.theory`, fed with numbers alone.
 """
 
 from typing import Any
