@@ -13,7 +13,7 @@ _MODULES = {
     "stability": "linear.stability", "sensitivity": "linear.sensitivity", "why": "linear.why",
     "frequency": "linear.frequency", "ride": "rides.ride", "circles": "turns.circles", "compare": "pages.compare",
     "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "linear.rider", "assist": "linear.assist",
-    "course": "rides.course",
+    "course": "rides.course", "handling": "linear.handling",
 }  # fmt: skip
 _HOME = {
     "Meijaard2007": "parameters",

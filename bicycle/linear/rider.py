@@ -117,20 +117,21 @@ def gains_of(
 
 
 def peaked(parameters: Parameters, speed: float, inner: list[float], brackets: tuple[float, float]) -> float:
-    """The largest gain of the next loop with which its peak does not exceed the rule's."""
-    count = len(inner) + 1
+    """The largest gain k of the next loop with which k G/(1 + k G) does not exceed the rule's peak."""
+    count = len(inner)
+    plant = closed_loops(parameters, speed, Gains(*inner, *[0.0] * (5 - count)), count)
+    G = plant.response(np.append(FREQUENCIES, LEVEL[count]))[:, SEEN[count]]
 
     def excess(gain: float) -> float:
-        system = closed_loops(parameters, speed, Gains(*inner, gain, *[0.0] * (5 - count)), count)
-        high, low = (np.abs(system.response(w)[:, SEEN[count - 1]]).max() for w in (FREQUENCIES, LEVEL[count - 1]))
-        return 20.0 * np.log10(high / low) - PEAK
+        closed = np.abs(gain * G / (1.0 + gain * G))
+        return float(20.0 * np.log10(closed[:-1].max() / closed[-1]) - PEAK)
 
     tried = np.geomspace(*brackets, 80)
     values = np.array([excess(gain) for gain in tried])
     crossed = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if not crossed.size:
         raise InputError(
-            f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count - 1]} loop makes a peak of "
+            f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count]} loop makes a peak of "
             f"{PEAK:g} dB; give this gain"
         )
     return float(brentq(excess, tried[crossed[-1]], tried[crossed[-1] + 1], xtol=1e-14))
