@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 COURSE_NAMES = ("lane-change", "slalom")
 ASSIST = (0.0, -5.0, -10.0, -25.0, -50.0)
+ASSISTED = np.linspace(0.1, 15.0, 150)
+"""[m/s] Between two of which a limit of assist is sought."""
 SLOWEST, FASTEST, COUNT = 2.0, 12.0, 41
 """[m/s] Of handling quality over the speed."""
 
@@ -45,7 +47,7 @@ def rider(
     handling and course. Next: mbsd3d bicycle ride
     """
     from ..linear import handling
-    from ..linear.assist import roll_rate, stable_ranges
+    from ..linear.assist import into_the_fall, regulator, roll_rate, stable_ranges
     from ..linear.rider import LOOPS, Gains, eigenvalues, factors, gains_of
     from ..rides.course import COURSES, figure, run
 
@@ -55,9 +57,12 @@ def rider(
         click.echo(f"{name:18} {given[count - 1]:10.5g}  {factors(eigenvalues(parameters, speed, given, count))}")
     over = handling.study(parameters, np.linspace(SLOWEST, FASTEST, COUNT))
     click.echo(f"{over}\n  with these gains at {speed:g} m/s: {quality(parameters, speed, given)}")
-    for k in ASSIST:
-        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, roll_rate(k))]
-        click.echo(f"roll-rate feedback {k:4g} N m s/rad: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
+    laws = {f"roll-rate feedback {k:4g} N m s/rad": roll_rate(k) for k in ASSIST}
+    laws |= {"steer into the fall, -20 N m/rad, -10 N m s/rad": into_the_fall(-20.0, -10.0)}
+    laws["linear-quadratic regulator"] = regulator(parameters)
+    for name, law in laws.items():
+        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, law, ASSISTED)]
+        click.echo(f"{name}: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
     found = run(parameters, COURSES[course], speed=speed, gains=given, t_end=t_end, **fittings)
     click.echo(str(found))
     rated = folder / f"handling_{parameters.name}"

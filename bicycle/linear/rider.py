@@ -71,8 +71,8 @@ def open_loop(parameters: Parameters, speed: float) -> Loop:
 def closed_loops(parameters: Parameters, speed: float, gains: Gains, count: int = 5) -> Loop:
     """From the command of the outermost of ``count`` closed loops to the states; no loop is `open_loop`."""
     A, B = open_loop(parameters, speed)
-    for k, seen in zip(gains[:count], SEEN, strict=False):
-        B = B * k
+    for k, seen, name in zip(gains[:count], SEEN, LOOPS, strict=False):
+        B = B * number(k, f"rider: gain of the {name} loop")
         A[:, seen] -= B
     return Loop(A, B)
 
@@ -109,7 +109,7 @@ def gains_of(
     """
     found: list[float] = []
     for given, brackets in ((steer, (1.0, 5e3)), (roll_rate, (-1e-3, -1.0))):
-        found.append(peaked(parameters, speed, found, brackets) if given is None else number(given, "rider: gain"))
+        found.append(peaked(parameters, speed, found, brackets) if given is None else given)
     for frequency in CROSSOVER:
         plant = closed_loops(parameters, speed, Gains(*found, *[0.0] * (5 - len(found))), len(found))
         found.append(float(1.0 / np.abs(plant.response(frequency)[0, SEEN[len(found)]])))
