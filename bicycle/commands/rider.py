@@ -11,8 +11,8 @@ from mbsd3d.extend import ready_folder
 from . import bicycle_argument, dark_option, out_option, report, saved, tyre_options
 
 if TYPE_CHECKING:
-    from ..linear.rider import Gains
     from ..parameters import Parameters
+    from ..riders.rider import Gains
 
 COURSE_NAMES = ("lane-change", "slalom")
 ASSIST = (0.0, -5.0, -10.0, -25.0, -50.0)
@@ -46,9 +46,9 @@ def rider(
     assist) are those of ideal wheels; with --tyres the course is ridden on tyres. Writes figures and tables (.csv) of
     handling and course. Next: mbsd3d bicycle ride
     """
-    from ..linear import handling
-    from ..linear.assist import into_the_fall, regulator, roll_rate, stable_ranges
-    from ..linear.rider import LOOPS, Gains, eigenvalues, factors, gains_of
+    from ..riders import handling
+    from ..riders.assist import into_the_fall, regulator, roll_rate, stable_ranges
+    from ..riders.rider import LOOPS, Gains, eigenvalues, factors, gains_of
     from ..rides.course import COURSES, figure, run
 
     folder = ready_folder(out)
@@ -75,7 +75,7 @@ def rider(
 
 def quality(parameters: "Parameters", speed: float, gains: "Gains") -> str:
     """The peak of the metric as text, or why there is none."""
-    from ..linear.handling import peak
+    from ..riders.handling import peak
 
     try:
         return "{:.4g} at {:.4g} rad/s".format(*peak(parameters, speed, gains))

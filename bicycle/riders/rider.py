@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
+from ..linear.equations import canonical
 from ..parameters import Parameters
-from .equations import canonical
 
 STATES = ("lean", "steer", "lean rate", "steer rate", "heading", "deviation", "torque", "torque rate")
 LOOPS = ("steer angle", "roll rate", "roll", "heading", "lateral deviation")

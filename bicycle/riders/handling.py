@@ -18,9 +18,9 @@ from scipy.optimize import minimize_scalar
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, dress
 
+from ..linear.equations import checked_speeds
 from ..output import collected, new_figure, write_table
 from ..parameters import Parameters
-from .equations import checked_speeds
 from .rider import Gains, closed_loops, eigenvalues, gains_of
 
 if TYPE_CHECKING:
