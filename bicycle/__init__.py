@@ -1,7 +1,8 @@
 """Bicycles: models, stability and manoeuvres, on the public interface of `mbsd3d`.
 
 From the ground up: `parameters` - `model` (the mechanism) - `linear` (small motions and their studies) - `riders` -
-`rides` and `turns` (nonlinear) - `pages` (figures and pages) - `commands`. The public modules, listed here, load on first use.
+`rides` and `turns` (nonlinear) - `pages` (figures and pages) - `commands`. The public modules, listed here, load on
+first use.
 """
 
 from importlib import import_module
