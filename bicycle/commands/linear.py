@@ -1,6 +1,7 @@
 """Commands on small motions about a straight run: sensitivity, why, frequency, compare."""
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
 
-from . import bicycle_argument, dark_option, out_option, report, saved, unphysical_option
+from . import bicycle_argument, dark_option, out_option, report, saved, tyre_options, unphysical_option
 
 if TYPE_CHECKING:
     from ..linear.general import Build
@@ -175,26 +176,32 @@ def why(parameters: "Parameters", closed_form: bool, dark: bool, out: str) -> No
 @click.option("--from", "low", type=float, default=0.1, show_default=True, help="Lowest frequency [rad/s].")
 @click.option("--to", "high", type=float, default=100.0, show_default=True, help="Highest frequency [rad/s].")
 @click.option("--count", type=click.IntRange(2, 100_000), default=301, show_default=True, help="Number of frequencies.")
+@tyre_options
 @dark_option
 @out_option
 def frequency(
-    parameters: "Parameters", speeds: tuple[float, ...], low: float, high: float, count: int, dark: bool, out: str
-) -> None:
+    parameters: "Parameters", speeds: tuple[float, ...], low: float, high: float, count: int, fittings: dict[str, Any],
+    dark: bool, out: str,
+) -> None:  # fmt: skip
     """Bode plot: lean and steer in response to lean and steer torque.
 
     From the general model at each speed. Writes a figure and a table (.csv). Dashed: the bicycle falls at this speed
-    if nobody steers. Next: mbsd3d bicycle ride
+    if nobody steers. On tyres, thin lines are those of ideal wheels. Next: mbsd3d bicycle ride
     """
     from ..linear.frequency import plot_response, response
+    from ..model.mechanism import whipple
 
     if not 0.0 < low < high < np.inf:
         raise Failure(f"--from {low:g} --to {high:g}: give frequencies in rad/s with 0 < from < to")
     folder = ready_folder(out)
-    found = response(parameters, speeds or (3.0, 5.0, 8.0), np.geomspace(low, high, count))
+    omega, speeds = np.geomspace(low, high, count), speeds or (3.0, 5.0, 8.0)
+    found = response(parameters, speeds, omega, **fittings)
+    ideal = partial(whipple, steer_damping=fittings.get("steer_damping", 0.0))
+    beside = response(parameters, speeds, omega, ideal) if fittings else None
     for v, growth in zip(found.speeds, found.growth, strict=True):
         click.echo(f"{v:g} m/s: {'falls' if growth > 0.0 else 'self-stable'}, growth {growth:.6g} 1/s")
-    target = folder / f"frequency_{parameters.name}"
-    report(*saved(plot_response(found, dark=dark), target), found.to_csv(target))
+    target = folder / f"frequency_{parameters.name}{'_tyres' * bool(fittings)}"
+    report(*saved(plot_response(found, beside=beside, dark=dark), target), found.to_csv(target))
 
 
 @click.command()

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, compare, critical, frequency, general, named, sensitivity, whipple, why
+from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
 from bicycle.linear.why import CHANGES, two_mass_skate
@@ -499,6 +499,30 @@ def test_a_shaken_handlebar_answers_as_the_frequency_response_says():
     answer = 2j * np.mean(steer * np.exp(-1j * omega * t)) / size
     known = frequency.response(BENCHMARK, speed, [omega]).H[0, 0, 1, 1]
     assert abs(answer - known) < 1e-5 * abs(known)  # what is left of the start, and of amplitude^2
+
+
+def test_frequency_response_on_stiff_tyres_is_that_of_ideal_wheels():
+    """The difference is of first order in 1/C and in the relaxation, and grows with the frequency."""
+    omega = [0.05, 2.0, 30.0]
+    known = frequency.response(BENCHMARK, 4.0, omega).H
+    stiff = {"cornering": 1e6, "camber": 1.0, "relaxation": 1e-5, "stiffness": 1e6}
+    found = frequency.response(BENCHMARK, 4.0, omega, tyres=stiff)
+    assert np.abs(found.H - known).max(axis=(0, 2, 3)) == pytest.approx(0.0, abs=5e-6 * np.abs(known).max())
+    assert len(frequency.plot_response(found, beside=found).axes) == 8
+    for wrong in ({"build": None, "tyres": stiff}, {"steer_damping": 1.0}):
+        with pytest.raises(ValueError, match="ideal wheels; leave out tyres|without tyres; give tyres"):
+            frequency.response(BENCHMARK, 4.0, omega, **wrong)
+
+
+def test_a_shaken_handlebar_on_tyres_answers_as_the_frequency_response_says():
+    """The nonlinear run, with slip, at a frequency between weave and wobble."""
+    speed, omega, size, start = 5.0, 20.0, 1e-3, 21.0  # the weave has decayed by exp(-0.57 * 21) = 6e-6
+    t = start + np.linspace(0.0, 4 * np.pi / omega, 65)[:-1]
+    shake, times = Sine(size, omega / (2 * np.pi)), np.r_[0.0, t]
+    shaken = ride.run(BENCHMARK, t[-1], speed=speed, torque=shake, tyres=TYPICAL, rtol=1e-10, output=times)
+    answer = 2j * np.mean(shaken.steer[1:] * np.exp(-1j * omega * t)) / size
+    known = frequency.response(BENCHMARK, speed, [omega], tyres=TYPICAL).H[0, 0, 1, 1]
+    assert abs(answer - known) < 1e-4 * abs(known)  # what is left of the start, hundred times as large as the answer
 
 
 @pytest.mark.parametrize("frequencies", [[0.0], [-1.0], [np.nan], [], [[1.0]]])
