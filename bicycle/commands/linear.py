@@ -145,23 +145,27 @@ def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str,
 @click.command()
 @bicycle_argument
 @click.option("--closed-form", is_flag=True, help="Do not confirm the ranges by the general model (faster).")
+@tyre_options
 @dark_option
 @out_option
-def why(parameters: "Parameters", closed_form: bool, dark: bool, out: str) -> None:
+def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], dark: bool, out: str) -> None:
     """Why it stays upright: spin, trail, masses taken away or moved, steering locked.
 
     Prints the self-stable ranges [m/s] of each variant and how fast it falls at one speed; writes a figure and a table
-    (.csv). The exit code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
+    (.csv). On tyres also what camber, trail, relaxation and stiffness of the tyres do, beside ideal wheels. The exit
+    code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
     """
     from ..linear.why import ablations, plot_ablations, to_csv
     from ..model.mechanism import whipple
 
     folder = ready_folder(out)
-    found = ablations(parameters, None if closed_form else whipple)
+    if closed_form and fittings:
+        raise Failure("--closed-form: the closed form has ideal wheels; leave out --tyres, --tyre and --head")
+    found = ablations(parameters, None if closed_form else whipple, **fittings)
     if not found.rows:
         raise Failure("interrupted before a variant was finished")
     click.echo(str(found))
-    target = folder / f"why_{parameters.name}"
+    target = folder / f"why_{parameters.name}{'_tyres' * bool(fittings)}"
     report(to_csv(found, target))
     if not found.missing:
         report(*saved(plot_ablations(found, dark=dark), target))

@@ -25,7 +25,7 @@ from mbsd3d.extend import Measure
 
 from ..model.mechanism import outputs
 from ..parameters import Parameters
-from .critical import FASTEST, Range
+from .critical import Range
 
 Build = Callable[..., System]
 """``build(parameters, speed=v)`` returns a bicycle on tyres that runs straight."""
@@ -35,6 +35,8 @@ ROUNDING = 1e-6
 """Of the equations of almost rigid tyres, of 1e6 times their load for a radian and relaxation within 0.01 mm."""
 EXACT = 1e-10
 """How well a third speed must confirm two, relative to the largest entry; rounding leaves 1e-15."""
+FASTEST = 200.0
+"""[m/s] Up to which ranges are sought; one that is still stable there has no end."""
 REAL = 1e-4
 """Imaginary part, relative, of a speed that a pencil finds: a double one is off by the root of rounding."""
 NEAR = 1e-6
@@ -122,15 +124,15 @@ class Affine(NamedTuple):
         return tuple(kept)
 
     def stable(self) -> list[Range]:
-        """Self-stable ranges of all speeds ahead."""
+        """Self-stable ranges of all speeds from 0 to `FASTEST`."""
         edges = [0.0, *(at.speed for at in self.limits(np.array([0.0, FASTEST])))]
         pairs = [Range(low, high) for low, high in zip(edges, [*edges[1:], np.inf], strict=True)]
         return [part for part in pairs if growth(self.A(between(part))) < 0.0]
 
 
 def between(part: Range) -> float:
-    """A speed within a range [m/s]."""
-    return 0.5 * (part.low + part.high) if np.isfinite(part.high) else 2.0 * part.low + 1.0
+    """A speed within a range [m/s], where it is sought."""
+    return 0.5 * (part.low + min(part.high, FASTEST))
 
 
 def growth(A: np.ndarray) -> float:

@@ -22,7 +22,7 @@ from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, page_
 from ..linear import critical, stability
 from ..linear.critical import CriticalSpeeds, critical_speeds
 from ..linear.general import eigenvalues
-from ..linear.why import plot_ranges
+from ..linear.variants import plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, new_figure, write_table
 from ..parameters import Meijaard2007, Parameters, entry_of, find, named, names

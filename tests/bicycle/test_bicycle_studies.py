@@ -1,8 +1,11 @@
 """Studies of bicycles: critical speeds, sensitivity, ablations, frequency response, comparison."""
 
 import doctest
+import json
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from scipy.optimize import brentq
 from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
+from bicycle.linear.tyre_equations import eigenvalues
 from bicycle.linear.why import CHANGES, two_mass_skate
 from bicycle.pages.compare import semi_axes, side_view, write_page
 from bicycle.parameters import SYMBOLS, library, names
@@ -19,6 +23,7 @@ from mbsd3d import Sine, Torque, simulate
 from mbsd3d.cli import main
 
 BENCHMARK = Meijaard2007()
+TYRES = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
 PUBLISHED = library()["critical_speeds"]
 ROUND = replace(BENCHMARK, rR=0.31, tR=0.05, tF=0.03, c=0.055, IHxz=0.011, name="round tyres")
 
@@ -464,6 +469,33 @@ def test_ablations_with_round_tyres_come_from_the_general_model():
     assert all(row.confirmed in (True, None) for row in found.rows) and found.rows[0].model == found.rows[0].ranges
     with pytest.raises(ValueError, match="knife-edge"):
         why.ablations(ROUND, None)
+
+
+def test_ablations_on_tyres(tmp_path):
+    """Ranges that an independent program has, growths of an eigenvalue solver, and ideal wheels beside them."""
+    found = why.ablations(BENCHMARK, tyres=TYPICAL, progress=False)
+    rows = {row.name: row for row in found.rows}
+    assert not any(row.problem for row in found.rows) and found.missing == 0
+    plain, trailing = (TYRES["straight_running"]["rows"][k]["stability_limits"] for k in (0, 3))
+    wanted = {0.02: [at["v"] for at in trailing], 0.0: [at["v"] for at in plain]}
+    assert rows["as built"].ranges[0] == pytest.approx(wanted[0.02], rel=1e-9)
+    assert rows["tyres without pneumatic trail"].ranges[0] == pytest.approx(wanted[0.0], rel=1e-9)
+    ideal = {row.name: row for row in why.ablations(BENCHMARK, None).rows}
+    for name, row in rows.items():
+        if row.ideal and name in ideal:
+            assert critical.difference(row.ideal, ideal[name].ranges) < 1e-9, name
+    heavy = eigenvalues(partial(whipple, tyres=TYPICAL), rows["fork 0.1 m back"].parameters, [found.speed])
+    assert rows["fork 0.1 m back"].growth == pytest.approx(heavy.real.max(), abs=1e-9)
+    assert rows["steering locked"].growth == pytest.approx(
+        ideal["steering locked"].growth, rel=0.02
+    )  # slip helps little
+    assert "ideal wheels: 4.292383 ... 6.024262 m/s" in str(found)
+    assert len(why.plot_ablations(found).axes) == 1
+    assert why.to_csv(found, tmp_path / "why").read_text().splitlines()[1].startswith("as built,4.49779")
+    with pytest.raises(ValueError, match="without tyres; give tyres"):
+        why.ablations(BENCHMARK, head_stiffness=1e3)
+    with pytest.raises(ValueError, match="leave out standing_damping"):
+        why.ablations(BENCHMARK, tyres=TYPICAL | {"standing_damping": 0.1})
 
 
 # --- frequency --------------------------------------------------------------------------------------------------------
