@@ -11,7 +11,17 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
 
-from . import bicycle_argument, dark_option, out_option, report, saved, tyre_options, unphysical_option
+from . import (
+    bicycle_argument,
+    dark_option,
+    fitted,
+    out_option,
+    report,
+    saved,
+    tyre_flags,
+    tyre_options,
+    unphysical_option,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from ..linear.general import Build
@@ -216,12 +226,16 @@ def frequency(
     help="How many, from the first on, get a page that shows their weave in motion (0.8 MB each).",
 )  # fmt: skip
 @unphysical_option
+@tyre_flags
 @out_option
-def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: bool, out: str) -> None:
+def compare(
+    bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: bool, on_tyres: bool, changed: tuple[str, ...],
+    head: tuple[float, ...] | None, out: str,
+) -> None:  # fmt: skip
     """Several bicycles on one page: critical speeds, dimensions, masses, eigenvalues, views.
 
     BICYCLES are names or parameter files (.txt, .yml); none = all published sets. Writes index.html, views and a table
-    (.csv) into the folder compare below --out.
+    (.csv) into the folder compare below --out. With --tyres also what ideal wheels leave out, as a figure.
     """
     from ..pages.compare import AGREES, check_names, chosen, entries, table, to_csv, write_page
     from ..parameters import names
@@ -235,7 +249,8 @@ def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     check_names(wanted)
     for reason in left_out:
         click.echo(f"mbsd3d: left out: {reason}", err=True)
-    found = entries(wanted)
+    grips = [fitted(p, on_tyres, changed, head) for p in wanted] if on_tyres or changed or head else None
+    found = entries(wanted, grips)
     if not found:
         raise Failure("interrupted before a bicycle was finished")
     click.echo(table(found))
@@ -243,6 +258,8 @@ def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     missing = len(wanted) - len(found)
     if not missing:
         report(write_page(folder, found, left_out=left_out, views=views))
+        for x in [x for x in found[: max(views, 1)] if x.fittings]:
+            report(*saved(x.left_out, folder / f"ideal_or_tyres_{x.parameters.name}"))
     end(f"{missing} bicycles" if missing else "", any(x.difference > AGREES for x in found))
 
 

@@ -123,14 +123,14 @@ def plot_ablations(found: Ablations, *, dark: bool = False) -> "Figure":
 
 
 def plot_ranges(
-    rows: Sequence[tuple[str, Sequence[Range]]], title: str, *, beside: Sequence[Sequence[Range] | None] = (),
+    rows: Sequence[tuple[str, Sequence[Range] | None]], title: str, *, beside: Sequence[Sequence[Range] | None] = (),
     dark: bool = False,
 ) -> "Figure":  # fmt: skip
     """Self-stable ranges of several bicycles by name, a bar per range; one that ends far out reaches the edge.
 
-    ``beside`` has ranges of ideal wheels for the same rows, drawn as thin bars below; None = no such bicycle.
+    ``beside`` has ranges of ideal wheels for the same rows, drawn as thin bars below; None = not possible.
     """
-    both = [*(found for _, found in rows), *(found or () for found in beside)]
+    both = [found or () for found in (*(found for _, found in rows), *beside)]
     ends = [v for found in both for part in found for v in part if np.isfinite(v)]
     near = [v for v in ends if v <= FAR * np.median(ends)]
     top, room = ROOM * max(near, default=8.0), 0.42 if beside else 0.3
@@ -155,12 +155,13 @@ def plot_ranges(
     return figure
 
 
-def draw_row(axes: "Axes", k: int, found: Sequence[Range], top: float, look: Theme, *, height: float) -> None:
+def draw_row(axes: "Axes", k: int, found: Sequence[Range] | None, top: float, look: Theme, *, height: float) -> None:
     """The ranges of one bicycle in row k."""
-    for part in found:
+    for part in found or ():
         draw_bar(axes, k, part, top, look, height)
     if not found:
-        axes.text(0.01 * top, k, "at no speed", va="center", fontsize=8.5, color=look.muted)
+        text = "not possible" if found is None else "at no speed"
+        axes.text(0.01 * top, k, text, va="center", fontsize=8.5, color=look.muted)
 
 
 def draw_bar(axes: "Axes", k: int, part: Range, top: float, look: Theme, height: float) -> None:

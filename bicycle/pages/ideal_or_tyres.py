@@ -100,7 +100,7 @@ def draw_steering(axes: "Axes", parameters: Parameters, fittings: Mapping[str, A
 def draw_turns(
     panels: tuple["Axes", "Axes"], parameters: Parameters, fittings: Mapping[str, Any], speed: float, look: Theme
 ) -> None:  # fmt: skip
-    """Steer torque and friction over the lean, with the grip of the tyres as a limit."""
+    """Steer torque and friction over the lean, with a rigid head; a dot where there is no more grip."""
     found: list[list[Turn]] = []
     held_if_possible(parameters, [speed], found, lambda text: None, progress=False)
     on_grip = on_tyres.turns(parameters, fittings["tyres"], speed, LEANS)

@@ -17,7 +17,9 @@ from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
 from bicycle.linear.tyre_equations import eigenvalues
 from bicycle.linear.why import CHANGES, two_mass_skate
-from bicycle.pages.compare import semi_axes, side_view, write_page
+from bicycle.pages import ideal_or_tyres
+from bicycle.pages.compare import write_page
+from bicycle.pages.side_view import semi_axes, side_view
 from bicycle.parameters import SYMBOLS, library, names
 from mbsd3d import Sine, Torque, simulate
 from mbsd3d.cli import main
@@ -622,6 +624,21 @@ def test_views_stand_beside_the_page(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_a_page_shows_what_ideal_wheels_leave_out(tmp_path):
+    """Beside the ranges of ideal wheels; a skate, whose wheels have no inertia, says why it does not run on tyres."""
+    skate = run("compare", "Meijaard2007", "Tms", "--tyre", "trail=0", "--views", 0, "--out", tmp_path)
+    assert skate.exit_code == 0 and "4.292383 ... 6.024262 m/s  4.254140 ... 5.956966 m/s" in skate.output
+    assert "not possible: bicycle 'Tms': IRyy and IFyy = 0: on a tyre a wheel turns freely" in skate.output
+    page = (tmp_path / "compare" / "index.html").read_text()
+    assert "4.254 … 5.957" in page and "What ideal wheels leave out" in page and "not possible" in page
+    first, second = (tmp_path / "compare" / "bicycles.csv").read_text().splitlines()[1:]
+    assert float(first.split(",")[5]) == pytest.approx(4.25414, abs=1e-5) and second.split(",")[5] == "nan"
+    assert (tmp_path / "compare" / "ideal_or_tyres_Meijaard2007.png").stat().st_size > 20_000
+    with pytest.raises(ValueError, match="no tyres to compare"):
+        ideal_or_tyres.figure(BENCHMARK, {})
+
+
 def test_all_published_sets_are_compared():
     found = compare.entries([named(name, unphysical=True) for name in names()])
     assert len(found) == 47 and max(x.difference for x in found) < 1e-8  # the largest belongs to 19 m/s
