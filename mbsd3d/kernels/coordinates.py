@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from .jit import inner_kernel, kernel, merged_kernel
+from .jit import inner_kernel, kernel
 from .kinds import ANGLE, CLEARANCE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, PRESS, TURN, VELOCITY
 from .surfaces import meeting, pressure
 from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
@@ -25,7 +25,7 @@ def arctan2(y, x):
     return angle + (c * y - s * x) / (c * x + s * y)
 
 
-@merged_kernel
+@inner_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
     last = d.coordinate[i]
@@ -33,7 +33,7 @@ def unwrapped(d, i, angle, t):
     return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
 
 
-@merged_kernel
+@inner_kernel
 def turn(m, d, i):
     """(x_a, y_a, x_b, sin, cos, f, g) of angle i with theta_dot = g . (w_b - w_a).
 
@@ -94,7 +94,7 @@ def coordinate(m, d, i, t):
     return slide(m, d, i)
 
 
-@merged_kernel
+@inner_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
@@ -121,7 +121,7 @@ def remember(m, d, t):
     d.unwrap_time[0] = t
 
 
-@merged_kernel
+@inner_kernel
 def of_contact(m, d, p):
     """Clearance or normal force of a contact."""
     f = m.force[p.force]

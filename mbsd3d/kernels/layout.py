@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from .by_reference import by_reference
+
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
 MOST_BODIES = 4  # of a custom force
 
@@ -76,6 +78,7 @@ MEASURE = [
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
 
+@by_reference
 class Model(NamedTuple):
     """A compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
 
@@ -155,6 +158,7 @@ def data_records(dtype: type) -> dict[str, list]:
     }
 
 
+@by_reference
 class Data(NamedTuple):
     """Work space of one evaluation; real or complex."""
 
@@ -169,6 +173,7 @@ class Data(NamedTuple):
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
 
 
+@by_reference
 class Tree(NamedTuple):
     """The saddle point over the rows in use: bodies from the leaves of a spanning tree to its roots, then loops.
 
@@ -215,7 +220,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
             ("C", dtype, 9),
             ("basis", dtype, (6, 6)),  # r directions the rows hold, then 6 - r they leave free
-            ("R", dtype, (6, 6)),  # row j of the joint is sum_i R[j, i] basis_i; the diagonal holds 1 / R_jj
+            ("R", dtype, (6, 6)),  # row j of the joint: basis_j + sum_i R[j, i] basis_i, i < j; R[j, j] = 1 / basis_j^2
             ("u", dtype, (6, 6)),  # inertia times each free direction
             ("inverse", dtype, 6),  # of each pivot
             ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it

@@ -9,14 +9,14 @@ A new primitive is one function here and one line in `rows`.
 import numpy as np
 
 from .coordinates import coordinate, slide_along
-from .jit import inner_kernel, kernel, merged_kernel
+from .jit import inner_kernel, kernel
 from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
 from .signals import signal
 from .surfaces import lowest, lowest_rate
 from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
 
 
-@merged_kernel
+@inner_kernel
 def coincide(d, p, a, b):
     """c = p_b - p_a (3 rows, world components)."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
@@ -39,7 +39,7 @@ def axes_dot(x, y, wx, wy):
     return dot(x, y), cross(x, y), rest
 
 
-@merged_kernel
+@inner_kernel
 def axis_dot(row, p, a, b):
     """c = x_a . y_b."""
     c, n, rest = axes_dot(arm(a, p.axis[0]), arm(b, p.axis[1]), vec(a.w), vec(b.w))
@@ -50,7 +50,7 @@ def axis_dot(row, p, a, b):
     put6(row.J[1], zero, scale(-1.0, n))
 
 
-@merged_kernel
+@inner_kernel
 def axis_dot_difference(row, p, a, b):
     """c = x_a . y_b - y_a . x_b: no relative rotation about the bisector of the shafts (constant velocity)."""
     c1, n1, rest1 = axes_dot(arm(a, p.axis[0]), arm(b, p.second_axis[1]), vec(a.w), vec(b.w))
@@ -63,7 +63,7 @@ def axis_dot_difference(row, p, a, b):
     put6(row.J[1], zero, scale(-1.0, n))
 
 
-@merged_kernel
+@inner_kernel
 def in_plane(row, p, a, b):
     """c = n_a . (p_b - p_a)."""
     value, rest, la, ta, lb, tb = slide_along(a, b, arm(a, p.axis[0]), arm(a, p.point[0]), arm(b, p.point[1]))
@@ -73,7 +73,7 @@ def in_plane(row, p, a, b):
     put6(row.J[1], lb, tb)
 
 
-@merged_kernel
+@inner_kernel
 def distance(row, p, a, b):
     """c = |p_b - p_a| - L."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
@@ -89,7 +89,7 @@ def distance(row, p, a, b):
     put6(row.J[1], n, cross(sb, n))
 
 
-@merged_kernel
+@inner_kernel
 def ratio(m, d, row, p, t):
     """c = v0 x0 + v1 x1 for hinge coordinates x0 (slots 0, 1) and x1 (slots 2, 3): gear, screw, rack, driver."""
     row.c = 0.0
@@ -104,7 +104,7 @@ def ratio(m, d, row, p, t):
             put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
 
 
-@merged_kernel
+@inner_kernel
 def mesh(m, d, row, p, t):
     """Teeth of two gears on one carrier: c = sum_i of v_i theta_i + n_i . gap_i + (x_i - s_i n_i) . u_i.
 
@@ -133,7 +133,7 @@ def mesh(m, d, row, p, t):
         add6(row.J[g], sub(lb, scale(y, lbs)), sub(sub(tb, scale(y, tbs)), moment))
 
 
-@merged_kernel
+@inner_kernel
 def turn_rate(row, p, a, b):
     """J v = x_a . (w_b - w_a): a prescribed relative speed about an axis of a; no residual."""
     x = arm(a, p.axis[0])
@@ -156,7 +156,7 @@ def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
     put6(row.J[1], n, cross(arm_b, n))
 
 
-@merged_kernel
+@inner_kernel
 def no_sideslip(row, p, a, b):
     """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
     n, s = arm(b, p.axis[1]), arm(b, p.point[1])
@@ -166,7 +166,7 @@ def no_sideslip(row, p, a, b):
     contact_row(row, a, b, n, cross(vec(b.w), n), s, reach, turning(vec(b.w), s), reach_dot)
 
 
-@merged_kernel
+@inner_kernel
 def roll(d, p, a, b):
     """A surface of body b on the plane (P, n) of body a: half axes value[0:3] along axis, second_axis and their cross
     product, thickened by value[3]; see `surfaces`.
@@ -190,7 +190,7 @@ def roll(d, p, a, b):
     contact_row(d.row[p.row + 2], a, b, across, cross(wa, across), arm_b, arm_a, bias_b, arm_a_dot)
 
 
-@merged_kernel
+@inner_kernel
 def prescribe(m, row, p, t):
     """Subtract the signal of a driven primitive: motion (c, b = f', gamma = f'') or speed (b = f, gamma = f')."""
     f, f_dot, f_ddot = signal(m, p.signal, t)
@@ -217,7 +217,7 @@ def row_speed(m, d, k):
     return total
 
 
-@merged_kernel
+@inner_kernel
 def fill(m, d, p, t):
     """Rows of one primitive."""
     row, a, b = d.row[p.row], d.body[p.body[0]], d.body[p.body[1]]

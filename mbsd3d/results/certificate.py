@@ -20,7 +20,7 @@ from .run_samples import RunSamples
 
 USEFUL = 1e-2  # model lengths or radians: a motion further off than a hundredth is of no use, whatever was asked for
 ADDED = 1e3  # times rtol is what local errors may add up to over a run
-PASSED, LET_GO = 1e-4, 1e-6  # pivot of a singular position; how far accelerations there may miss the rows let go
+PASSED, MAY_MISS = 1e-4, 1e-6  # pivot of a singular position; how far accelerations there may miss the rows let go
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
 
@@ -273,7 +273,7 @@ def equation_checks(solution: RunSamples) -> list[Check]:
         if solution.record.switches.stabilisation == "baumgarte":  # it corrects accelerations by what the joints gape
             tolerance = max(tolerance, drift_limit(solution.record))
         if solution.record.nearest < PASSED:
-            tolerance = max(tolerance, LET_GO)
+            tolerance = max(tolerance, MAY_MISS)
         limit = max(tolerance, min(rounding_of_turning(solution, scale), 1e-5))
         checks.append(Check("acceleration rows", error, limit, "accelerations tear the joints apart"))
     return checks
