@@ -22,6 +22,7 @@ from validation.nvh.road.vehicle import Corner, Vehicle
 FINE = 16  # samples of the shortest wave of the road
 SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
 RTOL = 1e-8
+PIECE = 1000  # times that are summed at once
 
 
 @dataclass(frozen=True)
@@ -79,12 +80,16 @@ class Ride:
         count = int(np.ceil(period / step))
         step, before = period / count, int(np.ceil(SETTLE / period * count))
         times = step * np.arange(before + count + 1)
-        turn, loads = np.exp(1j * np.outer(times, self.rates)), []
-        for corner in self.vehicle.corners:
-            phasors = (corner.tyre + 1j * self.rates * corner.tyre_damping) * self.under(corner)
-            loads.append((corner.name, Table(times, (turn @ phasors).real)))
-        system = self.vehicle.system(loads)
+        corners = self.vehicle.corners
+        phasors = [(x.tyre + 1j * self.rates * x.tyre_damping) * self.under(x) for x in corners]
+        loads = self.over_time(times, np.column_stack(phasors)).T
+        system = self.vehicle.system([(x.name, Table(times, load)) for x, load in zip(corners, loads, strict=True)])
         return simulate(system, float(times[-1]), output=times[before:], rtol=RTOL)
+
+    def over_time(self, times: np.ndarray, phasors: np.ndarray) -> np.ndarray:
+        """(n, m) sums of waves of phasors (k, m); in pieces, between which Ctrl-C is answered."""
+        pieces = np.array_split(times, len(times) // PIECE + 1)
+        return np.concatenate([(np.exp(1j * np.outer(piece, self.rates)) @ phasors).real for piece in pieces])
 
     @cached_property
     def run_seat(self) -> np.ndarray:
