@@ -57,6 +57,11 @@ def parts():
     yield m.ConstantVelocity, pair | here | {"axis_a": (0, 1, 0), "axis_b": (0, 1, 0.3)} | name
     yield m.Perpendicular, pair | {"axis_a": (0, 1, 0), "axis_b": (0, 0, 1)} | name
     yield m.Distance, pair | {"at_a": (0, 0, 0), "at_b": (0, 0, 1), "length": 1.0} | name
+    turn = 2 * pi * np.arange(40) / 40
+    oval = np.column_stack([0.4 * np.cos(turn), 0.3 * np.sin(turn), 0 * turn])
+    yield m.CurveContact, pair | here | {"curve": oval, "closed": True} | name
+    yield m.CurveContact, pair | here | {"curve": oval, "pin": (0, 0, 1), "radius": 0.02, "closed": True} | name
+    yield m.CurveContact, pair | here | {"curve": oval, "face": (0, 1, 0), "closed": True} | name
     yield m.Gear, {"hinge_a": HINGE, "hinge_b": m.Revolute(GROUND, BLOCK, **here, **along), "ratio": 2.0} | name
     yield m.GearMesh, {
         "hinge_a": HINGE, "hinge_b": m.Revolute(GROUND, BLOCK, at=(1, 0, 0), axis=(0, 1, 0)), "at": (0.4, 0, 0),

@@ -18,7 +18,7 @@ from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
 if TYPE_CHECKING:
     from ..api.solution import Solution
     from ..api.system import System
-    from ..view.page.live import LiveView
+    from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
 
@@ -154,8 +154,8 @@ def can_view(needed: bool = False) -> bool:
     return True
 
 
-def watch(view: "LiveView") -> None:
-    """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
+def watch(view: "Served") -> None:
+    """Print the address of what is served, open a browser if possible, and wait for Ctrl-C."""
     if Heartbeat.on is not None:
         Heartbeat.on.end()
     with view:

@@ -1,6 +1,6 @@
 """Bodies and the joints of a spanning tree eliminated from the leaves to the roots, by what each joint leaves free.
 
-Rows of a link (all in the scaled metric of `Model.length`): J_c = R Z_r', with r orthonormal directions Z_r, and the
+Rows of a link (all in the scaled metric of `Model.length`): J_c = R Z_r', with r orthogonal directions Z_r, and the
 others N = Z_f that the rows leave free. A body moves as its parent does, a = X a_p + y + N x, with Z_r'y from the right
 side of the rows, and its equation I a + J_c' lam + G' mu = p, G the loop rows it feels, loses lam along N:
 
@@ -146,9 +146,8 @@ def prescribed(d, s, link):
         total = d.row[s.joint[link.joint + j].row].bottom
         for i in range(j):
             total -= link.R[j, i] * link.e[i]
-        total *= link.R[j, j]
         link.e[j] = total
-        y = along6(y, total, pair(link.basis[j]))
+        y = along6(y, total * link.R[j, j], pair(link.basis[j]))
     return y
 
 
@@ -229,7 +228,7 @@ def move_links(m, d, s):
         if link.rows > 0:
             f = along6(p, -1.0, times(mat(link.A), mat(link.B), mat(link.C), a))
             for j in range(link.rows - 1, -1, -1):
-                total = dot6(pair(link.basis[j]), f)
+                total = dot6(pair(link.basis[j]), f) * link.R[j, j]
                 for k in range(j + 1, link.rows):
                     total -= link.R[k, j] * d.row[s.joint[link.joint + k].row].lam
-                d.row[s.joint[link.joint + j].row].lam = total * link.R[j, j]
+                d.row[s.joint[link.joint + j].row].lam = total

@@ -11,7 +11,7 @@ from browser import visit
 from test_files import LOWER_ARM, pendulum
 
 from mbsd3d import Body, System, simulate
-from mbsd3d.view.page import html, live
+from mbsd3d.view.page import html, live, served
 from mbsd3d.view.page.live import LiveView, mixed, place
 
 NODE = "window.__viserMutable.nodePoseData['/bodies/1']"
@@ -98,8 +98,8 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(html.sys, "platform", "linux")
-    monkeypatch.setattr(live.webbrowser, "get", lambda: None)
-    monkeypatch.setattr(live.webbrowser, "open", lambda url: False)
+    monkeypatch.setattr(served.webbrowser, "get", lambda: None)
+    monkeypatch.setattr(served.webbrowser, "open", lambda url: False)
     with pytest.raises(ValueError, match=re.escape(f"no browser was found on this machine; open {view.url} in one")):
         view.open()
 
@@ -107,7 +107,7 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
 def test_a_missing_package_is_named(solution, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "viser", None)
     with pytest.raises(
-        ValueError, match=r"a live view needs the package viser; install it: pip install 'mbsd3d\[view\]'"
+        ValueError, match=r"a live view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.\*'"
     ):
         solution.animate(live=True)
 
