@@ -20,13 +20,11 @@ from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 
 PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
-FADING = (
-    4.0  # [rad/s] of the front wheel below which the brake lets go: it is set 60 times a second, and must not turn back
-)
+FADING = 1.0  # [m/s] below which the brake lets go: it is set 60 times a second, and must not turn anything back
 ASSIST = 50.0  # [N m s/rad]
 TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
 LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
-SPEEDS = np.linspace(0.0, 15.0, 151)  # [m/s] between which the stable range is sought
+SPEEDS = np.linspace(0.0, 15.0, 301)  # [m/s] between which the stable range is sought
 BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
 STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
 Key = tuple[Parameters, float]  # a bicycle and its assist
@@ -108,8 +106,9 @@ class Riding:
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Torques; the brake holds against the rolling wheel."""
-        brake = values["brake"] * float(np.clip(measured[FRONT] / FADING, -1.0, 1.0))
+        """Torques; the brake lets go of a wheel that stands, as ABS does, and of a bicycle that stands."""
+        *_, front, x, y = measured
+        brake = values["brake"] * min(float(np.hypot(x, y)) / FADING, 1.0) * (front > 0.0)
         return {"steer torque": values["steer torque"], "pedal": values["pedal"], "brake": brake}
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
@@ -174,9 +173,8 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     ]
     for control in made:
         if not control.low <= control.value <= control.high:
-            raise InputError(
-                f"play: {control.name} = {control.value:g} is not within {control.low:g} ... {control.high:g}"
-            )
+            span = f"{control.low:g} ... {control.high:g} {control.unit}"
+            raise InputError(f"play: {control.name} = {control.value:g} is not within {span}")
     return made
 
 
@@ -194,9 +192,6 @@ def with_assist(system: Bicycle, gain: float) -> Bicycle:
     seen = [measures.lean_rate(system.part("frame"))]
     feedback = StateFeedback(measures=seen, gains=[-gain], on=system.part("steer", "joints"), name="assist")
     return replace(system, forces=[*system.forces, feedback])
-
-
-FRONT = 4  # place of the rate of the front hub in:
 
 
 def measures_of(system: Bicycle) -> list[Measure]:
