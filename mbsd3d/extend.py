@@ -72,3 +72,8 @@ def __getattr__(name: str) -> object:
         )
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    """Public names alone."""
+    return sorted(__all__)

@@ -11,7 +11,7 @@ from mbsd3d import Input, State, StateFeedback, measures
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Built, Control, Measure, Panel, Play, Seen, number, play_model
 
-from ..linear.on_tyres import coefficients
+from ..linear.tyre_equations import Affine, SpeedBySpeed, equations
 from ..model.mechanism import Bicycle
 from ..model.tyres import TYPICAL
 from ..parameters import Parameters
@@ -135,15 +135,15 @@ class Riding:
     def linearise(self, key: Key) -> None:
         """Find the small motions of a bicycle with an assist."""
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
-        self.straight = Straight(key, *coefficients(build, key[0]))
+        self.straight = Straight(key, equations(build, key[0]))
 
 
 class Straight:
-    """Small motions about straight running at all speeds: A(v) = A_0 + v A_1."""
+    """Small motions about straight running at all speeds."""
 
-    def __init__(self, key: Key, zeroth: np.ndarray, first: np.ndarray) -> None:
-        self.key, self.zeroth, self.first = key, zeroth, first
-        growth = np.linalg.eigvals(zeroth + SPEEDS[:, None, None] * first).real.max(axis=1)
+    def __init__(self, key: Key, equations: Affine | SpeedBySpeed) -> None:
+        self.key, self.equations = key, equations
+        growth = np.array([np.linalg.eigvals(equations.A(v)).real.max() for v in SPEEDS.tolist()])
         turns = np.flatnonzero(np.diff(np.signbit(growth)))
         shares = growth[turns] / (growth[turns] - growth[turns + 1])
         edges = [SPEEDS[0], *(SPEEDS[turns] + shares * np.diff(SPEEDS)[turns]), SPEEDS[-1]]
@@ -152,7 +152,7 @@ class Straight:
 
     def growth(self, speed: float) -> list[float]:
         """Fastest [1/s] of the motions that oscillate and of those that do not; NaN where there are none."""
-        values = np.linalg.eigvals(self.zeroth + speed * self.first)
+        values = np.linalg.eigvals(self.equations.A(speed))
         waves = np.abs(values.imag) > STILL
         return [float(values.real[some].max()) if some.any() else np.nan for some in (waves, ~waves)]
 

@@ -71,12 +71,19 @@ def matrix(e: ArrayLike) -> np.ndarray:
     aa, xx, yy, zz = a * a, x * x, y * y, z * z
     square = aa + xx + yy + zz
     _check_nonzero(square)
-    R = np.array([
-        [aa + xx - yy - zz, 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)],
-        [2.0 * (x * y + a * z), aa - xx + yy - zz, 2.0 * (y * z - a * x)],
-        [2.0 * (x * z - a * y), 2.0 * (y * z + a * x), aa - xx - yy + zz],
-    ]) / square  # fmt: skip
-    return R if single else np.ascontiguousarray(np.moveaxis(R, (0, 1), (-2, -1)))
+    rows = (
+        (aa + xx - yy - zz, 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)),
+        (2.0 * (x * y + a * z), aa - xx + yy - zz, 2.0 * (y * z - a * x)),
+        (2.0 * (x * z - a * y), 2.0 * (y * z + a * x), aa - xx - yy + zz),
+    )
+    if single:
+        return np.array(rows) / square
+    R = np.empty((*e.shape[:-1], 3, 3), e.dtype)
+    for i in range(3):
+        for j in range(3):
+            R[..., i, j] = rows[i][j]
+    R /= square[..., None, None]
+    return R
 
 
 def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:

@@ -53,9 +53,10 @@ def packages() -> list[str]:
 
 def kernels() -> list[str]:
     """Where compiled kernels are kept, and whether all of them are there."""
-    from ..kernels.jit import CACHE, is_warm
+    from ..kernels.jit import CACHE, EQUATIONS, is_warm
 
-    size = sum(path.stat().st_size for path in CACHE.rglob("*") if path.is_file()) / 1e6
+    files = (path for folder in (CACHE, EQUATIONS) for path in folder.rglob("*") if path.is_file())
+    size = sum(path.stat().st_size for path in files) / 1e6
     state = "compiled" if is_warm() else "not all compiled yet: mbsd3d warmup"
     return [f"kernels     {state}; {size:.0f} MB in {CACHE}"]
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..base.errors import CONTROL
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
 from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
@@ -34,8 +35,9 @@ class Failure(click.ClickException):
     exit_code = 2
 
     def show(self, file: Any = None) -> None:
-        """One line."""
-        click.echo(f"mbsd3d: {' '.join(self.message.split())}", err=True)
+        """One line; of what a file or a path holds, a terminal is told nothing but letters."""
+        line = CONTROL.sub("?", " ".join(self.message.split()))
+        click.echo(f"mbsd3d: {line}", err=True)
 
 
 class Commands(click.Group):

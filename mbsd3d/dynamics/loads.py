@@ -11,7 +11,7 @@ from importlib import import_module
 
 from ..base.errors import InputError
 from ..kernels.coordinates import coordinate
-from ..kernels.jit import kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
@@ -55,7 +55,7 @@ def choice(laws: tuple[Callable, ...], first: int = 0) -> Callable:
         return law
     others = choice(laws[1:], first + 1)
 
-    @merged_kernel
+    @inner_kernel
     def chosen(m, d, p, out, t):
         if p.kind == first:
             law(m, d, p, out, t)
@@ -68,7 +68,7 @@ def choice(laws: tuple[Callable, ...], first: int = 0) -> Callable:
 apply_law = choice(LAWS)
 
 
-@merged_kernel
+@inner_kernel
 def inertial(m, d):
     """Gravity in Q and the velocity-quadratic term h of all bodies."""
     g = vec(m.gravity)
@@ -84,7 +84,7 @@ def inertial(m, d):
         put6(body.h, pull, add(rotate(R, spin), cross(s, pull)))
 
 
-@merged_kernel
+@inner_kernel
 def see(m, d, p, out, t):
     """Value, rate and gradient of the hinge coordinate that an element acts along."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]
@@ -97,7 +97,7 @@ def see(m, d, p, out, t):
     put(out.gradient[3], tb)
 
 
-@merged_kernel
+@inner_kernel
 def act(m, d, p, out):
     """Q of the load of an element along its hinge coordinate."""
     a, b = d.body[m.coordinate[p.coordinate].body[0]], d.body[m.coordinate[p.coordinate].body[1]]

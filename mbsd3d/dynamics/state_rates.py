@@ -9,7 +9,7 @@ the metric of M.
 
 import numpy as np
 
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
@@ -22,7 +22,7 @@ SINGULAR, LET_GO = 1e-4, 1e-10  # pivots below which rows are let go, and by how
 FAR, NEAR = np.int64(0), np.int64(1)  # where the factor at hand belongs; plain ints would be compiled a second time
 
 
-@merged_kernel
+@inner_kernel
 def audit_rates(m, d, dy):
     """Rates of the audit states: work of forces and drivers, impulse and angular impulse about the origin.
 
@@ -76,7 +76,7 @@ def finish(m, d, s, t, dy):
     return status
 
 
-@inner_kernel
+@kernel
 def evaluate(m, d, s, t, y, dy):
     """dy = dy/dt at (t, y); SOLVED or the reason why not."""
     kinematics(m, d, y)
@@ -163,7 +163,7 @@ def project_positions(m, d, s, t, y, near):
     return PROJECTED if residual <= enough else NOT_CLOSED
 
 
-@merged_kernel
+@kernel
 def project_velocities(m, d, s, y):
     """Mass-weighted projection of the velocities onto J v = b; uses the factor at hand."""
     for k in range(m.row.shape[0]):

@@ -40,7 +40,7 @@ class DenseEquations:
     >>> from mbsd3d.extend import DenseEquations
     >>> system = System([Body("stone", 2.0, (1, 2, 3), omega=(1, 1, 0), velocity=(0, 0, 0))])
     >>> terms = DenseEquations(system).at(system.state())
-    >>> (terms.Q + 0.0).tolist(), terms.h.tolist()
+    >>> (terms.Q + 0.0).round(9).tolist(), terms.h.round(9).tolist()
     ([0.0, 0.0, -19.62, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     """
 

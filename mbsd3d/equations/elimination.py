@@ -33,19 +33,9 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     *_, first, joint = spanning_tree(bodies, light)
     chosen = np.zeros(joint.size, np.int64)
     choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
-    plan = loop_plan(bodies, light, chosen.tobytes())
-    return with_memory(model, plan, inertias, used, dtype)
-
-
-def with_memory(model: Model, plan: dict[str, np.ndarray], inertias: np.ndarray, used: np.ndarray, dtype: type) -> Tree:
-    """A plan with the memory to carry it out."""
-    fields, tables = tree_records(dtype), {}
-    for name in ("link", "joint", "loop", "entry"):
-        columns = {key: value for key, value in plan.items() if key.startswith(name + ".")}
-        tables[name] = table(fields[name], plan[name].size)
-        for key, value in columns.items():
-            tables[name][key.partition(".")[2]] = value
-    loop, state = tables["loop"], single(TREE_STATE)
+    made = bodies, light, chosen.tobytes()
+    tables = {name: plan.copy() for name, plan in planned_tables(*made, dtype).items()}
+    loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
     state.mu = PROXIMAL / (inertias.max(initial=0.0) or 1.0)
     state.soft = UNKNOWN
     loop["mu"] = PROXIMAL / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
@@ -57,6 +47,18 @@ def with_memory(model: Model, plan: dict[str, np.ndarray], inertias: np.ndarray,
         skyline=np.zeros((2, size), dtype), vector=np.zeros((4, loop.size), dtype), shares=np.zeros(48, np.int64),
         state=state, used=used, skipped=np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def planned_tables(bodies: bytes, light: bytes, chosen: bytes, dtype: type) -> dict[str, np.ndarray]:
+    """The tables of a tree as its plan fills them; to be copied."""
+    plan, fields, tables = loop_plan(bodies, light, chosen), tree_records(dtype), {}
+    for name in ("link", "joint", "loop", "entry"):
+        tables[name] = table(fields[name], plan[name].size)
+        for key, value in plan.items():
+            if key.startswith(name + "."):
+                tables[name][key.partition(".")[2]] = value
+    return tables
 
 
 def inertias_about_points(model: Model) -> np.ndarray:

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
@@ -50,7 +50,7 @@ def trial_state(m, d, s, run, g, c, t, h):
     return m.stabilisation != PROJECTION or project_positions(m, d, s, t, run.trial, FAR) == PROJECTED
 
 
-@merged_kernel
+@inner_kernel
 def correct(m, s, run, w, h_v):
     """Subtract the correction w.x from the unknowns; its largest velocity in the scales of the error."""
     n, nz, largest = m.body.shape[0], m.z_work, 0.0
@@ -127,7 +127,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     return False
 
 
-@merged_kernel
+@inner_kernel
 def converged(m, d, s, run, g, c, t, h, h_v):
     """The trial state of the converged rates, with the audit states (work, impulse) by the same formula."""
     w = g.newton
@@ -141,7 +141,7 @@ def converged(m, d, s, run, g, c, t, h, h_v):
     return finite(run.trial)
 
 
-@merged_kernel
+@inner_kernel
 def local_error(m, d, s, run, g, c, h):
     """Estimated local error in units of LOCAL rtol, seen through the matrix: unresolved stiff motion does not count."""
     n, e = m.body.shape[0], run.work
@@ -161,7 +161,7 @@ def local_error(m, d, s, run, g, c, h):
     return np.sqrt(state_error(m, run)) / (LOCAL * run.task.rtol)
 
 
-@merged_kernel
+@inner_kernel
 def attempt(m, d, s, run, g, c):
     """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
     rejected, fixed = False, run.task.steps > 0
@@ -200,7 +200,7 @@ def end_rates(m, run, g, h):
         run.trial_rate[k] = slope + 0.5 * h * g.jerk_new[k]
 
 
-@merged_kernel
+@inner_kernel
 def accept(m, run, g, c, t_new, h):
     """The end of the step becomes the start of the next one."""
     n, w = m.body.shape[0], g.newton
@@ -222,7 +222,7 @@ def accept(m, run, g, c, t_new, h):
     run.now.steps += 1
 
 
-@merged_kernel
+@inner_kernel
 def step(m, d, s, g, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     c = g.first if g.past.first == 1 else g.weights
@@ -245,7 +245,7 @@ def step(m, d, s, g, run):
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 
-@merged_kernel
+@inner_kernel
 def restart(m, d, s, g, run):
     """Rates and multipliers of the start, or of a new choice of rows."""
     status = evaluate_start(m, d, s, run)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
@@ -87,7 +87,7 @@ def advance_to(m, d, s, own, run, t, x, h):
     return RUNNING
 
 
-@merged_kernel
+@inner_kernel
 def expected_turn(m, run, h):
     """Largest angle a body may turn within h: by the greatest angular velocity so far and the present acceleration."""
     n, alpha = m.body.shape[0], 0.0
@@ -97,14 +97,14 @@ def expected_turn(m, run, h):
     return h * run.now.turn + 0.5 * h * h * alpha
 
 
-@merged_kernel
+@inner_kernel
 def poses_to(m, run, t):
     """Number of poses to visit until t."""
     h = t - run.now.t
     return max(1, int(np.ceil(max(expected_turn(m, run, h) / TURN_PER_POSE, h / run.task.max_step))))
 
 
-@merged_kernel
+@inner_kernel
 def watch(m, d, s, run, t_new, h):
     """STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
     if may_come_true(m, d, run, h, t_new):
@@ -128,7 +128,7 @@ def end_turn(m, run, h):
     return h * np.sqrt(fastest)
 
 
-@merged_kernel
+@inner_kernel
 def next_pose(m, d, s, run, t_output):
     """(RUNNING, t_new) with the next pose on the way to t_output as trial, or (reason to stop, t_new).
 
@@ -148,7 +148,7 @@ def next_pose(m, d, s, run, t_output):
     return status, t_new
 
 
-@merged_kernel
+@inner_kernel
 def step(m, d, s, run, t_output):
     """The next pose on the way to t_output; RUNNING or a reason to come back to Python."""
     status, t_new = next_pose(m, d, s, run, t_output)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..base.checks import number
 from ..base.errors import InputError
+from ..kernels.by_reference import by_reference
 from ..kernels.kinds import BAUMGARTE
 from ..kernels.layout import Data, Model, single
 from .alpha_step import integrate
@@ -29,6 +30,7 @@ from .method import Method, check_max_step
 from .newton import Newton, new_newton
 
 
+@by_reference
 class Weights(NamedTuple):
     """Coefficients of the method for one rho, and of its local errors: C_q h^3 d3q/dt3, C_v h^3 d3v/dt3."""
 
@@ -60,6 +62,7 @@ PAST = [
 ]
 
 
+@by_reference
 class Alpha(NamedTuple):
     """Memory of the method; arrays in the layout of y use its velocity and z parts only."""
 

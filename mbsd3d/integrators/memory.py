@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..kernels.by_reference import by_reference
 from ..kernels.layout import single
 
 RUNNING, DONE, STOPPED, FULL, NEW_TREE, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)
@@ -54,6 +55,7 @@ STIFFNESS = [
 ]
 
 
+@by_reference
 class Run(NamedTuple):
     """Memory of one run, written in place by the time loop; records have the fields of the tables above."""
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..dynamics.loads import loads
 from ..dynamics.state_rates import correction
+from ..kernels.by_reference import by_reference
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate
@@ -25,6 +26,7 @@ from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, s
 TINY = 1e-40  # of a complex step: its square vanishes, so the derivative is exact to rounding
 
 
+@by_reference
 class Newton(NamedTuple):
     """Unknowns, matrix and work space; arrays in the layout of y use its velocity and z parts only."""
 

@@ -69,7 +69,7 @@ def full(run):
     return run.now.written >= run.out.shape[0] - 2
 
 
-@merged_kernel
+@inner_kernel
 def evaluate_start(m, d, s, run):
     """Evaluate at the present state after a start or a new choice of rows; RUNNING or a reason to stop."""
     now = run.now
@@ -111,7 +111,7 @@ def interpolate(run, x, y):
     add_scaled(y, 1.0, run.y)
 
 
-@merged_kernel
+@inner_kernel
 def samples_before(m, d, s, run, h, t_last):
     """Store the samples of the step before t_last, each projected and evaluated; RUNNING, FULL or NO_SOLUTION."""
     while output_before(run, t_last):
@@ -144,7 +144,7 @@ def slope(m, d, run, t, y, dy, h):
     return (later - condition(m, d, run, t, y)) / dt
 
 
-@merged_kernel
+@inner_kernel
 def may_come_true(m, d, run, h, t_new):
     """True if the condition holds at the end of the step, rises at its start and falls at its end, or is not armed."""
     if run.now.armed == 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
@@ -174,7 +174,7 @@ def locate(m, d, run, h, low, high):
     return high
 
 
-@merged_kernel
+@inner_kernel
 def first_crossing(m, d, run, h, t_new):
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
@@ -213,7 +213,7 @@ def watch_on(m, d, run, t_new):
         run.now.armed = 1
 
 
-@merged_kernel
+@inner_kernel
 def missing_time(m, d, run, h, t):
     """Time from t until the condition comes true, by Newton from trial and its rate; 0 where that leads astray."""
     dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, run.trial_rate, h)
@@ -238,7 +238,7 @@ def land(m, d, s, own, run, h, x, advance_to):
     return RUNNING, t + x
 
 
-@merged_kernel
+@inner_kernel
 def halt(m, d, s, run, t):
     """End the run at t, where trial has been accepted as the state at which the condition comes true."""
     evaluate(m, d, s, t, run.trial, run.dy)
@@ -250,14 +250,14 @@ def halt(m, d, s, run, t):
     return STOPPED
 
 
-@merged_kernel
+@inner_kernel
 def cubic(m, d, s, own, run, h):
     """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
     hermite(run, h)
     return True
 
 
-@merged_kernel
+@inner_kernel
 def along_cubic(m, d, s, own, run, t, x, h):
     """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
     interpolate(run, x / h, run.trial)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import number
+from ..kernels.by_reference import by_reference
 from ..kernels.layout import Data, Model, single
 from .method import Method, check_max_step
 from .radau_step import collocation
@@ -44,6 +45,7 @@ PAST = [
 ]
 
 
+@by_reference
 class Collocation(NamedTuple):
     """Coefficients and memory of the method; arrays of length N leave out the audit states."""
 

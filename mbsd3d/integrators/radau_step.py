@@ -4,7 +4,7 @@ import numpy as np
 
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING
@@ -37,7 +37,7 @@ def unit(m, run, k):
     return max(state.unit * run.now.speed**state.power, abs(run.y[k]))
 
 
-@merged_kernel
+@inner_kernel
 def differentiate(m, d, s, run, g):
     """J = df/dy at the start of the step, by forward differences: Newton's method needs no more, at a fifth of the time
     of complex steps."""
@@ -55,7 +55,7 @@ def differentiate(m, d, s, run, g):
     return True
 
 
-@merged_kernel
+@inner_kernel
 def factor_systems(g, h):
     """Factors of real/h - J and pair/h - J."""
     N = g.J.shape[0]
@@ -151,7 +151,7 @@ def collocate(m, d, s, run, g, h):
     return eta * before <= enough, ITERATIONS
 
 
-@merged_kernel
+@inner_kernel
 def stages(m, d, s, run, g, h):
     """`collocate` with the matrix at hand, else with a new one."""
     if g.past.jacobian == -1 and not differentiate(m, d, s, run, g):
@@ -202,7 +202,7 @@ def estimate(m, run, g, h, rate):
     return np.sqrt(state_error(m, run)) / tolerance(run)
 
 
-@merged_kernel
+@inner_kernel
 def local_error(m, d, s, run, g, h, careful):
     """`estimate`; where it rejects and ``careful``, again with the rate at y + error: stiff errors shrink."""
     error = estimate(m, run, g, h, run.dy)
@@ -216,7 +216,7 @@ def local_error(m, d, s, run, g, h, careful):
     return error
 
 
-@merged_kernel
+@inner_kernel
 def attempt(m, d, s, run, g):
     """(RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapts the step."""
     rejected, fixed = False, run.task.steps > 0
@@ -242,7 +242,7 @@ def attempt(m, d, s, run, g):
         run.now.rejected += 1
 
 
-@merged_kernel
+@inner_kernel
 def accept(run, g, t_new, h):
     """The end of the step becomes the start of the next one."""
     for k in range(g.J.shape[0]):
@@ -256,7 +256,7 @@ def accept(run, g, t_new, h):
     run.now.steps += 1
 
 
-@merged_kernel
+@inner_kernel
 def step(m, d, s, g, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     status, t_new, h = attempt(m, d, s, run, g)

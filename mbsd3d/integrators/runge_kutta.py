@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
+from ..kernels.by_reference import by_reference
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
@@ -31,6 +32,7 @@ TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspi
 SUSPICIOUS, CALM = 15, 6
 
 
+@by_reference
 class Table(NamedTuple):
     """Butcher table of an explicit method with n stages; the rate at the end of the step is stage n + 1."""
 
@@ -50,6 +52,7 @@ class Table(NamedTuple):
         return float(nodes[k]), float(nodes[k + 1])
 
 
+@by_reference
 class Stages(NamedTuple):
     """The table and the method's own memory."""
 
@@ -109,7 +112,7 @@ def body_error(m, own, run, weights, h):
     return state_error(m, run)
 
 
-@merged_kernel
+@inner_kernel
 def error_norm(m, own, run, h):
     """Estimated local error in units of LOCAL rtol (DOP853: fifth-order estimate corrected by the third-order one)."""
     e5 = body_error(m, own, run, own.table.error[0], h)
@@ -122,7 +125,7 @@ def error_norm(m, own, run, h):
     return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, rounding)
 
 
-@merged_kernel
+@inner_kernel
 def dense(m, d, s, own, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     table, K = own.table, own.K
@@ -146,7 +149,7 @@ def dense(m, d, s, own, run, h):
     return True
 
 
-@merged_kernel
+@inner_kernel
 def advance_to(m, d, s, own, run, t, x, h):
     """The trial state at t by one step of length x, projected, with its rate."""
     if not stages(m, d, s, own, run, x):
@@ -170,7 +173,7 @@ def retry(run, step):
     run.now.retried = 1
 
 
-@merged_kernel
+@inner_kernel
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
@@ -202,7 +205,7 @@ def attempt(m, d, s, own, run):
         retry(run, 0.2 * h)
 
 
-@merged_kernel
+@inner_kernel
 def accept(own, run, t_new, h, error):
     """The end of the step becomes the start of the next one, whose length follows from the error."""
     copy(own.carry, own.trial_carry)
@@ -246,7 +249,7 @@ def is_stiff(m, own, run, h):
     return found.suspicious >= SUSPICIOUS and left > found.patience
 
 
-@merged_kernel
+@inner_kernel
 def verdict(m, d, s, own, run, h):
     """RUNNING, or what Python must look at after a step: the tree of the rows, or stiffness."""
     if not rows_hold(m, d, s, run):
@@ -256,7 +259,7 @@ def verdict(m, d, s, own, run, h):
     return RUNNING
 
 
-@merged_kernel
+@inner_kernel
 def step(m, d, s, own, run):
     """One accepted step with its outputs; RUNNING or a reason to come back to Python."""
     status, t_new, h, error = attempt(m, d, s, own, run)

@@ -3,6 +3,10 @@
 numba's own files have numbers, which an index beside them gives to signatures: of two processes that compile at the
 same time one may find the other's code under its number, and a damaged file ends in an error of pickle or in a crash.
 Here a file is whole or is compiled anew, and where none can be written the code is used all the same.
+
+numba also puts a copy of all that a function calls into its code, and optimises the copy again: an integrator would
+hold the equations of motion ten times over. Of a kernel that stands *apart* callers hold the name alone; their files
+say whom they call, so that it is there before they are.
 """
 
 import hashlib
@@ -10,9 +14,11 @@ import pickle
 import sys
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from llvmlite import binding as llvm
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
@@ -23,17 +29,51 @@ from ..base.paths import write_atomically
 
 SUM = 16  # bytes
 
+APART: dict[str, tuple[str, str, tuple]] = {}  # symbol in compiled code -> module, function, types of arguments
+
 
 def check_sum(content: bytes) -> bytes:
     """What stands in front of it."""
     return hashlib.blake2b(content, digest_size=SUM).digest()
 
 
+def stand_apart(function: Callable, made: CompileResult) -> None:
+    """Let callers find it by name: what numba links into them is empty."""
+    APART[made.fndesc.llvm_func_name] = (function.__module__, function.__name__, made.signature.args)
+    made.library._shared_module = llvm.parse_assembly("")
+
+
+def names_only(made: CompileResult) -> None:
+    """Keep the names that it defines, without their code, for numba to look up when it is loaded."""
+    defined = [function for function in made.library._final_module.functions if not function.is_declaration]
+    names = [function.name for function in defined if function.linkage == llvm.Linkage.external]
+    made.library._shared_module = llvm.parse_assembly(
+        "\n".join(f'define void @"{name}"() {{\n  unreachable\n}}' for name in names)
+    )
+
+
+def called(made: CompileResult) -> list[tuple]:
+    """The kernels apart that a compiled function calls."""
+    names = [function.name for function in made.library._final_module.functions if function.is_declaration]
+    return [(name, *APART[name]) for name in names if name in APART]
+
+
+def find(called_ones: list[tuple]) -> None:
+    """Have the kernels ready that code from a file calls, under the names it has for them."""
+    for symbol, module, name, arguments in called_ones:
+        dispatcher = getattr(import_module(module), name)
+        dispatcher.compile(arguments)
+        made = dispatcher.overloads[arguments]
+        APART[symbol] = (module, name, arguments)
+        address = made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+        llvm.add_symbol(symbol, address)  # another process may have compiled the caller, under another name
+
+
 class CodeFiles(NullCache):
     """What numba asks for the compiled forms of one function."""
 
-    def __init__(self, function: Callable, folder: Path) -> None:
-        self.function, self.folder = function, folder / function.__module__
+    def __init__(self, function: Callable, folder: Path, apart: bool) -> None:
+        self.function, self.folder, self.apart = function, folder / function.__module__, apart
 
     @property
     def cache_path(self) -> str:
@@ -59,16 +99,32 @@ class CodeFiles(NullCache):
         if check_sum(content[SUM:]) != content[:SUM]:
             say_once(f"compiled code in '{self.folder.parent}' is damaged; what is, is compiled anew")
             return None
-        return CompileResult._rebuild(target, *pickle.loads(content[SUM:]))
+        needed, parts = pickle.loads(content[SUM:])
+        try:
+            find(needed)
+        except (ImportError, AttributeError):  # a function of a script that is another one today
+            return None
+        made = CompileResult._rebuild(target, *parts)
+        if self.apart:
+            stand_apart(self.function, made)
+        return made
 
     def save_overload(self, signature: Any, compiled: CompileResult) -> None:
         """Write it, unless it holds addresses of this process."""
-        if compiled.lifted or compiled.library.has_dynamic_globals:
-            return
-        content = dumps(compiled._reduce())
+        kept = not (compiled.lifted or compiled.library.has_dynamic_globals)
+        if self.apart:
+            names_only(compiled)
+        content = dumps((called(compiled), compiled._reduce())) if kept else b""
+        if self.apart:
+            stand_apart(self.function, compiled)
+        if kept:
+            self.write(self.path(signature, compiled.target_context), check_sum(content) + content)
+
+    def write(self, path: Path, content: bytes) -> None:
+        """Write a file, or say why not."""
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(self.path(signature, compiled.target_context), check_sum(content) + content)
+            write_atomically(path, content)
         except (OSError, InputError) as error:
             reason = getattr(error.__cause__ or error, "strerror", None) or error
             say_once(
@@ -77,10 +133,10 @@ class CodeFiles(NullCache):
             )
 
 
-def keep_code(compiled: Callable, folder: Path) -> Callable:
+def keep_code(compiled: Callable, folder: Path, apart: bool = False) -> Callable:
     """The same function with its code kept in a folder; one that is not to be compiled stays as it is."""
     if isinstance(compiled, Dispatcher):
-        compiled._cache = CodeFiles(compiled.py_func, folder)
+        compiled._cache = CodeFiles(compiled.py_func, folder, apart and "<locals>" not in compiled.py_func.__qualname__)
     return compiled
 
 

@@ -29,10 +29,10 @@ def compiled_sources() -> list[Path]:
     return [path for path in files if path.parent in folders]
 
 
-def _digest() -> str:
-    """Digest of every source that is compiled: numba alone misses an edit in a callee of another file."""
+def _digest(sources: list[Path]) -> str:
+    """Digest of sources that are compiled: numba alone misses an edit in a callee of another file."""
     text = hashlib.sha256(numba.__version__.encode())
-    for path in compiled_sources():
+    for path in sources:
         text.update(path.read_bytes())
     return text.hexdigest()[:16]
 
@@ -50,7 +50,10 @@ def _cache_root() -> Path:
     return root
 
 
-CACHE = _cache_root() / _digest()
+# No other kernel uses the integrators: an edit there leaves the code of all others valid.
+INTEGRATORS = "integrators"
+CACHE = _cache_root() / _digest(compiled_sources())
+EQUATIONS = CACHE.parent / _digest([path for path in compiled_sources() if path.parent.name != INTEGRATORS])
 
 
 def marker(part: str) -> Path:
@@ -89,7 +92,7 @@ def count_kernels(part: str, ended: threading.Event) -> None:
     began = last = time.perf_counter()
     before = 0
     while not ended.wait(PAUSE) and not is_warm(part) and time.perf_counter() - last < STALLED:
-        done = sum(1 for _ in CACHE.rglob("*.code"))
+        done = sum(1 for folder in (CACHE, EQUATIONS) for _ in folder.rglob("*.code"))
         if done > before:
             before, last = done, time.perf_counter()
         sys.stderr.write(f"mbsd3d: {done} kernels after {time.perf_counter() - began:.0f} s\n")
@@ -97,23 +100,26 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 
 
 def compiled(
-    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False
-) -> Callable:
-    """Compile in nopython mode, kept on disk under a digest of every kernel source of the package."""
+    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False,
+    apart: bool = False,
+) -> Callable:  # fmt: skip
+    """Compile in nopython mode, kept on disk under a digest of every kernel source that it may use."""
     made = numba.njit(
         error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
         forceinline=fused, inline="always" if merged else "never",
     )(function)  # fmt: skip
-    return keep_code(made, CACHE)
+    below = function.__module__.startswith(PACKAGE.name) and INTEGRATORS not in function.__module__
+    return keep_code(made, EQUATIONS if below else CACHE, apart)
 
 
 def kernel(function: Callable) -> Callable:
     """A compiled function that allocates nothing: without numba's reference counts calls are several times cheaper.
 
     Measured on one evaluation of a single body: 3.1 us with the atomic counts of some 20 array arguments, 0.9 without.
+    It is compiled once, for Python and for all kernels that call it.
     """
-    return compiled(function)
+    return compiled(function, apart=True)
 
 
 def inner_kernel(function: Callable) -> Callable:
@@ -124,18 +130,17 @@ def inner_kernel(function: Callable) -> Callable:
 def fused_kernel(function: Callable) -> Callable:
     """An inner kernel whose sums may be formed in any order, with fused multiply-add: a tenth off dot products.
 
-    Merged into its callers by LLVM: these flags would be lost in `merged_kernel`.
+    Merged into its callers by LLVM.
     """
     return compiled(function, from_python=numba.config.DISABLE_JIT, fused=True)
 
 
 def merged_kernel(function: Callable) -> Callable:
-    """A kernel that becomes part of its caller before anything is compiled: for inner loops and for single callers.
+    """An inner kernel that takes others as arguments: it becomes part of its caller before anything is compiled.
 
-    Model and work space are 170 numbers to pass: of 350 cycles for the rows of a hinge, 240 went into calls. And a
-    kernel is compiled again with all that it calls in every kernel above it: one level less is seconds less.
+    On disk nothing can be found by the address of a function.
     """
-    return compiled(function, merged=True)
+    return compiled(function, from_python=numba.config.DISABLE_JIT, merged=True)
 
 
 def allocating_kernel(function: Callable) -> Callable:

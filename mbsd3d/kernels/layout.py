@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from .by_reference import by_reference
+
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
 MOST_BODIES = 4  # of a custom force
 
@@ -40,10 +42,11 @@ ROW = [
     ("drive", int),  # number of the driven row (its work is a state), -1 = not driven
 ]
 COORDINATE = [
-    ("kind", int),  # angle or slide
+    ("kind", int),  # angle or slide; path: of a point along a curve of a; touch: of a face of b along it
     ("body", int, 2),
     ("point", float, (2, 3)),  # m, body axes
-    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; body axes
+    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; touch: normal in b; body axes
+    ("number", int),  # first of the numbers of the curve in Model.number: see surfaces.py
 ]
 FORCE = [
     ("kind", int),  # number of its law
@@ -76,6 +79,7 @@ MEASURE = [
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
 
+@by_reference
 class Model(NamedTuple):
     """A compiled mechanism with n bodies, p primitives, m rows; constant during a run."""
 
@@ -88,7 +92,7 @@ class Model(NamedTuple):
     term: np.ndarray  # TERM
     term_data: np.ndarray
     measure: np.ndarray  # MEASURE: those of the caller first, then those the forces read
-    number: np.ndarray  # gains, references, parameters of forces
+    number: np.ndarray  # gains, references, parameters of forces; curves
     state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
     gravity: np.ndarray  # (3,) m/s^2
     z_work: int
@@ -155,6 +159,7 @@ def data_records(dtype: type) -> dict[str, list]:
     }
 
 
+@by_reference
 class Data(NamedTuple):
     """Work space of one evaluation; real or complex."""
 
@@ -169,6 +174,7 @@ class Data(NamedTuple):
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
 
 
+@by_reference
 class Tree(NamedTuple):
     """The saddle point over the rows in use: bodies from the leaves of a spanning tree to its roots, then loops.
 
@@ -215,7 +221,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("B", dtype, 9),  # after the factorisation without what its own freedoms take up
             ("C", dtype, 9),
             ("basis", dtype, (6, 6)),  # r directions the rows hold, then 6 - r they leave free
-            ("R", dtype, (6, 6)),  # row j of the joint is sum_i R[j, i] basis_i; the diagonal holds 1 / R_jj
+            ("R", dtype, (6, 6)),  # row j of the joint: basis_j + sum_i R[j, i] basis_i, i < j; R[j, j] = 1 / basis_j^2
             ("u", dtype, (6, 6)),  # inertia times each free direction
             ("inverse", dtype, 6),  # of each pivot
             ("e", dtype, 6),  # acceleration along each free direction as far as the load gives it

@@ -1,6 +1,7 @@
-"""The directions that the rows of a link hold, and those they leave free: one orthonormal basis in the scaled metric.
+"""The directions that the rows of a link hold, and those they leave free: one orthogonal basis in the scaled metric.
 
-J_c = R Z_r' by orthogonalising row after row; angular parts in units of `Model.length`. Joint types play no part.
+J_c = R Z_r' by orthogonalising row after row; angular parts in units of `Model.length`. Joint types play no part. No
+direction is brought to unit length, which would take a root each; the diagonal of R, which is 1, holds 1 / Z_j'Z_j.
 """
 
 import numpy as np
@@ -31,18 +32,21 @@ def hold(m, d, s, link):
         at = s.joint[link.joint + j]
         linear, angular = row_on_body(d.row[at.row], at.slot, at.twin)
         v = linear, scale(to_angle, angular)
-        before = dot6(v, v)
-        for i in range(j):
-            q = pair(link.basis[i])
-            along = dot6(q, v)
+        link.e[j] = dot6(v, v)
+        put6(link.basis[j], v[0], v[1])
+    for i in range(link.rows):  # row i out of all that follow: they do not wait for each other
+        q = pair(link.basis[i])
+        rest = dot6(q, q)
+        if not rest.real > DEPENDENT**2 * link.e[i].real:
+            return False
+        inverse = 1.0 / rest
+        link.R[i, i] = inverse
+        for j in range(i + 1, link.rows):
+            v = pair(link.basis[j])
+            along = dot6(q, v) * inverse
             link.R[j, i] = along
             v = along6(v, -along, q)
-        rest = dot6(v, v)
-        if not rest.real > DEPENDENT**2 * before.real:
-            return False
-        inverse = 1.0 / np.sqrt(rest)
-        link.R[j, j] = inverse
-        put6(link.basis[j], scale(inverse, v[0]), scale(inverse, v[1]))
+            put6(link.basis[j], v[0], v[1])
     return True
 
 
@@ -62,7 +66,7 @@ def release(m, link):
     for k in range(6):  # of the axes' squares, outside the directions there are
         left[k] = 1.0
         for i in range(link.rows):
-            left[k] -= basis[i, k] * basis[i, k]
+            left[k] -= basis[i, k] * basis[i, k] * link.R[i, i]
     for j in range(link.rows, 6):
         best = 0
         for k in range(1, 6):
@@ -70,11 +74,11 @@ def release(m, link):
                 best = k
         v = unit(best, 0.0 * left[0])  # at least a sixth of its square is left, so one pass loses no digits
         for i in range(j):
-            v = along6(v, -basis[i, best], pair(basis[i]))
-        inverse = 1.0 / np.sqrt(dot6(v, v))
-        put6(basis[j], scale(inverse, v[0]), scale(inverse, v[1]))
+            v = along6(v, -basis[i, best] * link.R[i, i], pair(basis[i]))
+        link.R[j, j] = 1.0 / dot6(v, v)
+        put6(basis[j], v[0], v[1])
         for k in range(6):
-            left[k] -= basis[j, k] * basis[j, k]
+            left[k] -= basis[j, k] * basis[j, k] * link.R[j, j]
     to_angle = 1.0 / m.length
     for j in range(6):
         for k in range(3, 6):

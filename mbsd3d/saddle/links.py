@@ -1,6 +1,6 @@
 """Bodies and the joints of a spanning tree eliminated from the leaves to the roots, by what each joint leaves free.
 
-Rows of a link (all in the scaled metric of `Model.length`): J_c = R Z_r', with r orthonormal directions Z_r, and the
+Rows of a link (all in the scaled metric of `Model.length`): J_c = R Z_r', with r orthogonal directions Z_r, and the
 others N = Z_f that the rows leave free. A body moves as its parent does, a = X a_p + y + N x, with Z_r'y from the right
 side of the rows, and its equation I a + J_c' lam + G' mu = p, G the loop rows it feels, loses lam along N:
 
@@ -11,7 +11,7 @@ between heavy ones cost no digits. One free direction after the other is taken o
 The rows themselves are lam = R'^-1 Z_r'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
 """
 
-from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
+from ..kernels.jit import fused_kernel, inner_kernel
 from ..kernels.vectors import add, cross, mat, pair, put, put6, rotate, rotate_back, scale, vec
 from .basis import hold, release, row_on_body
 from .spatial import along6, dot6, less_outer, moved_inertia, moved_load, moved_motion, product, sub9, times, transposed
@@ -94,7 +94,7 @@ def hand_down(s, link):
                 G[3 + j] += angular[j]
 
 
-@merged_kernel
+@inner_kernel
 def start_links(m, d, s):
     """Inertias, levers and direct loop rows of all links, before anything is eliminated."""
     for i in range(s.link.shape[0]):
@@ -119,7 +119,7 @@ def start_links(m, d, s):
                 put6(at.G, linear, angular)
 
 
-@merged_kernel
+@inner_kernel
 def factor_links(m, d, s):
     """All links from the leaves to the roots; sets ``dense`` or ``worn`` where that cannot be done."""
     start_links(m, d, s)
@@ -146,13 +146,12 @@ def prescribed(d, s, link):
         total = d.row[s.joint[link.joint + j].row].bottom
         for i in range(j):
             total -= link.R[j, i] * link.e[i]
-        total *= link.R[j, j]
         link.e[j] = total
-        y = along6(y, total, pair(link.basis[j]))
+        y = along6(y, total * link.R[j, j], pair(link.basis[j]))
     return y
 
 
-@merged_kernel
+@inner_kernel
 def load_links(m, d, s):
     """Loads of all links from the leaves to the roots, and the right side of the loop rows."""
     for i in range(s.link.shape[0]):
@@ -202,7 +201,7 @@ def solve_alone(fixed, body):
     put6(body.acceleration, add(scale(fixed.inv_sqrt_mass, linear), cross(s, w)), w)
 
 
-@merged_kernel
+@inner_kernel
 def move_links(m, d, s):
     """Accelerations from the roots to the leaves and multipliers of the links; those of the loop rows are known."""
     for i in range(s.link.shape[0] - 1, -1, -1):
@@ -229,7 +228,7 @@ def move_links(m, d, s):
         if link.rows > 0:
             f = along6(p, -1.0, times(mat(link.A), mat(link.B), mat(link.C), a))
             for j in range(link.rows - 1, -1, -1):
-                total = dot6(pair(link.basis[j]), f)
+                total = dot6(pair(link.basis[j]), f) * link.R[j, j]
                 for k in range(j + 1, link.rows):
                     total -= link.R[k, j] * d.row[s.joint[link.joint + k].row].lam
-                d.row[s.joint[link.joint + j].row].lam = total * link.R[j, j]
+                d.row[s.joint[link.joint + j].row].lam = total

@@ -9,7 +9,7 @@ answer with a large multiplier: so where rows are nearly dependent, the right si
 
 import numpy as np
 
-from ..kernels.jit import fused_kernel, inner_kernel, merged_kernel
+from ..kernels.jit import fused_kernel, inner_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 
 PROXIMAL = (
@@ -29,7 +29,7 @@ UNKNOWN = -1  # softness before the first state
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
-@merged_kernel
+@inner_kernel
 def assemble_loops(s):
     """The lower triangle of S from the factored links."""
     S = s.skyline[0]
@@ -273,7 +273,7 @@ def sweeps(s, count):
         add_scaled(lam, 1.0, step)
 
 
-@merged_kernel
+@inner_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
     rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]

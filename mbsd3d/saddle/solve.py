@@ -26,7 +26,7 @@ def factor(m, d, s):
         factor_loops(s)
 
 
-@inner_kernel
+@kernel
 def solve(m, d, s):
     """acceleration, lam := solution for the right sides top, bottom."""
     for k in s.skipped:

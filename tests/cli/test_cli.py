@@ -147,7 +147,7 @@ def test_without_viser_a_demo_has_no_page_and_says_why(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "viser", None)
     result = call("demo", "cardan")
     assert result.exit_code == 0 and result.stderr.count("\n") == 1
-    assert "a view needs the package viser; install it: pip install 'mbsd3d[view]'" in result.stderr
+    assert "a view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.*'" in result.stderr
     assert not list((folder / "out").glob("*.html")) and (folder / "out" / "cardan.png").exists()
 
 
@@ -157,7 +157,7 @@ def test_without_viser_a_view_is_refused_before_anything_is_computed(folder, mon
     arguments = (*arguments, "--view") if arguments[0] == "run" else arguments
     result = call(*arguments)
     assert result.exit_code == 2 and result.stdout == "" and not list(folder.iterdir())
-    assert result.stderr == "mbsd3d: a view needs the package viser; install it: pip install 'mbsd3d[view]'\n"
+    assert result.stderr == "mbsd3d: a view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.*'\n"
 
 
 @pytest.mark.slow

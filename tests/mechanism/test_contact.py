@@ -96,8 +96,9 @@ def test_a_ball_rolls_down_a_slope_or_slides(mu):
     rubs = np.linalg.norm(load_.force - normal[:, None] * up, axis=1)
     rolls = mu > 2 / 7 * np.tan(angle)
     rate = 9.81 * (5 / 7 * np.sin(angle) if rolls else np.sin(angle) - mu * np.cos(angle))
-    assert run.acceleration(stone)[3:] @ down == pytest.approx(rate, rel=1e-6)
-    assert rubs[3:] == pytest.approx((2 / 7 * np.sin(angle) if rolls else mu * np.cos(angle)) * 2.0 * 9.81, rel=1e-6)
+    # 1e7 N/m turn the 1e-12 m by which a step may err into 1e-5 N of 2.7 N.
+    assert run.acceleration(stone)[3:] @ down == pytest.approx(rate, rel=1e-5)
+    assert rubs[3:] == pytest.approx((2 / 7 * np.sin(angle) if rolls else mu * np.cos(angle)) * 2.0 * 9.81, rel=1e-5)
     assert np.all(rubs <= mu * normal * (1 + 1e-14))
     assert load_.point == pytest.approx(run.position(stone) - 0.1 * up, abs=1e-15)
     assert run.certificate.passed

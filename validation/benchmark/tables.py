@@ -94,8 +94,11 @@ def growth(rows: Sequence[Row], engine: str, prefix: str) -> tuple[float, int, i
 
 
 def milliseconds(reached: Reached | None) -> str:
-    """A time with its bound."""
-    return "-" if reached is None else f"{reached.bound}{1e3 * reached.seconds:.3g}"
+    """A time with its bound, in three digits."""
+    if reached is None:
+        return "-"
+    digits = f"{1e3 * reached.seconds:.3g}"
+    return f"{reached.bound}{float(digits):.0f}" if "e" in digits else f"{reached.bound}{digits}"
 
 
 def times(rows: Sequence[Row]) -> list[str]:

@@ -9,7 +9,7 @@ from ...base.checks import vector
 from ...base.errors import InputError
 from ...base.rotations import as_quaternion, matrix
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import inner_kernel, merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.vectors import add, arm, columns, cross, dot, point, point_velocity, scale, sub, vec
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair
@@ -42,7 +42,7 @@ def scaled(p, first, x):
     return p.value[first] * x[0], p.value[first + 1] * x[1], p.value[first + 2] * x[2]
 
 
-@merged_kernel
+@inner_kernel
 def bushing(m, d, p, out, t):
     """Linear bushing in the axes F of a: force -(K d + C d_dot), moment from U = 2 p'K_r p and -C_r w.
 

@@ -10,7 +10,7 @@ from ...base.checks import number
 from ...base.directions import perpendiculars
 from ...base.errors import InputError
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import inner_kernel, merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.surfaces import meeting, pressure
 from ...kernels.vectors import add, dot, scale, sub, vec
 from ..bodies import Body, Ground
@@ -41,7 +41,7 @@ def smooth(most, u, v, still):
     return share * u, share * v
 
 
-@merged_kernel
+@inner_kernel
 def rub(m, d, p, out, normal, slip, turn):
     """(friction, moment) in the axes of the plane, against the slip and the relative rotation; fills rates and energy.
 
@@ -72,7 +72,7 @@ def rub(m, d, p, out, normal, slip, turn):
     return (f, g), (r, s, q)
 
 
-@merged_kernel
+@inner_kernel
 def contact(m, d, p, out, t):
     """Normal force, friction, and moments against rolling and spinning, at the lowest point.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from ...base.checks import number, sequence
 from ...base.errors import InputError
 from ...kernels.coordinates import measure
-from ...kernels.jit import merged_kernel
+from ...kernels.jit import inner_kernel
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
@@ -20,7 +20,7 @@ def one_each(values: Sequence[float], count: int, what: str) -> tuple[float, ...
     return given
 
 
-@merged_kernel
+@inner_kernel
 def feedback(m, d, p, out, t):
     """Load -sum g_i (x_i - r_i); x_i is measure i or its filtered value z_i with z_dot_i = (y_i - z_i) / tau."""
     load = 0.0

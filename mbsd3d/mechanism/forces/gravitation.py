@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.vectors import (
     add,
     arm,
@@ -29,7 +29,7 @@ from ..force_element import ForceElement, ForceRecord, check_body, check_pair
 from .bushing import out_of
 
 
-@merged_kernel
+@inner_kernel
 def weight(m, d, p, out, t):
     """Force mass g at the centre of mass of b, g = value resting in a."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -80,7 +80,7 @@ class Weight(ForceElement):
         return ForceRecord((self.a, self.b), (self.b.centre, self.b.centre), values=tuple(self.acceleration))
 
 
-@merged_kernel
+@inner_kernel
 def attraction(m, d, p, out, t):
     """Force and moment of U = -k (m/r + (tr I - 3 n.I n)/(2 r^3)) on b, and their opposites on a; value[0] = k.
 

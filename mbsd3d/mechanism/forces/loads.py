@@ -8,21 +8,21 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...kernels.force_laws import components, push, twist
-from ...kernels.jit import merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
 from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame
 from ..signals import Signal, three_signals
 
 
-@merged_kernel
+@inner_kernel
 def given(m, d, p, t):
     """The components of a load in world axes; value[0] = 1: they are given in body axes."""
     body, x = d.body[p.body[1]], components(m, p, t)
     return rotate(mat(body.R), x) if p.value[0] > 0.5 else add(x, scale(0.0, vec(body.w)))
 
 
-@merged_kernel
+@inner_kernel
 def force(m, d, p, out, t):
     """Force with given components at a point."""
     body, load = d.body[p.body[1]], given(m, d, p, t)
@@ -64,7 +64,7 @@ class Force(ForceElement):
         return ForceRecord((GROUND, self.body), (self.at, self.at), values=flag, signals=self.force)
 
 
-@merged_kernel
+@inner_kernel
 def torque(m, d, p, out, t):
     """Torque with given components."""
     body, load = d.body[p.body[1]], given(m, d, p, t)
@@ -101,7 +101,7 @@ class Torque(ForceElement):
         return ForceRecord((GROUND, self.body), values=flag, signals=self.torque)
 
 
-@merged_kernel
+@inner_kernel
 def drag(m, d, p, out, t):
     """Aerodynamic drag -k |v| v at a point, v relative to the wind; value[0] = k = density area coefficient / 2."""
     body = d.body[p.body[1]]

@@ -8,14 +8,14 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.errors import InputError
 from ...kernels.force_laws import push
-from ...kernels.jit import merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate
 from ..joints import Joint
 
 
-@merged_kernel
+@inner_kernel
 def spring(m, d, p, out, t):
     """Force -(k (l - l0) + c l_dot) n on b along the line from a to b; value = k, c, l0."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -84,7 +84,7 @@ class SpringDamper(ForceElement):
         return ForceRecord((self.a, self.b), (self.at_a, self.at_b), values=values)
 
 
-@merged_kernel
+@inner_kernel
 def torsion(m, d, p, out, t):
     """Load -(k (x - x0) + c x_dot) along a hinge coordinate; value = k, c, x0."""
     stretch = out.x - p.value[2]
@@ -140,7 +140,7 @@ class TorsionSpring(ForceElement):
         return (self.hinge,)
 
 
-@merged_kernel
+@inner_kernel
 def friction(m, d, p, out, t):
     """Load -(T tanh(x_dot / v0) + c x_dot) along a hinge coordinate; value = T, c, v0."""
     out.load = -p.value[0] * np.tanh(out.rate / p.value[2]) - p.value[1] * out.rate

@@ -11,7 +11,7 @@ from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import merged_kernel
+from ...kernels.jit import inner_kernel
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground
@@ -31,14 +31,14 @@ SLIDING = 1.5
 """Deflection, in units of that of full grip, from which all of the contact patch slides."""
 
 
-@merged_kernel
+@inner_kernel
 def sensitive(k, load):
     """Share 1 - k (N/N0 - 1) of a coefficient that is left at a load, given as N/N0."""
     share = 1.0 - k * (load - 1.0)
     return share if share.real > LEAST else LEAST + 0.0 * share
 
 
-@merged_kernel
+@inner_kernel
 def rolling(x):
     """tanh(x), without the powers of e that overflow in its derivative."""
     way = 1.0 + 0.0 * x
@@ -49,7 +49,7 @@ def rolling(x):
     return way
 
 
-@merged_kernel
+@inner_kernel
 def brush(q):
     """(force over that of the linear tyre, trail over that at rest) at a linear force of q times the grip.
 
@@ -65,7 +65,7 @@ def brush(q):
     return force, trail
 
 
-@merged_kernel
+@inner_kernel
 def tyre(m, d, p, out, t):
     """Forces of a tyre at its contact point and its rates of deflection; values, numbers: see `Tyre.record`."""
     ground, wheel, x, z = d.body[p.body[0]], d.body[p.body[1]], p.value, d.z[p.state : p.state + 2]
