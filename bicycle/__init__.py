@@ -1,7 +1,8 @@
 """Bicycles: models, stability and manoeuvres, on the public interface of `mbsd3d`.
 
-From the ground up: `parameters` - `model` (the mechanism) - `linear` (small motions and their studies) - `rides` and
-`turns` (nonlinear) - `pages` (figures and pages) - `commands`. The public modules, listed here, load on first use.
+From the ground up: `parameters` - `model` (the mechanism) - `linear` (small motions and their studies) - `riders` -
+`rides` and `turns` (nonlinear) - `pages` (figures and pages) - `commands`. The public modules, listed here, load on
+first use.
 """
 
 from importlib import import_module
@@ -12,8 +13,8 @@ _MODULES = {
     "equations": "linear.equations", "general": "linear.general", "critical": "linear.critical",
     "stability": "linear.stability", "sensitivity": "linear.sensitivity", "why": "linear.why",
     "frequency": "linear.frequency", "ride": "rides.ride", "circles": "turns.circles", "compare": "pages.compare",
-    "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "linear.rider", "assist": "linear.assist",
-    "course": "rides.course",
+    "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "riders.rider", "assist": "riders.assist",
+    "course": "rides.course", "handling": "riders.handling", "play": "rides.play",
 }  # fmt: skip
 _HOME = {
     "Meijaard2007": "parameters",
@@ -39,4 +40,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """Public names alone."""
+    return sorted(__all__)

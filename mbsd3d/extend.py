@@ -31,7 +31,8 @@ NAMES = {
     "view.scene.camera": ("VIEW",),
     # commands of the command line, and demos
     "cli": ("main",),
-    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder"),
+    "cli.play": ("port_option",),
+    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder", "watch"),
     "demos.discovery": ("discover",),
     "demos.form": ("Ablation", "Against", "Curve", "Demo", "Measured", "Quantity", "require"),
     # the mechanism as data: what joints lower to, what forces and signals are made of
@@ -40,6 +41,10 @@ NAMES = {
     "mechanism.measures": ("Measure",),
     "mechanism.primitives": ("Coordinate", "Primitive"),
     "mechanism.signals": ("as_signal",),
+    # a model that is played: `play_model` takes a `Playable`
+    "api.playing": ("play_model",),
+    "run.playable": ("Built", "Control", "Panel", "Playable", "Seen"),
+    "view.play.play": ("Play",),
     "mechanism.signals.terms": ("POLYNOMIAL", "SINE", "evaluate"),
     # the equations at one state, plain and dense, and their derivatives
     "equations.compiled": ("compile_system", "new_data"),
@@ -67,3 +72,8 @@ def __getattr__(name: str) -> object:
         )
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    """Public names alone."""
+    return sorted(__all__)

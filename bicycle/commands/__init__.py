@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "stability": "stability", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
-    "frequency": "linear", "rider": "rider", "compare": "linear",
+    "frequency": "linear", "rider": "rider", "play": "play", "compare": "linear",
 }  # fmt: skip
 """Study -> module here that holds its command, in the order of a course."""
 
@@ -70,24 +70,8 @@ WORDS = {"none": None, "true": True, "false": False}
 """What stands for something else than a number in ``--tyre KEY=VALUE``."""
 
 
-def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
-    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``fittings`` for `whipple`; empty = ideal wheels."""
-
-    @wraps(function)
-    def with_fittings(
-        parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None, **rest: Any
-    ) -> None:  # fmt: skip
-        from ..model.tyres import TYPICAL, both
-        from ..parameters import fittings
-
-        found = fittings(parameters)
-        if changed or ((on_tyres or head) and not found):
-            changes = dict(tyre_number(text) for text in changed)
-            found["tyres"] = tuple({**one, **changes} for one in both(found.get("tyres", TYPICAL)))
-        if head:
-            found |= dict(zip(("head_stiffness", "head_damping"), head, strict=True))
-        function(parameters=parameters, fittings=found, **rest)
-
+def tyre_flags(function: Callable[..., None]) -> Callable[..., None]:
+    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``on_tyres``, ``changed`` and ``head`` for `fitted`."""
     soft = click.option(
         "--head", type=float, nargs=2, metavar="K C",
         help="Of a head tube that yields [N m/rad] [N m s/rad], e.g. 2000 2. Includes --tyres.",
@@ -97,7 +81,35 @@ def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
         help="A number of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; several times. Includes --tyres.",
     )  # fmt: skip
     usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
-    return usual(several(soft(with_fittings)))
+    return usual(several(soft(function)))
+
+
+def fitted(
+    parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None
+) -> dict[str, Any]:  # fmt: skip
+    """What `whipple` takes for a bicycle by `tyre_flags`; empty = ideal wheels. Published machines have their own."""
+    from ..model.tyres import TYPICAL, both
+    from ..parameters import fittings
+
+    found = fittings(parameters)
+    if changed or ((on_tyres or head) and not found):
+        changes = dict(tyre_number(text) for text in changed)
+        found["tyres"] = tuple({**one, **changes} for one in both(found.get("tyres", TYPICAL)))
+    if head:
+        found |= dict(zip(("head_stiffness", "head_damping"), head, strict=True))
+    return found
+
+
+def tyre_options(function: Callable[..., None]) -> Callable[..., None]:
+    """``[--tyres] [--tyre KEY=VALUE] [--head K C]``: ``fittings`` for `whipple`; empty = ideal wheels."""
+
+    @wraps(function)
+    def with_fittings(
+        parameters: "Parameters", on_tyres: bool, changed: tuple[str, ...], head: tuple[float, ...] | None, **rest: Any
+    ) -> None:  # fmt: skip
+        function(parameters=parameters, fittings=fitted(parameters, on_tyres, changed, head), **rest)
+
+    return tyre_flags(with_fittings)
 
 
 def tyre_number(text: str) -> tuple[str, float | bool | None]:

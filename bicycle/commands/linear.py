@@ -1,6 +1,7 @@
 """Commands on small motions about a straight run: sensitivity, why, frequency, compare."""
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,17 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, Failure, can_view, ready_folder
 
-from . import bicycle_argument, dark_option, out_option, report, saved, unphysical_option
+from . import (
+    bicycle_argument,
+    dark_option,
+    fitted,
+    out_option,
+    report,
+    saved,
+    tyre_flags,
+    tyre_options,
+    unphysical_option,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from ..linear.general import Build
@@ -144,23 +155,27 @@ def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str,
 @click.command()
 @bicycle_argument
 @click.option("--closed-form", is_flag=True, help="Do not confirm the ranges by the general model (faster).")
+@tyre_options
 @dark_option
 @out_option
-def why(parameters: "Parameters", closed_form: bool, dark: bool, out: str) -> None:
+def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], dark: bool, out: str) -> None:
     """Why it stays upright: spin, trail, masses taken away or moved, steering locked.
 
     Prints the self-stable ranges [m/s] of each variant and how fast it falls at one speed; writes a figure and a table
-    (.csv). The exit code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
+    (.csv). On tyres also what camber, trail, relaxation and stiffness of the tyres do, beside ideal wheels. The exit
+    code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
     """
     from ..linear.why import ablations, plot_ablations, to_csv
     from ..model.mechanism import whipple
 
     folder = ready_folder(out)
-    found = ablations(parameters, None if closed_form else whipple)
+    if closed_form and fittings:
+        raise Failure("--closed-form: the closed form has ideal wheels; leave out --tyres, --tyre and --head")
+    found = ablations(parameters, None if closed_form else whipple, **fittings)
     if not found.rows:
         raise Failure("interrupted before a variant was finished")
     click.echo(str(found))
-    target = folder / f"why_{parameters.name}"
+    target = folder / f"why_{parameters.name}{'_tyres' * bool(fittings)}"
     report(to_csv(found, target))
     if not found.missing:
         report(*saved(plot_ablations(found, dark=dark), target))
@@ -175,26 +190,32 @@ def why(parameters: "Parameters", closed_form: bool, dark: bool, out: str) -> No
 @click.option("--from", "low", type=float, default=0.1, show_default=True, help="Lowest frequency [rad/s].")
 @click.option("--to", "high", type=float, default=100.0, show_default=True, help="Highest frequency [rad/s].")
 @click.option("--count", type=click.IntRange(2, 100_000), default=301, show_default=True, help="Number of frequencies.")
+@tyre_options
 @dark_option
 @out_option
 def frequency(
-    parameters: "Parameters", speeds: tuple[float, ...], low: float, high: float, count: int, dark: bool, out: str
-) -> None:
+    parameters: "Parameters", speeds: tuple[float, ...], low: float, high: float, count: int, fittings: dict[str, Any],
+    dark: bool, out: str,
+) -> None:  # fmt: skip
     """Bode plot: lean and steer in response to lean and steer torque.
 
     From the general model at each speed. Writes a figure and a table (.csv). Dashed: the bicycle falls at this speed
-    if nobody steers. Next: mbsd3d bicycle ride
+    if nobody steers. On tyres, thin lines are those of ideal wheels. Next: mbsd3d bicycle ride
     """
     from ..linear.frequency import plot_response, response
+    from ..model.mechanism import whipple
 
     if not 0.0 < low < high < np.inf:
         raise Failure(f"--from {low:g} --to {high:g}: give frequencies in rad/s with 0 < from < to")
     folder = ready_folder(out)
-    found = response(parameters, speeds or (3.0, 5.0, 8.0), np.geomspace(low, high, count))
+    omega, speeds = np.geomspace(low, high, count), speeds or (3.0, 5.0, 8.0)
+    found = response(parameters, speeds, omega, **fittings)
+    ideal = partial(whipple, steer_damping=fittings.get("steer_damping", 0.0))
+    beside = response(parameters, speeds, omega, ideal) if fittings else None
     for v, growth in zip(found.speeds, found.growth, strict=True):
         click.echo(f"{v:g} m/s: {'falls' if growth > 0.0 else 'self-stable'}, growth {growth:.6g} 1/s")
-    target = folder / f"frequency_{parameters.name}"
-    report(*saved(plot_response(found, dark=dark), target), found.to_csv(target))
+    target = folder / f"frequency_{parameters.name}{'_tyres' * bool(fittings)}"
+    report(*saved(plot_response(found, beside=beside, dark=dark), target), found.to_csv(target))
 
 
 @click.command()
@@ -205,12 +226,16 @@ def frequency(
     help="How many, from the first on, get a page that shows their weave in motion (0.8 MB each).",
 )  # fmt: skip
 @unphysical_option
+@tyre_flags
 @out_option
-def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: bool, out: str) -> None:
+def compare(
+    bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: bool, on_tyres: bool, changed: tuple[str, ...],
+    head: tuple[float, ...] | None, out: str,
+) -> None:  # fmt: skip
     """Several bicycles on one page: critical speeds, dimensions, masses, eigenvalues, views.
 
     BICYCLES are names or parameter files (.txt, .yml); none = all published sets. Writes index.html, views and a table
-    (.csv) into the folder compare below --out.
+    (.csv) into the folder compare below --out. With --tyres also what ideal wheels leave out, as a figure.
     """
     from ..pages.compare import AGREES, check_names, chosen, entries, table, to_csv, write_page
     from ..parameters import names
@@ -224,7 +249,8 @@ def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     check_names(wanted)
     for reason in left_out:
         click.echo(f"mbsd3d: left out: {reason}", err=True)
-    found = entries(wanted)
+    grips = [fitted(p, on_tyres, changed, head) for p in wanted] if on_tyres or changed or head else None
+    found = entries(wanted, grips)
     if not found:
         raise Failure("interrupted before a bicycle was finished")
     click.echo(table(found))
@@ -232,6 +258,8 @@ def compare(bicycles: tuple[str, ...], only_list: bool, views: int, unphysical: 
     missing = len(wanted) - len(found)
     if not missing:
         report(write_page(folder, found, left_out=left_out, views=views))
+        for x in [x for x in found[: max(views, 1)] if x.fittings]:
+            report(*saved(x.left_out, folder / f"ideal_or_tyres_{x.parameters.name}"))
     end(f"{missing} bicycles" if missing else "", any(x.difference > AGREES for x in found))
 
 

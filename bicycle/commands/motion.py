@@ -59,6 +59,7 @@ def ride(
     arguments = chosen.arguments | {key: value for key, value in given.items() if value is not None}
     if arguments["speed"] == 0.0:
         raise InputError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
+    fittings = chosen.fittings(fittings)
     name = "_".join(
         [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *["tyres"] * bool(fittings)]
     )

@@ -3,16 +3,23 @@
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
+from mbsd3d.errors import InputError
 from mbsd3d.extend import ready_folder
 
 from . import bicycle_argument, dark_option, out_option, report, saved, tyre_options
 
 if TYPE_CHECKING:
     from ..parameters import Parameters
+    from ..riders.rider import Gains
 
 COURSE_NAMES = ("lane-change", "slalom")
 ASSIST = (0.0, -5.0, -10.0, -25.0, -50.0)
+ASSISTED = np.linspace(0.1, 15.0, 150)
+"""[m/s] Between two of which a limit of assist is sought."""
+SLOWEST, FASTEST, COUNT = 2.0, 12.0, 41
+"""[m/s] Of handling quality over the speed."""
 
 
 @click.command()
@@ -33,25 +40,44 @@ def rider(
     parameters: "Parameters", course: str, speed: float, gains: tuple[float, ...] | None, t_end: float,
     fittings: dict[str, Any], dark: bool, out: str,
 ) -> None:  # fmt: skip
-    """A rider who closes five loops: gains, factors of the closed loops, and a course in the nonlinear model.
+    """A rider who closes five loops: gains, handling quality over the speed, and a course in the nonlinear model.
 
-    Gains, factors and the self-stable speeds with roll-rate feedback (balance assist) are those of ideal wheels; with
-    --tyres the course is ridden on tyres. Writes a figure and a table (.csv). Next: mbsd3d bicycle ride
+    Gains, factors of the closed loops, handling quality, and the self-stable speeds with roll-rate feedback (balance
+    assist) are those of ideal wheels; with --tyres the course is ridden on tyres. Writes figures and tables (.csv) of
+    handling and course. Next: mbsd3d bicycle ride
     """
-    from ..linear.assist import roll_rate, stable_ranges
-    from ..linear.rider import LOOPS, Gains, eigenvalues, factors, gains_of
+    from ..riders import handling
+    from ..riders.assist import into_the_fall, regulator, roll_rate, stable_ranges
+    from ..riders.rider import LOOPS, Gains, eigenvalues, factors, gains_of
     from ..rides.course import COURSES, figure, run
 
     folder = ready_folder(out)
     given = Gains(*gains) if gains else gains_of(parameters, speed)
     for count, name in enumerate(LOOPS, 1):
         click.echo(f"{name:18} {given[count - 1]:10.5g}  {factors(eigenvalues(parameters, speed, given, count))}")
-    for k in ASSIST:
-        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, roll_rate(k))]
-        click.echo(f"roll-rate feedback {k:4g} N m s/rad: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
+    over = handling.study(parameters, np.linspace(SLOWEST, FASTEST, COUNT))
+    click.echo(f"{over}\n  with these gains at {speed:g} m/s: {quality(parameters, speed, given)}")
+    laws = {f"roll-rate feedback {k:4g} N m s/rad": roll_rate(k) for k in ASSIST}
+    laws |= {"steer into the fall, -20 N m/rad, -10 N m s/rad": into_the_fall(-20.0, -10.0)}
+    laws["linear-quadratic regulator"] = regulator(parameters)
+    for name, law in laws.items():
+        ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, law, ASSISTED)]
+        click.echo(f"{name}: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")
     found = run(parameters, COURSES[course], speed=speed, gains=given, t_end=t_end, **fittings)
     click.echo(str(found))
+    rated = folder / f"handling_{parameters.name}"
+    report(*saved(over.figure(dark=dark), rated), over.to_csv(rated))
     target = folder / f"{parameters.name}_{course}{'_tyres' * bool(fittings)}"
     report(*saved(figure(found, course.replace("-", " "), dark=dark), target), found.to_csv(target))
     if not found.ride.solution.certificate.passed:
         raise click.exceptions.Exit(1)
+
+
+def quality(parameters: "Parameters", speed: float, gains: "Gains") -> str:
+    """The peak of the metric as text, or why there is none."""
+    from ..riders.handling import peak
+
+    try:
+        return "{:.4g} at {:.4g} rad/s".format(*peak(parameters, speed, gains))
+    except InputError as error:
+        return str(error)

@@ -2,11 +2,13 @@
 
     x' = A x + B u,   H(omega) = C (i omega - A)^-1 B,   x = (lean, steer, rates),   u = (lean torque, steer torque)
 
-A comes from `mbsd3d.linearize`. Accelerations are affine in torques, so the columns of B are differences between the
-accelerations with a torque of 1 N m and without, exact to rounding. Positive to the right; the lean torque acts on the
-frame about the forward direction, the steer torque on the fork from the frame about the steer axis.
+A comes from `mbsd3d.linearize`; on tyres x has more states, see `bicycle.linear.tyre_equations`. Accelerations are
+affine in torques, so the columns of B are what the rates in x gain by the accelerations of 1 N m, exact to rounding.
+Positive to the right; the lean torque acts on the frame about the forward direction, the steer torque on the fork from
+the frame about the steer axis.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,15 +16,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mbsd3d import System, Torque, accelerations
+from mbsd3d import System, Torque, accelerations, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, RAISED, Theme, dress
+from mbsd3d.extend import LINE, RAISED, THIN, Measure, Theme, dress
 
-from ..model.mechanism import whipple
+from ..model.mechanism import outputs, whipple
+from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
 from .equations import canonical, checked_speeds
-from .general import Build, linearization
+from .general import Build
+from .tyre_equations import matrix, sideways
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,8 +63,9 @@ class Response:
 
 
 def response(
-    parameters: Parameters, speeds: ArrayLike, frequencies: ArrayLike | None = None, build: Build | None = whipple
-) -> Response:
+    parameters: Parameters, speeds: ArrayLike, frequencies: ArrayLike | None = None, build: Build | None = whipple, *,
+    tyres: Tyres | None = None, **fittings: float,
+) -> Response:  # fmt: skip
     """Response of lean and steer to lean and steer torque.
 
     Parameters
@@ -71,6 +76,10 @@ def response(
         omega > 0 [rad/s]; None = 0.1 ... 100 rad/s.
     build : callable or None
         The general model; None = closed form.
+    tyres : mapping, pair of them or None
+        As in `bicycle.whipple`; None = ideal wheels.
+    **fittings : float
+        Further arguments of `bicycle.whipple` for a bicycle on tyres, e.g. ``steer_damping``, ``head_stiffness``.
 
     Examples
     --------
@@ -83,10 +92,17 @@ def response(
     omega = np.logspace(-1.0, 2.0, 301) if frequencies is None else np.atleast_1d(np.asarray(frequencies, float))
     if omega.ndim != 1 or not omega.size or not (np.isfinite(omega) & (omega > 0.0)).all():
         raise InputError("response: frequencies: give one or more positive ones in rad/s")
+    if build is None and tyres is not None:
+        raise InputError("response: the closed form has ideal wheels; leave out tyres, or give a model")
+    if fittings and tyres is None:
+        raise InputError(f"response: {', '.join(fittings)} without tyres; give tyres, e.g. bicycle.TYPICAL")
     found, growth = [], []
-    for v in speeds:
-        A, B = closed_form(parameters, v) if build is None else model(build, parameters, v)
-        found.append(np.linalg.solve(1j * omega[:, None, None] * np.eye(4) - A, B.astype(complex))[:, :2])
+    for v in speeds.tolist():
+        if build is None:
+            A, B = closed_form(parameters, v)
+        else:
+            A, B = model(build(parameters, speed=v, **({"tyres": tyres} | fittings if tyres else {})), v)
+        found.append(np.linalg.solve(1j * omega[:, None, None] * np.eye(len(A)) - A, B.astype(complex))[:, :2])
         growth.append(np.linalg.eigvals(A).real.max())
     return Response(parameters, speeds, omega, np.array(found), np.array(growth))
 
@@ -97,32 +113,40 @@ def closed_form(parameters: Parameters, speed: float) -> tuple[np.ndarray, np.nd
     return linear.A(speed), np.vstack([np.zeros((2, 2)), np.linalg.inv(linear.M)])
 
 
-def model(build: Build, parameters: Parameters, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """A (4, 4) and B (4, 2) of the general model."""
-    linear = linearization(build, parameters, speed)
-    return linear.A, inputs(linear.system)
+def model(bicycle: System, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A (k, k) and B (k, 2) of a model that runs straight at a speed [m/s]."""
+    if any(force.name == "rear tyre" for force in bicycle.forces):
+        return matrix(bicycle, speed), inputs(bicycle, sideways(bicycle)[:-1])
+    seen = outputs(bicycle)
+    return linearize(bicycle, outputs=seen).A, inputs(bicycle, seen)
 
 
-def inputs(bicycle: System) -> np.ndarray:
-    """(4, 2) B: what 1 N m of lean torque and of steer torque adds to the accelerations of lean and steer."""
+def inputs(bicycle: System, seen: Sequence[Measure]) -> np.ndarray:
+    """(k, 2) B: what 1 N m of lean torque and of steer torque adds to the rates of measures (k,).
+
+    Those of places and deflections follow from the state, so only rates gain something; they are linear in velocities:
+    their own rates gain what they would show if the velocities were larger by the accelerations.
+    """
     frame, fork, steer = bicycle.part("frame"), bicycle.part("fork"), bicycle.part("steer", "joints")
     forward, down = np.array([1.0, 0.0, 0.0]), steer.axis
     torques = ([Torque(frame, forward)], [Torque(fork, down), Torque(frame, -down)])
+    start = bicycle.state()
 
-    def swing(forces: list[Torque]) -> np.ndarray:
-        """Accelerations of lean and steer [rad/s^2], upright and straight ahead."""
-        found = accelerations(replace(bicycle, forces=[*bicycle.forces, *forces]))
-        alpha = found.alpha(frame)[0]
-        return np.array([alpha @ forward, (found.alpha(fork)[0] - alpha) @ down])
+    def moved(forces: list[Torque]) -> np.ndarray:
+        """What the measures show with the accelerations under additional torques as further velocities."""
+        found = accelerations(replace(bicycle, forces=[*bicycle.forces, *forces]), start)
+        gain = [x for body in bicycle.bodies for x in (found.acceleration(body)[0], found.alpha(body)[0])]
+        faster = accelerations(bicycle, replace(start, v=start.v + np.concatenate(gain)))
+        return np.array([faster.measure(one)[0] for one in seen])
 
-    rest = swing([])
-    return np.vstack([np.zeros((2, 2)), np.array([swing(forces) - rest for forces in torques]).T])
+    rest = moved([])
+    return np.array([moved(forces) - rest for forces in torques]).T
 
 
-def plot_response(found: Response, *, dark: bool = False) -> "Figure":
+def plot_response(found: Response, *, beside: Response | None = None, dark: bool = False) -> "Figure":
     """Bode plot: magnitude and phase of lean and steer (rows) to lean and steer torque (columns), a line per speed.
 
-    Lines of speeds at which the bicycle falls are dashed.
+    Lines of speeds at which the bicycle falls are dashed. ``beside`` is drawn thin: ideal wheels beside tyres.
     """
     with new_figure(9.0, 9.0, dark) as (figure, look):
         panels = figure.subplots(4, 2, sharex=True, height_ratios=(1.5, 1.0, 1.5, 1.0))
@@ -130,6 +154,8 @@ def plot_response(found: Response, *, dark: bool = False) -> "Figure":
             size, phase = panels[2 * out : 2 * out + 2, given]
             for axes in (size, phase):
                 dress(axes, look)
+            if beside is not None:
+                draw_lines(size, phase, beside, beside.H[:, :, out, given], look, thin=True)
             draw_lines(size, phase, found, found.H[:, :, out, given], look)
             size.set_title(f"{found.outputs[out]} / {found.inputs[given]}")
         for out in (0, 1):
@@ -140,17 +166,21 @@ def plot_response(found: Response, *, dark: bool = False) -> "Figure":
         handles, names = panels[0, 0].get_legend_handles_labels()
         legend = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "labelcolor": look.ink}
         figure.legend(handles, names, **legend)
-        figure.suptitle(f"{found.parameters.name}: response of lean and steer to torques")
+        on = "" if beside is None else " on tyres (thin: on ideal wheels)"
+        figure.suptitle(f"{found.parameters.name}{on}: response of lean and steer to torques")
         figure.align_ylabels(panels[:, 0])
     return figure
 
 
-def draw_lines(size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme) -> None:
+def draw_lines(
+    size: "Axes", phase: "Axes", found: Response, H: np.ndarray, look: Theme, *, thin: bool = False
+) -> None:  # fmt: skip
     """Magnitude and phase of one output to one input, (speeds, frequencies)."""
     for k, (v, growth) in enumerate(zip(found.speeds, found.growth, strict=True)):
         falls = growth > 0.0
-        style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": LINE}
-        size.loglog(found.frequencies, np.abs(H[k]), label=f"{v:g} m/s{', falls' if falls else ''}", **style)
+        style = {"color": look.colour(k), "linestyle": "--" if falls else "-", "linewidth": THIN if thin else LINE}
+        label = f"{v:g} m/s{', falls' if falls else ''}"
+        size.loglog(found.frequencies, np.abs(H[k]), label="_" if thin else label, **style)
         degrees = np.degrees(np.unwrap(np.angle(H[k])))
         turns = np.round((degrees[0] - 10.0) / 360.0)  # begins in -170 ... 190: against the torque is 180 on both sides
         phase.semilogx(found.frequencies, degrees - 360.0 * turns, **style)

@@ -1,33 +1,33 @@
 """Small motions of a bicycle on tyres about a straight run: eigenvalues over the speed, critical speeds, a figure.
 
-Nine freedoms and four deflections have 22 eigenvalues; place and heading add zeros, and speeding up, bouncing and
-pitching go apart from what happens sideways. The states kept here are lean, steer and their rates, the speed to the
-left of the rear hub, the yaw rate, the sideways deflections of both tyres, and the twist of a head tube that yields.
+Nine freedoms and four deflections have 22 eigenvalues; those of what happens sideways are kept, see
+`bicycle.linear.tyre_equations`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, linear_sum_assignment
+from scipy.optimize import linear_sum_assignment
 
-from mbsd3d import Mode, System, linearize, measures
+from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Measure, dress
+from mbsd3d.extend import LINE, THIN, dress
 
-from ..model.mechanism import outputs
 from ..output import new_figure, write_table
 from ..parameters import Parameters, machines
+from .critical import Range
+from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, growth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Build = Callable[..., System]
-"""``build(parameters, speed=v)`` returns a bicycle on tyres that runs straight."""
+__all__ = ["TyreStability", "eigenvalues", "figure", "study"]
+
 ORDER = (
     "weave", "capsize", "castering", "wobble", "second wobble", "third wobble", "fourth wobble", "tyre decay",
     "second tyre decay", "third tyre decay", "fourth tyre decay",
@@ -35,17 +35,6 @@ ORDER = (
 TWIN = " (conjugate)"
 FOOT = 0.3048
 """[m]"""
-CLOSED = 1e-8
-"""How little the heading may matter, relative to the largest entry of A; rounding leaves 1e-13."""
-ROUNDING = 1e-6
-"""Of the equations of almost rigid tyres, of 1e6 times their load for a radian and relaxation within 0.01 mm."""
-
-
-class Limit(NamedTuple):
-    """A speed at which a straight run becomes stable or unstable."""
-
-    speed: float  # [m/s]
-    frequency: float  # [rad/s] of the mode that changes: 0 = capsize
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +46,7 @@ class TyreStability:
     speeds: np.ndarray  # (n,) [m/s]
     values: np.ndarray  # (n, k) complex eigenvalues [1/s]
     limits: tuple[Limit, ...]  # between the speeds
+    stable: tuple[Range, ...]  # self-stable, between the first and the last speed
     names: tuple[str, ...]
 
     @property
@@ -86,48 +76,11 @@ class TyreStability:
         return write_table(path, head, np.column_stack([self.speeds, self.values.view(float)]))
 
     def __str__(self) -> str:
-        edges = [self.speeds[0], *(at.speed for at in self.limits), self.speeds[-1]]
-        stable = [pair for pair in zip(edges, edges[1:], strict=False) if self.stable(*pair)]
-        ranges = ", ".join(f"{low:.6g} ... {high:.6g} m/s" for low, high in stable) or "nowhere"
-        lines = [f"self-stable between {edges[0]:g} and {edges[-1]:g} m/s: {ranges}"]
+        ranges = ", ".join(f"{low:.6g} ... {high:.6g} m/s" for low, high in self.stable) or "nowhere"
+        lines = [f"self-stable between {self.speeds[0]:g} and {self.speeds[-1]:g} m/s: {ranges}"]
         for at in self.limits:
             lines.append(f"  {at.speed:.6g} m/s: " + (f"{at.frequency:.5g} rad/s" if at.frequency else "capsize"))
         return "\n".join(lines)
-
-    def stable(self, low: float, high: float) -> bool:
-        """Whether it is self-stable between two neighbouring limits [m/s]."""
-        return bool(np.interp(0.5 * (low + high), self.speeds, self.growth) < 0.0)
-
-
-def sideways(system: System) -> list[Measure]:
-    """What is kept, with the heading last."""
-    rear = system.part("rear wheel")
-    tyres = [measures.state(system.part(f"{wheel} tyre", "forces"), "lateral") for wheel in ("rear", "front")]
-    twist = [joint for joint in system.joints if joint.name == "head twist"]
-    more = [of(joint) for joint in twist for of in (measures.angle, measures.rate)]
-    way = [measures.velocity(rear, axis=(0.0, 1.0, 0.0)), measures.heading_rate(system.part("frame"))]
-    return [*outputs(system), *way, *tyres, *more, measures.heading(system.part("frame"))]
-
-
-def matrix(system: System, speed: float) -> np.ndarray:
-    """(k, k) A of the sideways states of a straight run at a speed [m/s], in body axes.
-
-    The world's speed to the left is that over the bicycle and V heading: with it the heading drops out.
-    """
-    A = linearize(system, outputs=sideways(system), tolerance=ROUNDING).A
-    turned = np.eye(len(A))
-    turned[4, -1] = speed
-    A = np.linalg.solve(turned, A @ turned)
-    left = float(np.abs(A[:-1, -1]).max())
-    if left > CLOSED * np.abs(A).max():
-        raise InputError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
-    return A[:-1, :-1]
-
-
-def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:
-    """(n, k) complex eigenvalues [1/s] at speeds (n,) [m/s], by real part."""
-    found = [matrix(build(parameters, speed=v), v) for v in np.asarray(speeds, float).ravel().tolist()]
-    return np.array([np.sort_complex(np.linalg.eigvals(A)) for A in found])
 
 
 def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStability:
@@ -135,9 +88,13 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     speeds = np.unique(np.asarray(speeds, float))
     if speeds.size < 2:
         raise InputError("stability on tyres: give at least two different speeds, between which limits are sought")
-    found = [np.linalg.eig(matrix(build(parameters, speed=v), v)) for v in speeds.tolist()]
-    values, names = followed(found)
-    return TyreStability(build, parameters, speeds, values, limits(parameters, speeds, values, build), names)
+    linear = equations(build, parameters, speeds[-1]) if speeds[0] > 0.0 else SpeedBySpeed(build, parameters)
+    values, names = followed([np.linalg.eig(linear.A(v)) for v in speeds.tolist()])
+    limits = linear.limits(speeds)
+    edges = [speeds[0], *(at.speed for at in limits), speeds[-1]]
+    parts = [Range(float(low), float(high)) for low, high in zip(edges, edges[1:], strict=False)]
+    stable = tuple(part for part in parts if growth(linear.A(0.5 * (part.low + part.high))) < 0.0)
+    return TyreStability(build, parameters, speeds, values, limits, stable, names)
 
 
 def followed(found: list) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -171,20 +128,6 @@ def named(values: np.ndarray) -> list[str]:
     return names
 
 
-def limits(parameters: Parameters, speeds: np.ndarray, values: np.ndarray, build: Build) -> tuple[Limit, ...]:
-    """Where the largest growth changes sign between two of the speeds."""
-
-    def worst(v: float) -> complex:
-        s = np.linalg.eigvals(matrix(build(parameters, speed=v), v))
-        return s[np.argmax(s.real)]
-
-    growth, found = values.real.max(axis=1), []
-    for k in np.flatnonzero(np.diff(np.signbit(growth))):
-        v = brentq(lambda v: worst(v).real, speeds[k], speeds[k + 1], xtol=1e-10, rtol=1e-14)
-        found.append(Limit(float(v), float(abs(worst(v).imag))))
-    return tuple(found)
-
-
 def published(found: TyreStability, axes: "Sequence[Axes]", ink: str) -> None:
     """Printed eigenvalues of a published machine as points."""
     rows = np.array(machines().get(found.parameters.name, {}).get("printed", {"rows": []})["rows"])
@@ -200,13 +143,11 @@ def figure(found: TyreStability, *, dark: bool = False) -> "Figure":
     """Growth and frequency of the sideways modes over the speed."""
     with new_figure(9.2, 6.2, dark) as (sheet, look):
         growth, frequency = sheet.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
-        edges = [found.speeds[0], *(at.speed for at in found.limits), found.speeds[-1]]
         for axes in (growth, frequency):
             dress(axes, look)
             axes.margins(x=0.0)
-            for low, high in zip(edges, edges[1:], strict=False):
-                if found.stable(low, high):
-                    axes.axvspan(low, high, color=look.good, linewidth=0.0, zorder=0)
+            for part in found.stable:
+                axes.axvspan(*part, color=look.good, linewidth=0.0, zorder=0)
         shown = [k for k, name in enumerate(found.names) if not name.endswith(TWIN)]
         for number, k in enumerate(shown):
             style = {"color": look.colour(number), "linewidth": LINE}

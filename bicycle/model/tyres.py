@@ -45,8 +45,15 @@ def loads(p: Parameters) -> tuple[float, float]:
 def tyres_of(p: Parameters, bodies: Sequence[Body], tyres: Tyres) -> list[Tyre]:
     """Tyres on the rear and the front wheel; pressed by the weight they have the radius r and the crown t.
 
-    A tyre pressed by N/k runs like a rigid torus whose tube is as much thinner: its own is t + N/k.
+    A tyre pressed by N/k runs like a rigid torus whose tube is as much thinner: its own is t + N/k. A ValueError for
+    wheels without inertia about their axles, which nothing would hold back.
     """
+    light = [key for key in ("IRyy", "IFyy") if getattr(p, key) == 0.0]
+    if light:
+        raise InputError(
+            f"bicycle '{p.name}': {' and '.join(light)} = 0: on a tyre a wheel turns freely and needs inertia "
+            "about its axle; give it some, or leave out tyres"
+        )
     made = []
     for wheel, hub, load, given, part in zip((bodies[0], bodies[3]), hubs(p), loads(p), both(tyres), "RF", strict=True):
         given = {"stiffness": TYPICAL["stiffness"], **given}

@@ -3,29 +3,35 @@
 The page (``index.html``) needs no network; a few of the bicycles have a page of their own with the weave mode in motion
 (``views/``), about 0.8 MB each. Critical speeds are those of the closed form, confirmed by the general model; round
 tyres have the general model alone.
-
-`side_view` draws a bicycle to scale as a small SVG, from its parameters alone; colours are variables of the page. Frame
-and fork are uniform ellipsoids with their mass, centre of mass and inertia, so that one sees where the mass is.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import zip_longest
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, THIN, Progress, digits, dress, inline_svg, page_template, write_atomically
 
 from ..linear import critical, stability
-from ..linear.critical import CriticalSpeeds, critical_speeds
+from ..linear.critical import CriticalSpeeds, Range, critical_speeds
 from ..linear.general import eigenvalues
-from ..linear.why import plot_ranges
+from ..linear.tyre_equations import Affine, required_equations
+from ..linear.variants import NOWHERE, plot_ranges
 from ..model.mechanism import whipple
 from ..output import collected, new_figure, write_table
-from ..parameters import Meijaard2007, Parameters, entry_of, find, named, names
+from ..parameters import Meijaard2007, Parameters, entry_of, find, machines, named, names
+from . import ideal_or_tyres
+from .side_view import side_view
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TEMPLATES = Path(__file__).parent / "templates"
 FASTEST, LOWEST, HIGHEST = 12.0, -8.0, 6.0  # of the small figures: speed [m/s], growth [1/s]
@@ -39,6 +45,19 @@ class Entry:
     parameters: Parameters
     critical: CriticalSpeeds
     difference: float  # from the ranges of the general model [m/s], NaN for round tyres; infinite if not equally many
+    fittings: Mapping[str, Any] | None = None  # tyres and more of `bicycle.whipple`; None = only ideal wheels
+    on_tyres: Affine | None = None
+    problem: str = ""  # why it does not run on tyres
+
+    @cached_property
+    def left_out(self) -> "Figure":
+        """What ideal wheels leave out."""
+        return ideal_or_tyres.figure(self.parameters, self.fittings)
+
+    @cached_property
+    def gripping(self) -> list[Range] | None:
+        """Self-stable ranges on tyres; None if there are none to ask for."""
+        return None if self.on_tyres is None else self.on_tyres.stable()
 
     @property
     def height(self) -> float:
@@ -49,6 +68,8 @@ class Entry:
     @property
     def source(self) -> str:
         """Where the parameters were published, and whether with a rider."""
+        if self.parameters.name in machines():
+            return machines()[self.parameters.name]["source"]
         if self.parameters.name not in names():
             return "Meijaard et al. 2007, with rider" if self.parameters.name == "Meijaard2007" else ""
         entry = entry_of(self.parameters.name)
@@ -75,28 +96,42 @@ def file_of(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_.+-]+", "-", name).strip(".") + ".html"
 
 
-def entry(parameters: Parameters) -> Entry:
-    """Critical speeds of a bicycle, by closed form and general model."""
-    model = critical_speeds(parameters, whipple)
+def entry(parameters: Parameters, fittings: Mapping[str, Any] | None = None) -> Entry:
+    """Critical speeds of a bicycle, by closed form and general model; with tyres in ``fittings`` also on them."""
+    model, rest = critical_speeds(parameters, whipple), {}
+    if fittings:
+        try:
+            linear = required_equations(partial(whipple, **fittings), parameters)
+            rest = {"fittings": fittings, "on_tyres": linear}
+        except ValueError as error:
+            rest = {"problem": str(error)}
     if parameters.tR or parameters.tF:
-        return Entry(parameters, model, float("nan"))
+        return Entry(parameters, model, float("nan"), **rest)
     closed = critical_speeds(parameters)
-    return Entry(parameters, closed, critical.difference(closed.stable, model.stable))
+    return Entry(parameters, closed, critical.difference(closed.stable, model.stable), **rest)
 
 
-def entries(bicycles: Sequence[Parameters], *, progress: bool | None = None) -> list[Entry]:
-    """The entries of bicycles; after Ctrl-C those that were finished."""
-    return collected(f"{len(bicycles)} bicycles", map(entry, bicycles), len(bicycles), progress)
+def entries(
+    bicycles: Sequence[Parameters], fittings: Sequence[Mapping[str, Any]] | None = None, *,
+    progress: bool | None = None,
+) -> list[Entry]:  # fmt: skip
+    """The entries of bicycles, and of their tyres if there are fittings; after Ctrl-C those that were finished."""
+    found = map(entry, bicycles, fittings or [None] * len(bicycles))
+    return collected(f"{len(bicycles)} bicycles", found, len(bicycles), progress)
 
 
 def table(found: Sequence[Entry]) -> str:
     """Critical speeds as text."""
     wide = max(len(x.parameters.name) for x in found)
-    lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]"]
+    more = any(x.fittings or x.problem for x in found)
+    lines = [f"{'':{wide}}  {'weave':>8}  {'capsize':>8}  self-stable [m/s]" + "         on tyres" * more]
     for x in found:
         speeds = "  ".join(f"{v:8.4f}" if v > 0.0 else f"{'-':>8}" for v in (x.critical.weave, x.critical.capsize))
         doubt = "  NOT CONFIRMED by the general model" if x.difference > AGREES else ""
-        lines.append(f"{x.parameters.name:{wide}}  {speeds}  {critical.listed(x.critical.stable)}{doubt}")
+        grip = f"  not possible: {x.problem}" if x.problem else ""
+        grip = grip if x.gripping is None else f"  {critical.listed(x.gripping)}"
+        ideal = critical.listed(x.critical.stable)
+        lines.append(f"{x.parameters.name:{wide}}  {speeds}  {ideal if not grip else f'{ideal:24}'}{doubt}{grip}")
     return "\n".join(lines)
 
 
@@ -104,11 +139,12 @@ def to_csv(found: Sequence[Entry], path: str | Path) -> Path:
     """One row per bicycle, critical speeds and parameters; returns the file."""
     keys = list(found[0].parameters.values())
     head = ["bicycle", "weave [m/s]", "capsize [m/s]", "stable from [m/s]", "to [m/s]", "model differs by [m/s]", *keys]
-    rows = [
-        [x.parameters.name, x.critical.weave, x.critical.capsize, *part, x.difference, *x.parameters.values().values()]
-        for x in found
-        for part in x.critical.stable or [(float("nan"), float("nan"))]
-    ]
+    head[5:5] = ["on tyres from [m/s]", "on tyres to [m/s]"]
+    rows = []
+    for x in found:
+        numbers = x.difference, *x.parameters.values().values()
+        ranges = zip_longest(x.critical.stable or [NOWHERE], x.gripping or [NOWHERE], fillvalue=NOWHERE)
+        rows += [[x.parameters.name, x.critical.weave, x.critical.capsize, *a, *b, *numbers] for a, b in ranges]
     return write_table(path, head, rows)
 
 
@@ -150,9 +186,14 @@ def write_page(
             link = f"views/{x.file}" if x.file in shown else None
             cards.append((x, side_view(x.parameters), growth_svg(x, f"g{k}-"), link))
             bar.update(4 * len(shown) + k + 1)
-    ranges = plot_ranges([(x.parameters.name, x.critical.stable) for x in found], "Self-stable ranges")
+    ideal, tyred = [x.critical.stable for x in found], any(x.fittings or x.problem for x in found)
+    shown = [x.gripping if tyred else x.critical.stable for x in found]
+    bars = zip([x.parameters.name for x in found], shown, strict=True)
+    ranges = plot_ranges([*bars], "Self-stable ranges", beside=ideal if tyred else [])
+    figures = [inline_svg(x.left_out, f"t{k}-") for k, x in enumerate(found[: max(views, 1)]) if x.fittings]
     page = page_template("compare.html", TEMPLATES).render(
-        cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out,
+        cards=cards, ranges=Markup(inline_svg(ranges, "r-")), left_out=left_out, tyred=tyred,
+        figures=[Markup(x) for x in figures],
         difference=max((x.difference for x in found if not np.isnan(x.difference)), default=None), agrees=AGREES,
         once=[x.parameters.name for x in found if np.isnan(x.difference)], digits=digits, degrees=np.degrees,
     )  # fmt: skip
@@ -169,77 +210,23 @@ def write_view(folder: Path, x: Entry) -> Path:
 
 
 def growth_svg(x: Entry, prefix: str) -> Markup:
-    """Growth of the modes over the speed as a small figure; the self-stable ranges are shaded."""
+    """Growth of the modes over the speed as a small figure, on tyres where there are some; stable ranges are shaded."""
     speeds = np.linspace(0.0, FASTEST, 121)
     growth = np.sort(eigenvalues(whipple, x.parameters, speeds).real, axis=1)
+    stable = x.critical.stable if x.gripping is None else x.gripping
     with new_figure(3.4, 2.1) as (figure, look):
         axes = figure.subplots()
         dress(axes, look)
-        for part in x.critical.stable:
+        for part in stable:
             axes.axvspan(part.low, min(part.high, FASTEST), color=look.lines[4], alpha=0.35, linewidth=0.0)
         axes.axhline(0.0, color=look.ink, linewidth=THIN)
-        axes.plot(speeds, growth, color=look.lines[0], linewidth=LINE)
+        axes.plot(speeds, growth, color=look.muted if x.fittings or x.problem else look.lines[0], linewidth=LINE)
+        if x.on_tyres is not None:
+            values = [np.sort(np.linalg.eigvals(x.on_tyres.A(v)).real) for v in speeds[1:]]
+            axes.plot(speeds[1:], values, color=look.lines[0], linewidth=LINE)
         axes.set_xlim(0.0, FASTEST)
         axes.set_ylim(LOWEST, HIGHEST)
         axes.set_xlabel("speed [m/s]", fontsize=8)
         axes.set_ylabel("growth [1/s]", fontsize=8)
         axes.tick_params(labelsize=8)
     return Markup(inline_svg(figure, prefix))
-
-
-SCALE = 80.0  # units of the drawing per metre: all bicycles of a page have one scale
-LEFT, WIDTH, HEIGHT = 0.7, 2.5, 1.9  # [m] behind the rear contact, of all, above the ground
-MARGIN = 8.0  # below the ground
-
-
-def side_view(parameters: Parameters) -> Markup:
-    """SVG element, forward to the right: wheels, frame, fork, steer axis, trail, and ellipsoids of frame and fork."""
-    p = parameters
-
-    def at(x: float, z: float) -> str:
-        """Place of a point of the paper's axes, z down from the ground."""
-        return f"{SCALE * (LEFT + x):.1f} {SCALE * (HEIGHT + z):.1f}"
-
-    def line(kind: str, *points: tuple[float, float]) -> str:
-        return f'<path class="{kind}" d="M{"L".join(at(*point) for point in points)}"/>'
-
-    rear, front, tilt = (0.0, -p.rR), (p.w, -p.rF), np.tan(p.lam)
-    head = (p.w + p.c - 0.95 * tilt, -0.95) if p.lam < 1.0 else front
-    seat = (0.33 * p.w, -0.85)
-    body = line("ground", (-LEFT, 0.0), (WIDTH - LEFT, 0.0))
-    body += line("axis", head, (p.w + p.c, 0.0)) + line("trail", (p.w, 0.0), (p.w + p.c, 0.0))
-    body += ellipse(p, "B", "t0", at) + ellipse(p, "H", "t1", at)
-    body += line("tube", rear, seat, head, front) + line("tube", seat, (0.45 * p.w, -0.3), rear)
-    for (x, z), radius in ((rear, p.rR), (front, p.rF)):
-        cx, cy = at(x, z).split()
-        body += f'<circle class="wheel" cx="{cx}" cy="{cy}" r="{SCALE * radius:.1f}"/>'
-    label = escape(f"{p.name} from the side")
-    return Markup(
-        f'<svg viewBox="0 0 {SCALE * WIDTH:g} {SCALE * HEIGHT + MARGIN:g}" role="img" aria-label="{label}">{body}</svg>'
-    )
-
-
-def ellipse(p: Parameters, part: str, tint: str, at: Callable[[float, float], str]) -> str:
-    """The ellipsoid of a part seen from the side, with its centre of mass; nothing if it has no mass."""
-    mass = getattr(p, f"m{part}")
-    if mass == 0.0:
-        return ""
-    semi, turn = semi_axes(p.inertia(part), mass)
-    cx, cy = at(getattr(p, f"x{part}"), getattr(p, f"z{part}")).split()
-    a, b = np.maximum(SCALE * semi, 1.5)
-    shape = (
-        f'<ellipse class="mass {tint}" rx="{a:.1f}" ry="{b:.1f}" transform="translate({cx} {cy}) rotate({turn:.1f})"/>'
-    )
-    return f'{shape}<circle class="centre {tint}" cx="{cx}" cy="{cy}" r="2.6"/>'
-
-
-def semi_axes(inertia: np.ndarray, mass: float) -> tuple[np.ndarray, float]:
-    """(2,) semi-axes [m] of the uniform ellipsoid in the plane of x and z, and the turn of the first from x to z [deg].
-
-    Negative second moments, which only impossible inertias have, are drawn as zero.
-    """
-    Ixx, Iyy, Izz, Ixz = inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 2]
-    moments = np.array([[Iyy + Izz - Ixx, -2.0 * Ixz], [-2.0 * Ixz, Ixx + Iyy - Izz]]) / 2.0
-    values, vectors = np.linalg.eigh(moments)
-    turn = np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0]))
-    return np.sqrt(5.0 * np.maximum(values, 0.0) / mass), float(turn)

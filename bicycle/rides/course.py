@@ -9,12 +9,12 @@ import numpy as np
 from mbsd3d import CustomForce
 from mbsd3d.extend import LINE, dress, number
 
-from ..linear.rider import MUSCLES, Gains, gains_of
 from ..model.kinematics import steer_axis
 from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
+from ..riders.rider import MUSCLES, Gains, gains_of
 from .manoeuvres import FALLEN
 from .motion import Ride, legend_above, lines, on_tyres
 from .ride import ended

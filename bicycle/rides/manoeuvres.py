@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import Pulse, Signal
+from mbsd3d import Pulse, Signal, Sine
+
+from ..model.tyres import TYPICAL, both
 
 FALLEN = np.radians(60.0)  # Default tilt of the frame at which a ride ends [rad]
 
@@ -20,13 +22,22 @@ class Manoeuvre:
     speed: float  # [m/s]
     t_end: float = 20.0  # [s]
     start: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))  # lean, steer, rates [rad, rad/s]
-    torque: Signal | float = 0.0  # as in `bicycle.ride.run` [N m]
-    push: Signal | float = 0.0  # [N]
+    loads: Mapping[str, Signal | float] = field(
+        default_factory=lambda: MappingProxyType({})
+    )  # torque, push, drive, ...
+    tyres: Mapping[str, Any] | None = None  # what the tyres have instead of their usual numbers; None = any wheels
 
     @property
     def arguments(self) -> dict[str, Any]:
         """Keyword arguments of `bicycle.ride.run`."""
-        return {"t_end": self.t_end, "speed": self.speed, "torque": self.torque, "push": self.push, **self.start}
+        return {"t_end": self.t_end, "speed": self.speed, **self.start, **self.loads, **self.fittings({})}
+
+    def fittings(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Further arguments of `bicycle.whipple`: those given, with what the manoeuvre does to the tyres."""
+        if self.tyres is None:
+            return dict(given)
+        pair = both(given.get("tyres", TYPICAL))
+        return {**given, "tyres": tuple({**one, **self.tyres} for one in pair)}
 
 
 def rolled(speed: float, rate: float) -> Manoeuvre:
@@ -39,17 +50,32 @@ MANOEUVRES: Mapping[str, Manoeuvre] = MappingProxyType({
     "M2": rolled(4.6, 0.5),
     "M3": rolled(8.0, 0.05),
     "push": Manoeuvre(
-        "Push to the right on frame and rider, 10 N s", 5.0, 10.0, push=Pulse(40.0, start=0.5, edge=0.05, duration=0.3)
+        "Push to the right on frame and rider, 10 N s", 5.0, 10.0,
+        loads={"push": Pulse(40.0, start=0.5, edge=0.05, duration=0.3)},
     ),
     "pulse": Manoeuvre(
         "Pulse of steer torque to the right, 0.5 N m for 0.5 s", 5.0, 10.0,
-        torque=Pulse(0.5, start=0.5, edge=0.1, duration=0.6),
+        loads={"torque": Pulse(0.5, start=0.5, edge=0.1, duration=0.6)},
     ),
     "countersteer": Manoeuvre(
-        "Counter-steering: steer torque to the right from 0.5 s on", 5.0, 20.0, torque=Pulse(0.1, start=0.5, edge=0.1)
+        "Counter-steering: steer torque to the right from 0.5 s on", 5.0, 20.0,
+        loads={"torque": Pulse(0.1, start=0.5, edge=0.1)},
     ),
     "circle": Manoeuvre(
-        "Steer torque of 0.1 N m to the left until the circle is steady", 5.0, 60.0, torque=Pulse(-0.1, 0.0, 2.0)
+        "Steer torque of 0.1 N m to the left until the circle is steady", 5.0, 60.0,
+        loads={"torque": Pulse(-0.1, 0.0, 2.0)},
+    ),
+    "pedal": Manoeuvre(
+        "Pedalling against the air, up to the speed it allows", 4.5, 60.0,
+        loads={"drive": 6.0 + Sine(4.0, frequency=2.4), "drag": 0.6},
+    ),
+    "brake": Manoeuvre(
+        "Front brake up to 300 N m, on tyres: the rear wheel lifts", 8.0, 0.85,
+        loads={"brake": Pulse(300.0, start=0.1, edge=0.2, duration=0.6)}, tyres={},
+    ),
+    "wet": Manoeuvre(
+        "A wet patch in a curve, on tyres: grip falls from 0.9 to 0.05", 6.0, 4.0,
+        {"lean": 0.25, "steer": 0.1}, tyres={"mu": 0.9 - Pulse(0.85, start=0.8, edge=0.05, duration=3.0)},
     ),
     "slow": Manoeuvre("Below the weave speed: it weaves until a wheel lifts", 2.0, 10.0, {"lean_rate": 0.05}),
 })  # fmt: skip

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 WHEELS = ("rear", "front")
 NO_ROAD = 2.0  # Coefficient of friction that no tyre reaches on any road
+CHANGING = 0.1  # share of the speed from which on its change is drawn, instead of the yaw rate
 SLENDER = 6.0  # length over width from which on the tracks are not drawn to scale
 LABELS = {
     "angles": "angle, right > 0 [°]",
@@ -134,7 +135,17 @@ class Ride:
     @property
     def speed(self) -> np.ndarray:
         """Radius times rate of the rear hub [m/s]: speed of the contact point of a knife-edge wheel."""
-        return self.parameters.rR * self.solution.rate("rear hub")
+        return self.rolling("rear")
+
+    def rolling(self, wheel: str) -> np.ndarray:
+        """Radius times rate of the hub of the "rear" or "front" wheel [m/s]; 0 where it is locked."""
+        radius = self.parameters.rR if wheel == "rear" else self.parameters.rF
+        return radius * self.solution.rate(f"{wheel} hub")
+
+    @property
+    def advance(self) -> np.ndarray:
+        """Speed of the rear hub along the heading [m/s]."""
+        return np.sum(self.solution.velocity("frame") * self.ahead(self.axle), axis=1)
 
     @staticmethod
     def ahead(axle: np.ndarray) -> np.ndarray:
@@ -211,13 +222,18 @@ def plot_ride(ride: Ride, title: str | None = None, *, dark: bool = False) -> "F
         for one in axes.values():
             dress(one, look)
         lines(axes["angles"], ride.t, {"lean": np.degrees(ride.lean), "steer": np.degrees(ride.steer)}, look)
-        lines(axes["rates"], ride.t, {"yaw rate": np.degrees(ride.yaw_rate)}, look)
+        hubs, label = {wheel: ride.rolling(wheel) for wheel in WHEELS}, LABELS["rates"]
+        if max(np.ptp(speed) for speed in hubs.values()) > CHANGING * abs(ride.speed[0]):
+            lines(axes["rates"], ride.t, {"way": ride.advance, **hubs}, look)
+            label = "speed of way and wheels [m/s]"
+        else:
+            lines(axes["rates"], ride.t, {"yaw rate": np.degrees(ride.yaw_rate)}, look)
         lines(axes["loads"], ride.t, {wheel: contact.normal for wheel, contact in ride.contacts.items()}, look)
         friction = {wheel: contact.friction for wheel, contact in ride.contacts.items()}
         lines(axes["friction"], ride.t, friction, look)
         axes["friction"].set_ylim(0.0, min(1.05 * ride.friction, NO_ROAD) or 1.0)
-        for name, label in LABELS.items():
-            axes[name].set_ylabel(label)
+        for name, text in {**LABELS, "rates": label}.items():
+            axes[name].set_ylabel(text)
             axes[name].set_xlabel("time [s]")
         way(axes["way"], ride, look)
         figure.suptitle(f"{ride.parameters.name}: {title}" if title else ride.parameters.name, fontweight="bold")
@@ -234,7 +250,7 @@ def lines(axes: "Axes", t: np.ndarray, values: dict[str, np.ndarray], look: Them
 
 def legend_above(axes: "Axes", look: Theme) -> None:
     """Names of the lines, above the axes."""
-    axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    axes.legend(frameon=False, labelcolor=look.ink, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
 def way(axes: "Axes", ride: Ride, look: Theme) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
+from mbsd3d import AeroDrag, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal, number
 
@@ -32,6 +32,7 @@ def run(
     push: Signal | float = 0.0,
     drive: Signal | float = 0.0,
     brake: Signal | float = 0.0,
+    drag: float = 0.0,
     tyres: Tyres | None = None,
     steer_damping: float = 0.0,
     head_stiffness: float | None = None,
@@ -56,6 +57,8 @@ def run(
         Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
     drive, brake : Signal or float
         Torque on the rear wheel, ahead > 0, and on the front wheel against rolling > 0 [N m]; frame and fork bear them.
+    drag : float
+        c_d A of frame and rider in still air of 1.225 kg/m^3 [m^2], at their centre of mass; a rider has about 0.6.
     tyres, steer_damping, head_stiffness, head_damping
         As in `whipple`. Tyres slide and leave the ground: only a fall ends such a ride.
     fallen : float
@@ -98,7 +101,7 @@ def run(
     }
     begin |= {"tyres": tyres, "steer_damping": steer_damping}
     begin |= {"head_stiffness": head_stiffness, "head_damping": head_damping}
-    system = ridden(parameters, torque, push, drive, brake, **begin)
+    system = ridden(parameters, torque, push, drive, brake, drag, **begin)
     held_down = held_down or on_tyres(system)
     start = system.state()
     check_start(parameters, Ride(parameters, accelerations(system, start)), limit, held_down)
@@ -132,6 +135,7 @@ def ridden(
     push: Signal | float,
     drive: Signal | float = 0.0,
     brake: Signal | float = 0.0,
+    drag: float = 0.0,
     **start: Any,
 ) -> Bicycle:
     """The bicycle with the loads of a ride, at its start."""
@@ -143,6 +147,8 @@ def ridden(
         forces += axle_torque(system, "rear wheel", "frame", as_signal(drive, "ride: drive"), "drive")
     if brake:
         forces += axle_torque(system, "front wheel", "fork", -1.0 * as_signal(brake, "ride: brake"), "brake")
+    if drag:
+        forces.append(AeroDrag(system.part("frame"), drag_area=drag, name="drag"))
     if push:
         sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
         forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))

@@ -4,12 +4,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import root
 
-from mbsd3d import Solution, State, accelerations
+from mbsd3d import Solution, State, accelerations, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, as_quaternion, as_signal, cross, dress, number
 
@@ -18,6 +18,7 @@ from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
+from ..rides.motion import Ride
 from ..rides.ride import axle_torque
 from .turning import Turn
 
@@ -28,6 +29,7 @@ SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.0
 """Of the unknowns: steer, pitch and height of the rear hub over those of ideal wheels, its speed to the left, yaw rate,
 spins of the wheels over frame and fork, steer and drive torque, deflections of the tyres."""
 STEP = 0.1  # [rad] of lean from one turn to the next
+HALVED = 5
 STEADY = 1e-8
 """Largest acceleration left over [m/s^2, rad/s^2], and rate of a deflection; rounding leaves 1e-12."""
 
@@ -36,9 +38,12 @@ STEADY = 1e-8
 class TyreTurn:
     """A steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
+    parameters: Parameters
     speed: float  # [m/s] of the rear hub, ahead
     lean: float  # [rad]
     x: np.ndarray  # (13,) the unknowns as solved, see `SIZES`
+    system: Bicycle  # under the torques that hold it
+    state: State
     at: Solution  # one sample: ``.force("rear tyre")`` and so on
 
     @property
@@ -70,6 +75,17 @@ class TyreTurn:
     def saturation(self) -> float:
         """The larger part of the grip that a tyre uses."""
         return max(float(self.at.force(f"{wheel} tyre").saturation[0]) for wheel in ("rear", "front"))
+
+    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
+        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
+        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
+        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
+
+    @property
+    def friction(self) -> float:
+        """The larger horizontal force of a wheel over its load."""
+        loads = [self.at.force(f"{wheel} tyre") for wheel in ("rear", "front")]
+        return max(float(np.hypot(x.longitudinal[0], x.lateral[0]) / x.normal[0]) for x in loads)
 
     def columns(self) -> dict[str, float]:
         """The line of the table that `to_csv` writes."""
@@ -106,9 +122,11 @@ class Balance:
         v = [v_r, turn + x[5] * axle_r, v_r, turn, v_f, turn, v_f, turn + x[6] * axle_f]
         return State(0.0, q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), axle_r, axle_f
 
-    def sample(self, x: np.ndarray) -> Solution:
-        """Everything about the turn, under its torques but for accelerations."""
-        return accelerations(self.systems[0], self.state(x)[0])
+    def held(self, x: np.ndarray) -> Bicycle:
+        """The bicycle under the torques of the unknowns."""
+        free, p = self.systems[0], self.parameters
+        drive = axle_torque(free, "rear wheel", "frame", as_signal(float(x[8]), "drive"), "drive")
+        return replace(free, forces=[*free.forces, *steer_torque(free, p, float(x[7])), *drive])
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """(13,) accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections."""
@@ -178,7 +196,9 @@ def turn(
             f"{what}: none at {speed:g} m/s and a lean of {lean:.4g} rad ({left:.2g} m/s^2 are left over); give a "
             "smaller lean, or a turn near it"
         )
-    return TyreTurn(speed, lean, SIZES * found.x, balance.sample(SIZES * found.x))
+    x = SIZES * found.x
+    system, state = balance.held(x), balance.state(x)[0]
+    return TyreTurn(parameters, speed, lean, x, system, state, accelerations(system, state))
 
 
 def guess(p: Parameters, system: Bicycle, speed: float, lean: float) -> np.ndarray:
@@ -191,7 +211,10 @@ def guess(p: Parameters, system: Bicycle, speed: float, lean: float) -> np.ndarr
 
 
 def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[float]) -> list[TyreTurn]:
-    """Turns at rising leans [rad], each sought near the one before, until none is left: the limit of grip."""
+    """Turns at rising leans [rad], each sought near the one before, until none is left: the limit of grip.
+
+    Between the last lean that has a turn and the first that has none the limit is halved in `HALVED` times.
+    """
     found: list[TyreTurn] = []
     for lean in leans:
         try:
@@ -199,8 +222,20 @@ def turns(parameters: Parameters, tyres: Tyres, speed: float, leans: Iterable[fl
         except ValueError:
             if not found:
                 raise
-            break
+            return found + up_to_the_limit(parameters, tyres, found[-1], float(lean))
     return found
+
+
+def up_to_the_limit(parameters: Parameters, tyres: Tyres, last: TyreTurn, beyond: float) -> list[TyreTurn]:
+    """Turns between one that there is and a lean [rad] at which there is none."""
+    found = [last]
+    for _ in range(HALVED):
+        lean = 0.5 * (found[-1].lean + beyond)
+        try:
+            found.append(turn(parameters, tyres, speed=last.speed, lean=lean, near=found[-1]))
+        except ValueError:
+            beyond = lean
+    return found[1:]
 
 
 def to_csv(found: Iterable[TyreTurn], path: str | Path) -> Path:

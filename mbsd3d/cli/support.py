@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..base.errors import CONTROL
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
 from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
@@ -17,7 +18,7 @@ from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
 if TYPE_CHECKING:
     from ..api.solution import Solution
     from ..api.system import System
-    from ..view.page.live import LiveView
+    from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
 
@@ -34,8 +35,9 @@ class Failure(click.ClickException):
     exit_code = 2
 
     def show(self, file: Any = None) -> None:
-        """One line."""
-        click.echo(f"mbsd3d: {' '.join(self.message.split())}", err=True)
+        """One line; of what a file or a path holds, a terminal is told nothing but letters."""
+        line = CONTROL.sub("?", " ".join(self.message.split()))
+        click.echo(f"mbsd3d: {line}", err=True)
 
 
 class Commands(click.Group):
@@ -152,8 +154,8 @@ def can_view(needed: bool = False) -> bool:
     return True
 
 
-def watch(view: "LiveView") -> None:
-    """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
+def watch(view: "Served") -> None:
+    """Print the address of what is served, open a browser if possible, and wait for Ctrl-C."""
     if Heartbeat.on is not None:
         Heartbeat.on.end()
     with view:

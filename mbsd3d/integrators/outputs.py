@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.jit import inner_kernel, kernel
+from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -220,7 +220,7 @@ def missing_time(m, d, run, h, t):
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
-@inner_kernel
+@merged_kernel
 def land(m, d, s, own, run, h, x, advance_to):
     """(RUNNING, time) with the state where the condition comes true in trial, near x after the start of the step.
 
@@ -266,7 +266,7 @@ def along_cubic(m, d, s, own, run, t, x, h):
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION
 
 
-@inner_kernel
+@merged_kernel
 def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.task.condition >= 0

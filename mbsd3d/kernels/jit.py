@@ -100,13 +100,14 @@ def count_kernels(part: str, ended: threading.Event) -> None:
 
 
 def compiled(
-    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, apart: bool = False
-) -> Callable:
+    function: Callable, counting: bool = False, from_python: bool = True, fused: bool = False, merged: bool = False,
+    apart: bool = False,
+) -> Callable:  # fmt: skip
     """Compile in nopython mode, kept on disk under a digest of every kernel source that it may use."""
     made = numba.njit(
         error_model="numpy", nogil=True, _nrt=counting, no_cfunc_wrapper=True,
         no_cpython_wrapper=not from_python, fastmath={"contract", "reassoc", "nsz"} if fused else False,
-        forceinline=fused,
+        forceinline=fused, inline="always" if merged else "never",
     )(function)  # fmt: skip
     below = function.__module__.startswith(PACKAGE.name) and INTEGRATORS not in function.__module__
     return keep_code(made, EQUATIONS if below else CACHE, apart)
@@ -132,6 +133,14 @@ def fused_kernel(function: Callable) -> Callable:
     Merged into its callers by LLVM.
     """
     return compiled(function, from_python=numba.config.DISABLE_JIT, fused=True)
+
+
+def merged_kernel(function: Callable) -> Callable:
+    """An inner kernel that takes others as arguments: it becomes part of its caller before anything is compiled.
+
+    On disk nothing can be found by the address of a function.
+    """
+    return compiled(function, from_python=numba.config.DISABLE_JIT, merged=True)
 
 
 def allocating_kernel(function: Callable) -> Callable:

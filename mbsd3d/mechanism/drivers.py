@@ -205,6 +205,8 @@ class SpeedDriver(Driver):
                 f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "
                 "SpeedDriver(a, b, at=..., direction=..., speed=) in m/s"
             )
+        if slide is not None and slide.kind != "slide":
+            raise InputError(f"{what}: '{joint.name}' leads along a curve; give a SlideDriver with Ramp(speed)")
         x = turn or slide
         self.set(a=x.a, b=x.b, axis=x.axis if turn else None)
         if slide:

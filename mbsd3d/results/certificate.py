@@ -20,7 +20,7 @@ from .run_samples import RunSamples
 
 USEFUL = 1e-2  # model lengths or radians: a motion further off than a hundredth is of no use, whatever was asked for
 ADDED = 1e3  # times rtol is what local errors may add up to over a run
-PASSED, LET_GO = 1e-4, 1e-6  # pivot of a singular position; how far accelerations there may miss the rows let go
+PASSED, MAY_MISS = 1e-4, 1e-6  # pivot of a singular position; how far accelerations there may miss the rows let go
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
 
@@ -159,6 +159,7 @@ def notes(solution: RunSamples) -> tuple[str, ...]:
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         found.append("the run passes a singular position; it goes on along the tangent of the motion")
+    found += [text for joint in solution.system.joints for text in joint.notes(solution)]
     return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
 
 
@@ -268,12 +269,12 @@ def equation_checks(solution: RunSamples) -> list[Check]:
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), 1e-8, meaning)]
     if model.row.size:
         defect = np.zeros(t.size)
-        row_defects(model, data, t, arrays["state"], arrays["acceleration"], defect)
+        row_defects(model, data, t, arrays["state"], coordinates, arrays["acceleration"], defect)
         error, tolerance = largest(defect) * model.length / scale.acceleration, max(1e-8, solution.record.tolerance)
         if solution.record.switches.stabilisation == "baumgarte":  # it corrects accelerations by what the joints gape
             tolerance = max(tolerance, drift_limit(solution.record))
         if solution.record.nearest < PASSED:
-            tolerance = max(tolerance, LET_GO)
+            tolerance = max(tolerance, MAY_MISS)
         limit = max(tolerance, min(rounding_of_turning(solution, scale), 1e-5))
         checks.append(Check("acceleration rows", error, limit, "accelerations tear the joints apart"))
     return checks

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from bicycle import Meijaard2007, named, on_tyres, ride, stability, whipple
+from bicycle.linear import tyre_equations
 from bicycle.parameters import fittings, machines
 from bicycle.turns import on_tyres as turns_on_tyres
 from mbsd3d import Pulse, simulate
@@ -53,6 +54,42 @@ def test_stable_range_of_an_independent_program(k):
     wanted = row["stability_limits"]
     assert [at.speed for at in found.limits] == pytest.approx([at["v"] for at in wanted], rel=1e-9)
     assert [at.frequency for at in found.limits] == pytest.approx([at["omega"] for at in wanted], abs=1e-7)
+
+
+@pytest.mark.parametrize("k", [3, 4])
+def test_ranges_without_a_grid(k):
+    """The pencils find the limits of the independent program, of all speeds at once."""
+    row = TRUTHS["straight_running"]["rows"][k]
+    tyres, crown = numbers(row["tyre"])
+    linear = tyre_equations.required_equations(partial(whipple, tyres=tyres), replace(P, tR=crown, tF=crown))
+    (found,) = linear.stable()
+    assert found == pytest.approx([at["v"] for at in row["stability_limits"]], rel=1e-9)
+
+
+def test_equations_are_affine_in_the_speed_unless_something_fades():
+    """A motorcycle too; damping of a tyre at rest fades with speed, so its limits lie between speeds of a grid."""
+    p, v = named("Sharp1971"), 37.3
+    build = partial(whipple, **fittings(p))
+    found = tyre_equations.required_equations(build, p).A(v)
+    assert found == pytest.approx(tyre_equations.matrix(build(p, speed=v), v), abs=1e-12 * np.abs(found).max())
+    parked = BRUSH | {"standing_damping": 0.5}
+    with pytest.raises(ValueError, match="leave out standing_damping"):
+        tyre_equations.required_equations(partial(whipple, tyres=parked), P)
+    limits = stability.study(P, np.linspace(4.0, 8.0, 4), tyres=parked).limits
+    assert [at.speed for at in limits] == pytest.approx([4.49779, 6.84322], abs=2e-2)  # 1/(1 + (V/V0)^2) = 5e-4
+
+
+def test_pairs_of_eigenvalues_that_sum_to_zero():
+    """Also where the range is a millimetre per second wide."""
+    A = np.random.default_rng(5).normal(size=(5, 5))
+    values = np.linalg.eigvals(A)
+    sums = [values[i] + values[j] for i in range(5) for j in range(i)]
+    assert np.poly(tyre_equations.pair_sums(A)) == pytest.approx(np.poly(sums).real, rel=1e-10)
+    swings = tyre_equations.Affine(np.array([[-2.0, 3.0], [-3.0, 3.0]]), np.diag([0.0, -1.0]))  # 1 - v, 3 + 2 v
+    assert swings.stable() == [pytest.approx((1.0, np.inf))] and swings.limits(np.array([1.5, 9.0])) == ()
+    assert swings.limits(np.array([0.5, 9.0])) == (pytest.approx((1.0, np.sqrt(5.0))),)
+    narrow = tyre_equations.Affine(np.diag([-2.0, 1.999]), np.diag([1.0, -1.0]))  # -2 + v and 1.999 - v
+    assert narrow.stable() == [pytest.approx((1.999, 2.0))]
 
 
 def test_stiff_tyres_are_ideal_wheels():
@@ -181,12 +218,19 @@ def test_steady_turns_of_an_independent_program(row):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_turns_end_at_the_limit_of_grip(tmp_path):
-    found = turns_on_tyres.turns(P, BRUSH, 8.0, np.arange(0.1, 1.3, 0.1))
-    assert 0.9 < found[-1].saturation < 1.0 and found[-1].lean < np.arctan(0.9)
+    """And the bicycle rides the whole circle there."""
+    found = turns_on_tyres.turns(P, BRUSH, 5.0, np.arange(0.1, 1.3, 0.1))
+    assert 0.99 < found[-1].saturation < 1.0 and 0.89 < found[-1].friction < 0.9
+    assert found[-1].lean < np.arctan(0.9)
+    circle = found[-1].ride(rtol=1e-10)
+    way = circle.solution.position("rear wheel")
+    assert np.linalg.norm(way[-1] - way[0]) < 1e-6  # of a radius of 2.6 m
+    assert np.ptp(circle.lean) < 1e-6 and circle.solution.certificate.passed
     out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
-    assert done.exit_code == 0 and "5 m/s: up to a lean of 14.3°" in done.output
+    assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
 
 
 def test_a_stiff_head_is_a_rigid_one():

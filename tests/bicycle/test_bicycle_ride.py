@@ -281,6 +281,20 @@ def test_every_manoeuvre_has_its_own_numbers():
         assert MANOEUVRES[name].start == {"lean_rate": numbers["roll_rate0"]}
 
 
+def test_a_rider_pedals_up_to_the_speed_that_the_air_allows():
+    """m v' = M/r - rho c_d A v^2/2 in the mean: v = V tanh(t F/(m V) + ...); strokes of the pedals hardly show."""
+    found = ride.run(BENCHMARK, **MANOEUVRES["pedal"].arguments, output=6001)
+    p, force = BENCHMARK, 6.0 / BENCHMARK.rR
+    mass, limit = p.mass + p.IRyy / p.rR**2 + p.IFyy / p.rF**2, np.sqrt(2.0 * force / (1.225 * 0.6))
+    known = limit * np.tanh(np.arctanh(4.5 / limit) + found.t * force / (mass * limit))
+    assert np.abs(found.advance - known).max() < 2.1 * 4.0 / p.rR / mass / (2.0 * np.pi * 2.4)  # 1 - cos of a stroke
+    assert found.advance == pytest.approx(found.rolling("front"), rel=1e-9)
+    assert np.degrees(np.abs(found.lean).max()) < 1e-6 and found.solution.certificate.passed
+    assert {force.name for force in found.solution.system.forces} >= {"drag", "drive torque on rear wheel"}
+    work = found.solution.energy().work  # of pedals and air, and nothing else changes the energy
+    assert found.energy_drift < 1e-9 and work[-1] > 0.0
+
+
 def test_examples():
     result = doctest.testmod(ride)
     assert result.attempted and not result.failed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from bicycle import Meijaard2007, assist, course, named, rider, tyres
+from bicycle import Meijaard2007, assist, course, handling, named, rider, tyres
 from bicycle.linear.general import linearization
 from bicycle.model.mechanism import Bicycle, whipple
 from bicycle.parameters import fittings
@@ -60,6 +60,30 @@ def test_rule_of_the_inner_loops(name, row):
     assert found.steer == pytest.approx(row["gains"][0], rel=0.06)
     assert found.roll_rate == pytest.approx(row["gains"][1], rel=0.2)
     assert rider.eigenvalues(named(BICYCLES[name]), row["v"], found).real.max() < 0.0
+
+
+@pytest.mark.parametrize("k", range(4))
+def test_handling_quality(k):
+    """Of an independent program, which took the largest of its grid of frequencies: a few 1e-5 below the peak."""
+    row, truth = TRUTHS["rider_closed_loop"]["benchmark"][k], TRUTHS["hqm_peak"][k]
+    gains = rider.Gains(*row["gains"])
+    assert handling.metric(P, row["v"], gains, truth["omega"])[0] == pytest.approx(truth["peak"], rel=1e-10)
+    found = handling.peak(P, row["v"], gains)
+    assert truth["peak"] <= found.value == pytest.approx(truth["peak"], rel=2e-5)
+    assert found.frequency == pytest.approx(truth["omega"], rel=2e-4)
+
+
+def test_handling_quality_over_the_speed(tmp_path):
+    """It gets better with speed; the rule has no gains below 2.3 m/s, and unbalanced loops have no metric."""
+    found = handling.study(named("HC_Benchmark"), [1.5, 2.0, 3.0, 5.0, 9.0])
+    assert np.isnan(found.values[:2]).all() and (np.diff(found.values[2:]) < 0.0).all()
+    assert "no gains by rule  1.5 ... 2 m/s" in str(found)
+    table = np.genfromtxt(found.to_csv(tmp_path / "h"), delimiter=",", skip_header=1)
+    assert table[3, 1] == found.values[3] and table[3, 3:] == pytest.approx(rider.gains_of(P, 5.0), rel=1e-3)
+    with pytest.raises(ValueError, match="does not balance it"):
+        handling.peak(P, 1.0, rider.Gains(9.2, -0.52, 6.2, 0.05, 0.34))
+    with pytest.raises(ValueError, match="speed = 0 m/s; give positive"):
+        handling.study(P, [0.0, 5.0])
 
 
 @pytest.mark.parametrize("gain", TRUTHS["roll_rate_feedback_benchmark"])
@@ -131,3 +155,5 @@ def test_command(tmp_path):
     assert done.exit_code == 0
     assert "roll-rate feedback  -10 N m s/rad: stable on ideal wheels 2.81174 ... 6.02426 m/s" in done.output
     assert (tmp_path / "Meijaard2007_slalom.csv").read_text().startswith("t [s],lean [rad]")
+    assert "with these gains at 5 m/s: 4.765 at 13.57 rad/s" in done.output
+    assert (tmp_path / "handling_Meijaard2007.csv").read_text().startswith("speed [m/s],peak [-]")

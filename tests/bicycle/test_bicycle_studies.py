@@ -1,24 +1,31 @@
 """Studies of bicycles: critical speeds, sensitivity, ablations, frequency response, comparison."""
 
 import doctest
+import json
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, compare, critical, frequency, general, named, sensitivity, whipple, why
+from bicycle import TYPICAL, Meijaard2007, compare, critical, frequency, general, named, ride, sensitivity, whipple, why
 from bicycle.linear.critical import double_roots
 from bicycle.linear.equations import canonical
+from bicycle.linear.tyre_equations import eigenvalues
 from bicycle.linear.why import CHANGES, two_mass_skate
-from bicycle.pages.compare import semi_axes, side_view, write_page
+from bicycle.pages import ideal_or_tyres
+from bicycle.pages.compare import write_page
+from bicycle.pages.side_view import semi_axes, side_view
 from bicycle.parameters import SYMBOLS, library, names
 from mbsd3d import Sine, Torque, simulate
 from mbsd3d.cli import main
 
 BENCHMARK = Meijaard2007()
+TYRES = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
 PUBLISHED = library()["critical_speeds"]
 ROUND = replace(BENCHMARK, rR=0.31, tR=0.05, tF=0.03, c=0.055, IHxz=0.011, name="round tyres")
 
@@ -466,6 +473,33 @@ def test_ablations_with_round_tyres_come_from_the_general_model():
         why.ablations(ROUND, None)
 
 
+def test_ablations_on_tyres(tmp_path):
+    """Ranges that an independent program has, growths of an eigenvalue solver, and ideal wheels beside them."""
+    found = why.ablations(BENCHMARK, tyres=TYPICAL, progress=False)
+    rows = {row.name: row for row in found.rows}
+    assert not any(row.problem for row in found.rows) and found.missing == 0
+    plain, trailing = (TYRES["straight_running"]["rows"][k]["stability_limits"] for k in (0, 3))
+    wanted = {0.02: [at["v"] for at in trailing], 0.0: [at["v"] for at in plain]}
+    assert rows["as built"].ranges[0] == pytest.approx(wanted[0.02], rel=1e-9)
+    assert rows["tyres without pneumatic trail"].ranges[0] == pytest.approx(wanted[0.0], rel=1e-9)
+    ideal = {row.name: row for row in why.ablations(BENCHMARK, None).rows}
+    for name, row in rows.items():
+        if row.ideal and name in ideal:
+            assert critical.difference(row.ideal, ideal[name].ranges) < 1e-9, name
+    heavy = eigenvalues(partial(whipple, tyres=TYPICAL), rows["fork 0.1 m back"].parameters, [found.speed])
+    assert rows["fork 0.1 m back"].growth == pytest.approx(heavy.real.max(), abs=1e-9)
+    assert rows["steering locked"].growth == pytest.approx(
+        ideal["steering locked"].growth, rel=0.02
+    )  # slip helps little
+    assert "ideal wheels: 4.292383 ... 6.024262 m/s" in str(found)
+    assert len(why.plot_ablations(found).axes) == 1
+    assert why.to_csv(found, tmp_path / "why").read_text().splitlines()[1].startswith("as built,4.49779")
+    with pytest.raises(ValueError, match="without tyres; give tyres"):
+        why.ablations(BENCHMARK, head_stiffness=1e3)
+    with pytest.raises(ValueError, match="leave out standing_damping"):
+        why.ablations(BENCHMARK, tyres=TYPICAL | {"standing_damping": 0.1})
+
+
 # --- frequency --------------------------------------------------------------------------------------------------------
 
 
@@ -499,6 +533,30 @@ def test_a_shaken_handlebar_answers_as_the_frequency_response_says():
     answer = 2j * np.mean(steer * np.exp(-1j * omega * t)) / size
     known = frequency.response(BENCHMARK, speed, [omega]).H[0, 0, 1, 1]
     assert abs(answer - known) < 1e-5 * abs(known)  # what is left of the start, and of amplitude^2
+
+
+def test_frequency_response_on_stiff_tyres_is_that_of_ideal_wheels():
+    """The difference is of first order in 1/C and in the relaxation, and grows with the frequency."""
+    omega = [0.05, 2.0, 30.0]
+    known = frequency.response(BENCHMARK, 4.0, omega).H
+    stiff = {"cornering": 1e6, "camber": 1.0, "relaxation": 1e-5, "stiffness": 1e6}
+    found = frequency.response(BENCHMARK, 4.0, omega, tyres=stiff)
+    assert np.abs(found.H - known).max(axis=(0, 2, 3)) == pytest.approx(0.0, abs=5e-6 * np.abs(known).max())
+    assert len(frequency.plot_response(found, beside=found).axes) == 8
+    for wrong in ({"build": None, "tyres": stiff}, {"steer_damping": 1.0}):
+        with pytest.raises(ValueError, match="ideal wheels; leave out tyres|without tyres; give tyres"):
+            frequency.response(BENCHMARK, 4.0, omega, **wrong)
+
+
+def test_a_shaken_handlebar_on_tyres_answers_as_the_frequency_response_says():
+    """The nonlinear run, with slip, at a frequency between weave and wobble."""
+    speed, omega, size, start = 5.0, 20.0, 1e-3, 21.0  # the weave has decayed by exp(-0.57 * 21) = 6e-6
+    t = start + np.linspace(0.0, 4 * np.pi / omega, 65)[:-1]
+    shake, times = Sine(size, omega / (2 * np.pi)), np.r_[0.0, t]
+    shaken = ride.run(BENCHMARK, t[-1], speed=speed, torque=shake, tyres=TYPICAL, rtol=1e-10, output=times)
+    answer = 2j * np.mean(shaken.steer[1:] * np.exp(-1j * omega * t)) / size
+    known = frequency.response(BENCHMARK, speed, [omega], tyres=TYPICAL).H[0, 0, 1, 1]
+    assert abs(answer - known) < 1e-4 * abs(known)  # what is left of the start, hundred times as large as the answer
 
 
 @pytest.mark.parametrize("frequencies", [[0.0], [-1.0], [np.nan], [], [[1.0]]])
@@ -566,6 +624,21 @@ def test_views_stand_beside_the_page(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_a_page_shows_what_ideal_wheels_leave_out(tmp_path):
+    """Beside the ranges of ideal wheels; a skate, whose wheels have no inertia, says why it does not run on tyres."""
+    skate = run("compare", "Meijaard2007", "Tms", "--tyre", "trail=0", "--views", 0, "--out", tmp_path)
+    assert skate.exit_code == 0 and "4.292383 ... 6.024262 m/s  4.254140 ... 5.956966 m/s" in skate.output
+    assert "not possible: bicycle 'Tms': IRyy and IFyy = 0: on a tyre a wheel turns freely" in skate.output
+    page = (tmp_path / "compare" / "index.html").read_text()
+    assert "4.254 … 5.957" in page and "What ideal wheels leave out" in page and "not possible" in page
+    first, second = (tmp_path / "compare" / "bicycles.csv").read_text().splitlines()[1:]
+    assert float(first.split(",")[5]) == pytest.approx(4.25414, abs=1e-5) and second.split(",")[5] == "nan"
+    assert (tmp_path / "compare" / "ideal_or_tyres_Meijaard2007.png").stat().st_size > 20_000
+    with pytest.raises(ValueError, match="no tyres to compare"):
+        ideal_or_tyres.figure(BENCHMARK, {})
+
+
 def test_all_published_sets_are_compared():
     found = compare.entries([named(name, unphysical=True) for name in names()])
     assert len(found) == 47 and max(x.difference for x in found) < 1e-8  # the largest belongs to 19 m/s

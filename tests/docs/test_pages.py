@@ -3,6 +3,7 @@
 import inspect
 import json
 import re
+import sys
 import tomllib
 from importlib import import_module
 from pathlib import Path
@@ -34,6 +35,13 @@ PEERS = {  # pages whose ``py`` blocks need a package that the tests do without
 NEVER_RUN = {"coming_from/chrono.md"}  # no package index has PyChrono
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 NAME = r"`((?:mbsd3d|validation|bicycle)\.[\w.]+)`"
+
+
+@pytest.fixture(autouse=True)
+def no_figures_left():
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 @pytest.mark.parametrize("page", WITH_BLOCKS)

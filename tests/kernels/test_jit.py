@@ -51,6 +51,6 @@ def test_every_compiled_function_is_a_decorated_one():
         if path.name != "jit.py"
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-        if node.func.id in ("compiled", "kernel", "inner_kernel", "fused_kernel", "allocating_kernel")
+        if node.func.id in ("compiled", "kernel", "inner_kernel", "fused_kernel", "merged_kernel", "allocating_kernel")
     ]
     assert calls == []

@@ -15,11 +15,13 @@ import test_model_files as model_files
 from models import revolute_chain
 from sweep_models import ratio, shafts
 
+from bicycle import TYPICAL, Meijaard2007, whipple
 from mbsd3d import RK4, Kinematic, Stepper, simulate
 from mbsd3d.sweeps.sweep import sweep
 from mbsd3d.view.scene.artist import draw_system
 from validation.benchmark.precision import measure
 from validation.benchmark.problems import PROBLEMS
+from validation.benchmark.speed import tyre_seconds
 from validation.cases.inline_four import RATE, SAMPLES, inline_four, orders
 from validation.cases.mechanisms import ladder
 
@@ -141,6 +143,22 @@ def test_loops_and_tops_take_their_peers_longer(name):
     """Measured on a busy machine: 20 for Bricard's MuJoCo at 1e-8, 34 for the top's."""
     row = measure(PROBLEMS[name]())
     assert row.ratio("MuJoCo", 1e-8)[0] > 2.0 and row.ratio("Exudyn", 1e-6)[0] > 1.5
+
+
+def test_a_tyre_costs_a_third_of_a_microsecond():
+    tyre_seconds(rounds=1)  # compiled
+    assert tyre_seconds() < 0.3e-6
+
+
+def test_twenty_seconds_on_tyres():
+    """Measured 0.04 s, at rtol 1e-6."""
+    bicycle = whipple(Meijaard2007(), 5.0, lean_rate=0.1, tyres=TYPICAL)
+    start, best = bicycle.state(), np.inf
+    for _ in range(4):
+        began = time.process_time()
+        simulate(bicycle, 20.0, state=start, rtol=1e-6, output=201)
+        best = min(best, time.process_time() - began)
+    assert best < 0.3
 
 
 def test_a_slice_costs_little_more_than_its_step():

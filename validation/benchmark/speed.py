@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbsd3d import RK4, State, System, simulate
+from mbsd3d import GROUND, RK4, Body, State, System, Tyre, simulate
 from mbsd3d.extend import write_atomically
 from validation.cases.mechanisms import chain, ladder, mujoco_chain
 from validation.machine import machine
@@ -117,6 +117,22 @@ def check_seconds(system: System) -> float:
     return time.perf_counter() - began
 
 
+def tyre_seconds(wheels: int = 8, rounds: int = 25) -> float:
+    """What a tyre adds to an evaluation of its wheel [s], its two states with it: least times of RK4, in turns."""
+    rolling = [
+        Body(f"wheel {k}", 8.0, (0.3, 0.5, 0.3), position=(0, k, 0.3), velocity=(5.0, 0.1, 0), omega=(0.01, 16.0, 0.1))
+        for k in range(wheels)
+    ]
+    usual = {"radius": 0.305, "crown": 0.03, "stiffness": 1e5, "camber": 1.0, "trail": 0.02, "rolling_resistance": 5e-3}
+    tyres = [Tyre(GROUND, wheel, axis=(0, 1, 0), **usual) for wheel in rolling]
+    free, pressed = System(rolling), System(rolling, forces=tyres)
+    steps = BODY_STEPS // wheels // 4
+    pairs = [(system, system.state()) for system in (free, pressed)]
+    runs = [lambda s=system, x=start: our_seconds(s, x, RK4(STEP), steps * STEP) for system, start in pairs]
+    without, with_tyres = interleaved(*runs, rounds=rounds)
+    return (with_tyres - without) / (4 * steps * wheels)
+
+
 def show(title: str, head: str, rows: list[str]) -> None:
     """Print one table."""
     print(f"\n{title}\n{head}", *rows, sep="\n", flush=True)
@@ -146,6 +162,7 @@ def measure() -> Speed:
         show(title, "bodies     ours  ratio to first", lines)
     long, wide = check_seconds(chain(1000)), check_seconds(ladder(100))
     show("check()", "", [f"chain of 1000: {long:.2f} s, ladder of 100: {wide:.2f} s"])
+    show("Tyre", "", [f"{1e6 * tyre_seconds():.3f} us per evaluation"])
     process_time(FIRST_RESULT, 1)  # its kernels are on disk from here on
     (imports, _), (first, busy), (cold, cold_busy) = process_time(IMPORTS), process_time(FIRST_RESULT), compile_time()
     show(

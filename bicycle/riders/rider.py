@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
+from ..linear.equations import canonical
 from ..parameters import Parameters
-from .equations import canonical
 
 STATES = ("lean", "steer", "lean rate", "steer rate", "heading", "deviation", "torque", "torque rate")
 LOOPS = ("steer angle", "roll rate", "roll", "heading", "lateral deviation")
@@ -71,8 +71,8 @@ def open_loop(parameters: Parameters, speed: float) -> Loop:
 def closed_loops(parameters: Parameters, speed: float, gains: Gains, count: int = 5) -> Loop:
     """From the command of the outermost of ``count`` closed loops to the states; no loop is `open_loop`."""
     A, B = open_loop(parameters, speed)
-    for k, seen in zip(gains[:count], SEEN, strict=False):
-        B = B * k
+    for k, seen, name in zip(gains[:count], SEEN, LOOPS, strict=False):
+        B = B * number(k, f"rider: gain of the {name} loop")
         A[:, seen] -= B
     return Loop(A, B)
 
@@ -109,7 +109,7 @@ def gains_of(
     """
     found: list[float] = []
     for given, brackets in ((steer, (1.0, 5e3)), (roll_rate, (-1e-3, -1.0))):
-        found.append(peaked(parameters, speed, found, brackets) if given is None else number(given, "rider: gain"))
+        found.append(peaked(parameters, speed, found, brackets) if given is None else given)
     for frequency in CROSSOVER:
         plant = closed_loops(parameters, speed, Gains(*found, *[0.0] * (5 - len(found))), len(found))
         found.append(float(1.0 / np.abs(plant.response(frequency)[0, SEEN[len(found)]])))
@@ -117,20 +117,21 @@ def gains_of(
 
 
 def peaked(parameters: Parameters, speed: float, inner: list[float], brackets: tuple[float, float]) -> float:
-    """The largest gain of the next loop with which its peak does not exceed the rule's."""
-    count = len(inner) + 1
+    """The largest gain k of the next loop with which k G/(1 + k G) does not exceed the rule's peak."""
+    count = len(inner)
+    plant = closed_loops(parameters, speed, Gains(*inner, *[0.0] * (5 - count)), count)
+    G = plant.response(np.append(FREQUENCIES, LEVEL[count]))[:, SEEN[count]]
 
     def excess(gain: float) -> float:
-        system = closed_loops(parameters, speed, Gains(*inner, gain, *[0.0] * (5 - count)), count)
-        high, low = (np.abs(system.response(w)[:, SEEN[count - 1]]).max() for w in (FREQUENCIES, LEVEL[count - 1]))
-        return 20.0 * np.log10(high / low) - PEAK
+        closed = np.abs(gain * G / (1.0 + gain * G))
+        return float(20.0 * np.log10(closed[:-1].max() / closed[-1]) - PEAK)
 
     tried = np.geomspace(*brackets, 80)
     values = np.array([excess(gain) for gain in tried])
     crossed = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if not crossed.size:
         raise InputError(
-            f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count - 1]} loop makes a peak of "
+            f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count]} loop makes a peak of "
             f"{PEAK:g} dB; give this gain"
         )
     return float(brentq(excess, tried[crossed[-1]], tried[crossed[-1] + 1], xtol=1e-14))

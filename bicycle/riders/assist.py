@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 
 from mbsd3d.extend import number, on_one_thread
 
+from ..linear.equations import canonical
 from ..parameters import Parameters
-from .equations import canonical
 
 Law = Callable[[float], np.ndarray]
 """K (4,) at a speed [m/s]."""

@@ -1,0 +1,183 @@
+"""The linear equations of a bicycle on tyres about a straight run, and the speeds at which it becomes (un)stable.
+
+Kept are lean, steer and their rates, the speed to the left of the rear hub, the yaw rate, the sideways deflections of
+both tyres, and the twist of a head tube that yields. Place and heading drop out; speeding up, bouncing and pitching go
+apart from what happens sideways. In body axes a speed v enters by v itself, through spins, yaw and relaxation:
+
+    x' = (A0 + v A1) x
+
+So two linearisations hold all speeds, and a third confirms it. Where an eigenvalue crosses the imaginary axis, one is
+zero or two have the sum zero: det(A0 + v A1) = 0, or det(L0 + v L1) = 0 with L X = A X + X A' on skew X. These v are
+eigenvalues of pencils: no grid of speeds, and no range too narrow to be found.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from mbsd3d import System, linearize, measures
+from mbsd3d.errors import InputError
+from mbsd3d.extend import Measure
+
+from ..model.mechanism import outputs
+from ..parameters import Parameters
+from .critical import Range
+
+Build = Callable[..., System]
+"""``build(parameters, speed=v)`` returns a bicycle on tyres that runs straight."""
+CLOSED = 1e-8
+"""How little the heading may matter, relative to the largest entry of A; rounding leaves 1e-13."""
+ROUNDING = 1e-6
+"""Of the equations of almost rigid tyres, of 1e6 times their load for a radian and relaxation within 0.01 mm."""
+EXACT = 1e-10
+"""How well a third speed must confirm two, relative to the largest entry; rounding leaves 1e-15."""
+FASTEST = 200.0
+"""[m/s] Up to which ranges are sought; one that is still stable there has no end."""
+REAL = 1e-4
+"""Imaginary part, relative, of a speed that a pencil finds: a double one is off by the root of rounding."""
+NEAR = 1e-6
+"""On both sides of a speed, relative, the largest growth must have opposite signs."""
+
+
+class Limit(NamedTuple):
+    """A speed at which a straight run becomes stable or unstable."""
+
+    speed: float  # [m/s]
+    frequency: float  # [rad/s] of the mode that changes: 0 = capsize
+
+
+def sideways(system: System) -> list[Measure]:
+    """What is kept, with the heading last."""
+    rear = system.part("rear wheel")
+    tyres = [measures.state(system.part(f"{wheel} tyre", "forces"), "lateral") for wheel in ("rear", "front")]
+    twist = [joint for joint in system.joints if joint.name == "head twist"]
+    more = [of(joint) for joint in twist for of in (measures.angle, measures.rate)]
+    way = [measures.velocity(rear, axis=(0.0, 1.0, 0.0)), measures.heading_rate(system.part("frame"))]
+    return [*outputs(system), *way, *tyres, *more, measures.heading(system.part("frame"))]
+
+
+def matrix(system: System, speed: float) -> np.ndarray:
+    """(k, k) A of the sideways states of a straight run at a speed [m/s], in body axes.
+
+    The world's speed to the left is that over the bicycle and V heading: with it the heading drops out.
+    """
+    A = linearize(system, outputs=sideways(system), tolerance=ROUNDING).A
+    turned = np.eye(len(A))
+    turned[4, -1] = speed
+    A = np.linalg.solve(turned, A @ turned)
+    left = float(np.abs(A[:-1, -1]).max())
+    if left > CLOSED * np.abs(A).max():
+        raise InputError(f"the heading matters (residual {left:.2g}): a load does not turn along; take it away")
+    return A[:-1, :-1]
+
+
+def eigenvalues(build: Build, parameters: Parameters, speeds: ArrayLike) -> np.ndarray:
+    """(n, k) complex eigenvalues [1/s] at speeds (n,) [m/s], by real part."""
+    found = [matrix(build(parameters, speed=v), v) for v in np.asarray(speeds, float).ravel().tolist()]
+    return np.array([np.sort_complex(np.linalg.eigvals(A)) for A in found])
+
+
+class SpeedBySpeed(NamedTuple):
+    """A(v) of a model whose equations depend on the speed in any way."""
+
+    build: Build
+    parameters: Parameters
+
+    def A(self, speed: float) -> np.ndarray:
+        """(k, k) at a speed [m/s]."""
+        return matrix(self.build(self.parameters, speed=speed), speed)
+
+    def limits(self, speeds: np.ndarray) -> tuple[Limit, ...]:
+        """Where the largest growth changes sign between two of the speeds [m/s]."""
+        grown = [growth(self.A(v)) for v in speeds.tolist()]
+        found = []
+        for k in np.flatnonzero(np.diff(np.signbit(grown))):
+            found.append(limit(self.A, speeds[k], speeds[k + 1]))
+        return tuple(found)
+
+
+class Affine(NamedTuple):
+    """A(v) = A0 + v A1 for all v > 0."""
+
+    A0: np.ndarray  # (k, k)
+    A1: np.ndarray
+
+    def A(self, speed: float) -> np.ndarray:
+        """(k, k) at a speed [m/s]."""
+        return self.A0 + speed * self.A1
+
+    def limits(self, speeds: np.ndarray) -> tuple[Limit, ...]:
+        """Every one between the first and the last speed [m/s]."""
+        pencils = ((self.A0, self.A1), (pair_sums(self.A0), pair_sums(self.A1)))
+        found = np.concatenate([scipy.linalg.eigvals(first, -second) for first, second in pencils])
+        real = np.isfinite(found) & (np.abs(found.imag) <= REAL * np.abs(found))
+        within = np.sort(found[real & (found.real > speeds[0]) & (found.real < speeds[-1])].real)
+        kept: list[Limit] = []
+        for v in within:
+            low, high = v * (1.0 - NEAR), v * (1.0 + NEAR)
+            if growth(self.A(low)) * growth(self.A(high)) < 0.0 and not (kept and low < kept[-1].speed):
+                kept.append(limit(self.A, low, high))
+        return tuple(kept)
+
+    def stable(self) -> list[Range]:
+        """Self-stable ranges of all speeds from 0 to `FASTEST`."""
+        edges = [0.0, *(at.speed for at in self.limits(np.array([0.0, FASTEST])))]
+        pairs = [Range(low, high) for low, high in zip(edges, [*edges[1:], np.inf], strict=True)]
+        return [part for part in pairs if growth(self.A(between(part))) < 0.0]
+
+
+def between(part: Range) -> float:
+    """A speed within a range [m/s], where it is sought."""
+    return 0.5 * (part.low + min(part.high, FASTEST))
+
+
+def growth(A: np.ndarray) -> float:
+    """Of the fastest growing mode [1/s]."""
+    return float(np.linalg.eigvals(A).real.max())
+
+
+def limit(A: Callable[[float], np.ndarray], low: float, high: float) -> Limit:
+    """The one between two speeds with growths of opposite signs."""
+    v = brentq(lambda v: growth(A(v)), low, high, xtol=1e-12, rtol=1e-14)
+    values = np.linalg.eigvals(A(v))
+    return Limit(float(v), float(abs(values[np.argmax(values.real)].imag)))
+
+
+def pair_sums(A: np.ndarray) -> np.ndarray:
+    """(k (k - 1)/2 squared) X -> A X + X A' on skew X, whose eigenvalues are the sums of two different ones of A."""
+    rows, columns = np.triu_indices(len(A), 1)
+    skew = np.zeros((len(rows), len(A), len(A)))
+    skew[np.arange(len(rows)), rows, columns] = 1.0
+    skew -= skew.transpose(0, 2, 1)
+    return (A @ skew + skew @ A.T)[:, rows, columns].T
+
+
+def equations(build: Build, parameters: Parameters, speed: float = 10.0) -> Affine | SpeedBySpeed:
+    """The equations of all speeds > 0 from two, if a third confirms them; else every speed is linearised.
+
+    ``speed`` [m/s] is the larger of the two. Damping of tyres at rest fades as the speed grows: such a model is not
+    affine.
+    """
+    direct = SpeedBySpeed(build, parameters)
+    low, high = 0.2 * speed, speed
+    first, last = direct.A(low), direct.A(high)
+    A1 = (last - first) / (high - low)
+    found = Affine(first - low * A1, A1)
+    third = 0.6 * speed
+    size = max(np.abs(first).max(), np.abs(last).max())
+    return found if np.abs(direct.A(third) - found.A(third)).max() <= EXACT * size else direct
+
+
+def required_equations(build: Build, parameters: Parameters) -> Affine:
+    """`equations` that are affine, or a ValueError."""
+    found = equations(build, parameters)
+    if isinstance(found, SpeedBySpeed):
+        raise InputError(
+            f"bicycle '{parameters.name}': its tyres depend on speed otherwise than through slip, so the ranges of all "
+            "speeds follow from no pencil; leave out standing_damping, or see stability.study, speed by speed"
+        )
+    return found
