@@ -116,7 +116,7 @@ def test_the_table_of_the_command_is_that_of_the_page():
     said = [re.split(r"\s{2,}", line) for line in run.stdout.splitlines() if VERDICT.search(line)]
     page = (DOCS / "engines.md").read_text(encoding="utf-8")
     shown = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines() if VERDICT.search(line)]
-    assert [line[1] for line in shown] == [line[1] for line in said] and len(shown) == 10
+    assert [line[1] for line in shown] == [line[1] for line in said] and len(shown) >= 10
     for ours, theirs in zip(shown, said, strict=True):
         number, found = (abs(float(re.search(r"[\d.]+(e-\d+)?", line[2])[0])) for line in (ours, theirs))
         if ours[1] == EXACT:  # nothing, of the size of rounding or of the run's tolerance
