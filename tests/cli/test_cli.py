@@ -396,6 +396,16 @@ def test_a_demo_that_misses_its_theory_ends_with_1(plugins, folder):
     assert result.stderr.splitlines()[-1] == "mbsd3d: theory is not met by failing"
 
 
+@pytest.mark.parametrize(("meets", "code", "said"), [(True, 130, "mbsd3d: interrupted"), (False, 2, "failed")])
+def test_ctrl_c_while_a_library_is_loaded(folder, meets, code, said):
+    """Libraries in C answer it by an ImportError of their own."""
+    key = "import os, signal, time\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    time.sleep(9)\n"
+    answer = "except KeyboardInterrupt:\n    raise ImportError('initialization failed')\n"
+    (folder / "m.py").write_text(key + answer if meets else "raise ImportError('initialization failed')\n")
+    result = CliRunner().invoke(main, ["check", "m.py"])
+    assert result.exit_code == code and said in result.stderr.splitlines()[-1]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", [("run", "m.py", "--t-end", "1"), ("warmup",), ("check", "m.py")])
 def test_ctrl_c_in_the_compiler_is_a_quiet_end(folder, arguments, monkeypatch):

@@ -204,7 +204,7 @@ class CurveContact(Joint):
         values = [(self.radius or 0.0, 1.0 + k) for k in range(len(self.across))]
         return [Primitive(kinds.ON_CURVE, both, points, values=v, coordinates=(self.way,)) for v in values]
 
-    def normal(self, solution: LoadedMotion) -> np.ndarray:
+    def contact_normal(self, solution: LoadedMotion) -> np.ndarray:
         """(samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
 
         Its angle with the way that b can go is the pressure angle.
@@ -218,8 +218,8 @@ class CurveContact(Joint):
         return np.einsum("tk,tki->ti", n / np.linalg.norm(n, axis=1, keepdims=True), axes)
 
     def normal_force(self, solution: LoadedMotion) -> np.ndarray:
-        """(samples,) force of a on b along `normal` [N]; negative where the row pulls."""
-        return np.einsum("ti,ti->t", solution.reaction(self).force, self.normal(solution))
+        """(samples,) force of a on b along `contact_normal` [N]; negative where the row pulls."""
+        return np.einsum("ti,ti->t", solution.reaction(self).force, self.contact_normal(solution))
 
     def lifts_off(self, solution: LoadedMotion) -> float | None:
         """Time from which a roller or a face would have to be pulled [s], between two samples; None: never."""
