@@ -106,6 +106,7 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("groove", "in a groove that does not climb nothing moves", {"stroke": 0.0}),
+    alone="no other engine has contacts on curves",
     against=Against("stroke", 0.0, 0.12, "stroke [m]"),
     show={"curves": [("effort", "motor")], "traces": []},
 )

@@ -34,7 +34,7 @@ class CurveContact(Joint):
     - ``face=``, 1 row, ``n . (p - x(s)) = 0`` with n the normal of a plane of b: a flat follower.
 
     s is that of the nearest, for a face of the highest point of the curve, found by Newton's method from where it was:
-    `Solution.slide` has it, from 0 at the reference pose, and drivers and springs may act on it, but for a face.
+    `Solution.slide` has it, from 0 at the reference pose, and drivers, springs and friction may act on it.
 
     The rows hold both ways. A groove does so too; a roller or a face is only pushed, and where `normal_force` is
     negative a real one would leave the curve: the certificate says so.
