@@ -24,7 +24,7 @@ SPLINE = 1e-6  # relative: what a spline through these points makes of the secon
 
 
 def height(turn, stroke):
-    """(z, z', z'') of the groove over the angle: h (x - sin(2 pi x) / 2 pi) in half a turn, and back in the other."""
+    """(z, z', z'') of the groove over the angle: h (u - sin(2 pi u) / 2 pi) in half a turn, and back in the other."""
     half, back = turn % np.pi, (turn // np.pi) % 2 == 1
     sign = np.where(back, -1.0, 1.0)
     rise = stroke * (half / np.pi - np.sin(2 * half) / (2 * np.pi))
@@ -93,7 +93,7 @@ demo = Demo(
     "as the groove says, in any law one likes. The flank pushes at right angles to the groove and to the pin, so "
     "where the groove is steep the push leans over by the pressure angle. What it has across the way of the slide "
     "moves nothing: the rail bears it, and its arm about the drum is the torque.",
-    equation="z = h (x - sin(2 pi x) / 2 pi) in half a turn; tan(a) = z' / R; side force m z'' w^2 tan(a); "
+    equation="z = h (u - sin(2 pi u) / 2 pi) in half a turn; tan(a) = z' / R; side force m z'' w^2 tan(a); "
     "torque m z'' w^2 z'",
     source="Norton, Cam Design and Manufacturing Handbook; Rothbart, Cams",
     quantities={
