@@ -97,7 +97,9 @@ class Riding:
                 begun, self.asked = faster(begun, values["speed"], self.held), values["speed"]
         system = self.system(p, values["balance assist"], self.asked)
         self.now, self.wanted = p, (p, values["balance assist"])
-        return Built(system, system.state() if state is None else begun, measures_of(system))
+        lean, steer, *_ = seen = measures_of(system)
+        shown = [lean, steer, ("force", "rear tyre"), ("force", "front tyre"), "energy"]
+        return Built(system, system.state() if state is None else begun, seen, shown)
 
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
         """The bicycle with its rider's torques, straight ahead."""
