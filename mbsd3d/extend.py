@@ -21,7 +21,7 @@ NAMES = {
     "base.paths": ("package_version", "with_suffix", "write_atomically"),
     "base.progress": ("Progress",),
     "base.concurrency": ("on_one_thread", "one_thread"),
-    "sweeps.executors": ("outcomes",),
+    "sweeps.executors": ("closing", "outcomes"),
     "sweeps.ledger": ("Store",),
     # figures and pages in the house style
     "base.style": ("DARK", "LIGHT", "LINE", "THIN", "Theme", "dress", "house", "theme"),
@@ -52,7 +52,7 @@ NAMES = {
     "equations.tables": ("key_of",),
     "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),
-    "kernels.jit": ("CACHE",),
+    "kernels.jit": ("CACHE", "compiled_sources"),
 }
 MODULES = {"joints": "mechanism.joints", "kinds": "kernels.kinds"}
 WHERE = {name: module for module, names in NAMES.items() for name in names}

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
+LOADING = (ImportError, AttributeError, SystemError)
+"""What a library makes of Ctrl-C while it is being loaded."""
 
 
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
@@ -70,8 +72,13 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
         try:
-            with answered_at_once(), Heartbeat(lambda: ctx.invoked_subcommand or "start"):
-                return super().invoke(ctx)
+            with answered_at_once() as came, Heartbeat(lambda: ctx.invoked_subcommand or "start"):
+                try:
+                    return super().invoke(ctx)
+                except Exception as error:
+                    if came.is_set() and isinstance(error.__cause__ or error, LOADING):
+                        raise KeyboardInterrupt from None
+                    raise
         except KeyboardInterrupt:
             click.echo(SAID, err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbsd3d import Solution
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import closing, number
 from validation.nvh.cabin.seat import BEAM, Cabin, known
 from validation.nvh.engine import balance_shafts
 from validation.nvh.engine.loads import Source
@@ -161,7 +161,7 @@ class Study:
             run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles, count=COARSE)
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
-        with ThreadPoolExecutor(THREADS) as pool:
+        with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
             return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
     @cached_property

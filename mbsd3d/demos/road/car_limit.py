@@ -1,5 +1,7 @@
 """A car in circles up to the limit of its tyres: roll, loads, steer, and which tyre lets go first."""
 
+from functools import cache
+
 import numpy as np
 
 from mbsd3d import Pulse, System, simulate
@@ -74,9 +76,18 @@ def measure(build, terms, *, ms, h, a, b, track, kf, kr, bar_f, bar_r, mu, v) ->
         "at the front": c._replace(bar_f=bars, bar_r=0.0),
         "at the rear": c._replace(bar_f=0.0, bar_r=bars),
     }
-    found = {where: circles(one, v, STEPS if one is c else FEWER, terms) for where, one in moved.items()}
+
+    @cache
+    def found():
+        return {where: circles(one, v, STEPS if one is c else FEWER, terms) for where, one in moved.items()}
+
     run = simulate(build(), 3.0, output=301, **terms)
-    return Measured(values, [run], curves(c, v, found), notes=[note(where, one[-1]) for where, one in found.items()])
+    return Measured(
+        values,
+        [run],
+        curves=lambda: curves(c, v, found()),
+        notes=lambda: [note(where, group[-1]) for where, group in found().items()],
+    )
 
 
 def note(where, last):
