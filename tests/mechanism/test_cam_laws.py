@@ -60,10 +60,10 @@ def turned(system, samples=721):
     return run, angle
 
 
-def flat(law):
+def flat(law, base=PITCH):
     """Outline under a flat face, the nose up."""
     s, ds, _ = LAWS[law](ANGLE, LIFT, HALF)
-    across, up = ds, PITCH + s
+    across, up = ds, base + s
     own = [across * np.cos(ANGLE) + up * np.sin(ANGLE), up * np.cos(ANGLE) - across * np.sin(ANGLE)]
     return np.column_stack([0 * ANGLE, *own])
 
@@ -139,6 +139,17 @@ def test_a_roller_larger_than_the_curvature_undercuts_its_cam():
         else:
             with pytest.raises(ValueError, match="'cam'.*a corner or a cusp.*larger base circle or a smaller roller"):
                 call()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_too_small_a_base_circle_gives_a_flat_follower_a_cusp(law):
+    """The outline has the radius of curvature base + s + s''."""
+    s, _, dds = LAWS[law](np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+    least = -(s + dds).min()
+    given = {"face": FRAME[:, 2]}
+    train(flat(law, 1.1 * least), np.array([0, 0, 1.1 * least + LIFT]), **given)
+    with pytest.raises(ValueError, match="'cam'.*(cusp.*larger base circle|hollow)"):
+        train(flat(law, 0.9 * least), np.array([0, 0, 0.9 * least + LIFT]), **given)
 
 
 def barrel(omega, law, radius=0.05, reach=0.6):
