@@ -1,3 +1,3 @@
 """Cams and grooves."""
 
-PLACE = 7
+PLACE = 8

@@ -1,3 +1,3 @@
 """On the road."""
 
-PLACE = 8
+PLACE = 9

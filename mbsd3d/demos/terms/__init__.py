@@ -1,3 +1,3 @@
 """What forgotten terms break."""
 
-PLACE = 9
+PLACE = 11
