@@ -95,7 +95,7 @@ class Playing:
         """Call one of the methods between two slices; the future has what it returns or raises."""
         future: Future[T] = Future()
         self.wishes.append((future, lambda: what(*arguments)))
-        if self._ended.is_set() and not self._thread.is_alive():
+        if self._thread is not None and not self._thread.is_alive():
             self.grant()
         return future
 

@@ -61,7 +61,7 @@ def test_another_bicycle_is_there_within_a_frame():
     made.watched, spent = True, []
     for trail in np.linspace(0.05, 0.1, 40):
         made.set("trail", float(trail))
-        began = time.perf_counter()
+        began = time.thread_time()
         made.frame()
-        spent.append(time.perf_counter() - began)
+        spent.append(time.thread_time() - began)
     assert np.median(spent) < 0.6 * PERIOD  # 6 ms of processor time

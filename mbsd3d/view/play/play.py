@@ -5,6 +5,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from ..scene.drawing import USUAL, Layers, title_of
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
+if TYPE_CHECKING:
+    from ...api.solution import Solution
+
 PACES = (0.01, 10.0)  # seconds of the model per second
 STEADY = 6  # frames from one look at what seldom changes to the next
 
@@ -40,9 +44,7 @@ class Play(Served):
 
     kind = "play"
 
-    def __init__(
-        self, playing: Playing, look: Look, port: int, as_solution: Callable[[RunResult], Poses] = lambda run: run
-    ) -> None:
+    def __init__(self, playing: Playing, look: Look, port: int, as_solution: Callable[[RunResult], "Solution"]) -> None:
         super().__init__()
         self._playing, self._look, self._as_solution = playing, look, as_solution
         self._controls = {control.name: control for control in playing.model.controls}
@@ -91,7 +93,7 @@ class Play(Served):
         """Back to the start."""
         self._playing.do(self._playing.reset).result()
 
-    def solution(self) -> Poses:
+    def solution(self) -> "Solution":
         """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
         return self._as_solution(self._playing.do(self._playing.result).result())
 
@@ -229,7 +231,7 @@ def play(
     title: str | None,
     dark: bool | None,
     port: int,
-    as_solution: Callable[[RunResult], Poses],
+    as_solution: Callable[[RunResult], "Solution"],
 ) -> Play:
     """See `System.play`."""
     check_options(None, title, dark, False)

@@ -15,7 +15,7 @@ from ..page.guard import CLOSING, guarded
 from ..page.served import HOST
 
 if TYPE_CHECKING:
-    from websockets.asyncio.server import Server, ServerConnection
+    from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
 MESSAGE = 2**12  # bytes that a key or a slider needs at most
