@@ -72,10 +72,11 @@ def test_trims_follow_the_circles_to_the_limit():
     a = [one.acceleration for one in known]
     steer, loads = CubicSpline(a, [one.steer for one in known]), CubicSpline(a, [one.loads[MIRROR] for one in known])
     for row in TRUTHS["car_steady_circle"]["rows"][:4]:
-        assert float(steer(row["ay"])) == pytest.approx(row["delta"], rel=0.01)
+        assert float(steer(row["ay"])) == pytest.approx(row["delta"], rel=5e-3)
         assert loads(row["ay"]) == pytest.approx(list(row["loads"].values()), rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_limit_is_a_top_of_the_curve():
     """Beyond it the steer goes on and the acceleration falls; no step of the way changes it by a thousandth."""
     found = circles(Car(), 20.0)
@@ -85,6 +86,7 @@ def test_the_limit_is_a_top_of_the_curve():
         circle(Car(), 20.0, 8.7, found[-1])
 
 
+@pytest.mark.slow
 def test_the_end_with_the_bars_lets_go_first():
     rear, front = (circles(Car(bar_f=f, bar_r=18e3 - f), 20.0, step=7.0) for f in (0.0, 18e3))
     assert "the inner rear tyre is the first" in note(0.0, rear)

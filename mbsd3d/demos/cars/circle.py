@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.optimize import approx_fprime, root
 
-from mbsd3d import Ramp, Solution, State, accelerations, rotation
+from mbsd3d import Ramp, Solution, State, accelerations
 
 from ...base.errors import InputError
 from ...base.quaternions import multiply
@@ -80,10 +81,11 @@ class Balance:
 
     def state(self, x: np.ndarray) -> State:
         """State of the unknowns: the chassis rolls about the line ahead, then pitches about its own axis."""
-        e, centre, turn = multiply(rotation("x", x[0]), rotation("y", x[1])), x[2] * UP, x[22] / self.speed * UP
-        R, v = matrix(e), np.array([self.speed, x[3], 0.0])
-        steered = multiply(e, rotation("z", x[4]))
-        turned = {True: (steered, matrix(steered)[:, 1]), False: (e, R[:, 1])}  # front wheels and rear ones
+        (roll, pitch, steer), centre, turn = 0.5 * x[[0, 1, 4]], x[2] * UP, x[22] / self.speed * UP
+        e = np.outer([np.cos(pitch), np.sin(pitch)], [np.cos(roll), np.sin(roll)]).ravel()
+        steered = multiply(e, np.array([np.cos(steer), 0.0, 0.0, np.sin(steer)]))
+        (R, S), v = matrix(np.stack([e, steered])), np.array([self.speed, x[3], 0.0])
+        turned = {True: (steered, S[:, 1]), False: (e, R[:, 1])}  # front wheels and rear ones
         q, rates = [centre, e], [v, turn]
         for k, name in enumerate(WHEELS):
             arm, (e_wheel, axle) = R @ (self.c.place(name) + x[5 + k] * UP), turned[name.startswith("front")]
@@ -100,8 +102,8 @@ class Balance:
         a, z_dot = self.rates(state)
         r_dot, e, w = state.v.reshape(-1, 6)[:, :3], state.q.reshape(-1, 7)[:, 3:], x[22] / self.speed
         gap = a[:, :3] - w * np.column_stack([-r_dot[:, 1], r_dot[:, 0], np.zeros(len(a))])
-        R = matrix(e[2:9:2])  # chassis, then carrier and wheel of each corner
-        travels, spins = gap[2:9:2] @ matrix(e[0])[:, 2], np.einsum("ni,ni->n", R[:, :, 1], a[2:9:2, 3:])
+        R = matrix(e[:9:2])  # chassis, then carrier and wheel of each corner
+        travels, spins = gap[2:9:2] @ R[0, :, 2], np.einsum("ni,ni->n", R[1:, :, 1], a[2:9:2, 3:])
         return np.concatenate([a[0, 3:], gap[0], travels, spins, z_dot])
 
     def solve(self, start: np.ndarray, closing: Closing) -> Circle | None:
@@ -110,7 +112,11 @@ class Balance:
         def left(x: np.ndarray) -> np.ndarray:
             return np.append(self(SIZES * x), closing(x))
 
-        found = root(left, start / SIZES, jac=lambda x: approx_fprime(x, left, DIFFERENCE), tol=1e-12)
+        @cache  # the root finder asks twice for those at the start
+        def slopes(x: bytes) -> np.ndarray:
+            return approx_fprime(np.frombuffer(x), left, DIFFERENCE)
+
+        found = root(left, start / SIZES, jac=lambda x: slopes(x.tobytes()), tol=1e-12)
         if not np.abs(found.fun).max() < STEADY:
             return None
         x = SIZES * found.x
