@@ -14,7 +14,7 @@ _MODULES = {
     "stability": "linear.stability", "sensitivity": "linear.sensitivity", "why": "linear.why",
     "frequency": "linear.frequency", "ride": "rides.ride", "circles": "turns.circles", "compare": "pages.compare",
     "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "riders.rider", "assist": "riders.assist",
-    "course": "rides.course", "handling": "riders.handling",
+    "course": "rides.course", "handling": "riders.handling", "play": "rides.play",
 }  # fmt: skip
 _HOME = {
     "Meijaard2007": "parameters",
@@ -40,4 +40,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """Public names alone."""
+    return sorted(__all__)

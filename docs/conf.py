@@ -1,13 +1,17 @@
 """Sphinx: `make docs` writes the pages to out/docs; nothing is fetched, and every warning is an error."""
 
+import zlib
+from pathlib import Path
+
 from docutils import nodes
 from latex2mathml.converter import convert
 
+from mbsd3d import __all__ as public
 from mbsd3d import __version__
 
 project, author, copyright = "mbsd3d", "The mbsd3d developers", "2026, the mbsd3d developers"
 version = release = __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.intersphinx", "numpydoc", "sphinx_copybutton"]
 exclude_patterns = ["notebooks"]
 html_theme = "furo"
 html_title = f"mbsd3d {release}"
@@ -18,14 +22,39 @@ pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
-nitpicky = False  # types of numpy stand in docstrings as words, and no inventory is fetched
+nitpicky = False  # many types in docstrings are words: "float or None", "layer or list of layers"
 autodoc_typehints = "none"  # the docstrings say shapes and units, which types cannot
 autodoc_member_order = "bysource"
 autodoc_default_options = {"exclude-members": "__init__, __new__"}
 numpydoc_show_class_members = False
+numpydoc_xref_param_type = True
+numpydoc_xref_aliases = {name: f"mbsd3d.{name}" for name in public if name[0].isupper()}
+numpydoc_xref_aliases |= {"array_like": ":term:`array_like`", "bool": ":class:`bool`", "Path": "pathlib.Path"}
+numpydoc_xref_ignore = "all"  # but these
 
-
+OTHERS = [line.split() for line in Path(__file__).with_name("inventories.txt").read_text("utf-8").splitlines()[2:]]
+numpydoc_xref_aliases |= {words[1]: words[1] for words in OTHERS if words[0].startswith("py:") and "." in words[1]}
+HEAD = (
+    "# Sphinx inventory version 2\n# Project: {}\n# Version:\n# The remainder of this file is compressed using zlib.\n"
+)
 DISPLAYED = ".. code-block:: text"
+
+
+def inventories(app, config) -> None:
+    """The inventories that intersphinx reads, written from the text beside this file: nothing is fetched."""
+    folder = Path(app.doctreedir) / "inventories"
+    folder.mkdir(parents=True, exist_ok=True)
+    lines: dict[str, list[str]] = {}
+    for words in OTHERS:
+        if len(words) == 2:  # the next project
+            project, address = words
+            lines[project] = []
+            config.intersphinx_mapping[project] = address, str(folder / project)
+        else:
+            role, name, page = words
+            lines[project].append(f"{name} {role} 1 {page.replace('$', name)} -\n")
+    for project, found in lines.items():
+        (folder / project).write_bytes(HEAD.format(project).encode() + zlib.compress("".join(found).encode()))
 
 
 def mathml(self, node: nodes.math | nodes.math_block) -> None:
@@ -55,6 +84,7 @@ def absolute_values(app, what: str, name: str, obj: object, options: object, lin
 
 
 def setup(app) -> None:
+    app.connect("config-inited", inventories, priority=100)  # before intersphinx checks what it was given
     app.connect("autodoc-process-docstring", displayed_equations, priority=100)
     app.connect("autodoc-process-docstring", absolute_values, priority=900)
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))

@@ -56,6 +56,7 @@ from .mechanism.forces.springs import SpringDamper as SpringDamper
 from .mechanism.forces.springs import TorsionSpring as TorsionSpring
 from .mechanism.forces.tyre import Tyre as Tyre
 from .mechanism.joints import ConstantVelocity as ConstantVelocity
+from .mechanism.joints import CurveContact as CurveContact
 from .mechanism.joints import Cylindrical as Cylindrical
 from .mechanism.joints import Distance as Distance
 from .mechanism.joints import Fixed as Fixed

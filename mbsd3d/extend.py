@@ -21,7 +21,7 @@ NAMES = {
     "base.paths": ("package_version", "with_suffix", "write_atomically"),
     "base.progress": ("Progress",),
     "base.concurrency": ("on_one_thread", "one_thread"),
-    "sweeps.executors": ("outcomes",),
+    "sweeps.executors": ("closing", "outcomes"),
     "sweeps.ledger": ("Store",),
     # figures and pages in the house style
     "base.style": ("DARK", "LIGHT", "LINE", "THIN", "Theme", "dress", "house", "theme"),
@@ -31,7 +31,8 @@ NAMES = {
     "view.scene.camera": ("VIEW",),
     # commands of the command line, and demos
     "cli": ("main",),
-    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder"),
+    "cli.play": ("port_option",),
+    "cli.support": ("INTERRUPTED", "Failure", "can_view", "keep", "load_system", "ready_folder", "watch"),
     "demos.discovery": ("discover",),
     "demos.form": ("Ablation", "Against", "Curve", "Demo", "Measured", "Quantity", "require"),
     # the mechanism as data: what joints lower to, what forces and signals are made of
@@ -40,6 +41,10 @@ NAMES = {
     "mechanism.measures": ("Measure",),
     "mechanism.primitives": ("Coordinate", "Primitive"),
     "mechanism.signals": ("as_signal",),
+    # a model that is played: `play_model` takes a `Playable`
+    "api.playing": ("play_model",),
+    "run.playable": ("Built", "Control", "Panel", "Playable", "Seen"),
+    "view.play.play": ("Play",),
     "mechanism.signals.terms": ("POLYNOMIAL", "SINE", "evaluate"),
     # the equations at one state, plain and dense, and their derivatives
     "equations.compiled": ("compile_system", "new_data"),
@@ -47,7 +52,7 @@ NAMES = {
     "equations.tables": ("key_of",),
     "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),
-    "kernels.jit": ("CACHE",),
+    "kernels.jit": ("CACHE", "compiled_sources"),
 }
 MODULES = {"joints": "mechanism.joints", "kinds": "kernels.kinds"}
 WHERE = {name: module for module, names in NAMES.items() for name in names}
@@ -67,3 +72,8 @@ def __getattr__(name: str) -> object:
         )
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    """Public names alone."""
+    return sorted(__all__)

@@ -2,6 +2,7 @@
 
 from .mechanism.signals import (
     Constant,
+    Input,
     Polynomial,
     Pulse,
     Ramp,
@@ -11,10 +12,8 @@ from .mechanism.signals import (
     Sum,
     Table,
     as_signal,
-    check_interval,
 )  # fmt: skip
 
 __all__ = [
-    "Constant", "Polynomial", "Pulse", "Ramp", "Scaled", "Signal", "Sine", "Sum", "Table", "as_signal",
-    "check_interval",
+    "Constant", "Input", "Polynomial", "Pulse", "Ramp", "Scaled", "Signal", "Sine", "Sum", "Table", "as_signal",
 ]  # fmt: skip

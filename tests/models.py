@@ -11,7 +11,9 @@ from mbsd3d import (
     Cylindrical,
     Distance,
     Fixed,
+    Force,
     Gear,
+    Input,
     KnifeEdge,
     Parallel,
     Perpendicular,
@@ -29,6 +31,7 @@ from mbsd3d import (
     Spherical,
     State,
     System,
+    Torque,
     Universal,
 )
 from mbsd3d.base.quaternions import multiply
@@ -299,3 +302,20 @@ def at_reference(system):
 def dense_rows(compiled, data):
     """The whole scaled J."""
     return scaled_rows(compiled.model, data).dense()
+
+
+def crane(**more):
+    """A trolley on a slanted rail that is pushed, and a load with its centre of mass off its hinge."""
+    rail = np.array([0.8, 0.36, 0.48])
+    trolley = Body("trolley", 1.4, (0.1, 0.2, 0.3), com=(0.02, -0.03, 0.01), position=(0.3, 0.1, 0.2))
+    load = Body("load", 0.7, (0.02, 0.03, 0.01), com=(0.11, 0.05, -0.4), position=(0.3, 0.1, 0.1))
+    joints = [
+        Prismatic(GROUND, trolley, at=trolley.position, axis=rail, name="rail"),
+        Revolute(trolley, load, at=load.position, axis=(0.2, 1.0, -0.1), name="pin"),
+    ]
+    push = Input("push", 0.4)
+    forces = [
+        Force(trolley, tuple(3.0 * x * push for x in rail)),
+        Torque(load, (0.0, Input("twist"), 0.0), name="twist"),
+    ]
+    return System([trolley, load], joints, forces, **more)

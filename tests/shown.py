@@ -9,15 +9,16 @@ NUMBER = r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.]*\w)"
 ROUNDING = 1e-12  # sizes below it are rounding, which differs between machines
 
 
-def blocks(page: Path) -> list[tuple[str, str]]:
-    """(code, what it prints) of all Python blocks of a page."""
+def blocks(page: Path, fences: str = "python") -> list[tuple[str, str]]:
+    """(code, what it prints) of all Python blocks of a page; ``py`` fences are those that need what is not required."""
     text = page.read_text(encoding="utf-8")
-    return re.findall(r"^```python\n(.*?)^```\n(?:\s*^```text\n(.*?)^```\n)?", text, re.DOTALL | re.MULTILINE)
+    block = rf"^```(?:{fences})\n(.*?)^```\n(?:\s*^```text\n(.*?)^```\n)?"
+    return re.findall(block, text, re.DOTALL | re.MULTILINE)
 
 
-def run(page: Path) -> int:
+def run(page: Path, fences: str = "python") -> int:
     """Run the blocks of a page one after the other, compare what they print; their number."""
-    found, names = blocks(page), {"__name__": page.stem}
+    found, names = blocks(page, fences), {"__name__": page.stem}
     for code, shown in found:
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):

@@ -1,11 +1,14 @@
 """The house keeps its shape: a stack of folders, imports that go down, files one can take in at a glance."""
 
 import ast
+import importlib
 from pathlib import Path
 
 import pytest
 
+import bicycle
 import mbsd3d
+import validation
 from mbsd3d import errors, extend
 
 ROOT = Path(__file__).parent.parent
@@ -155,6 +158,16 @@ def test_public_names_are_listed_where_editors_look():
     assert all(getattr(mbsd3d, name) is not None for name in mbsd3d.__all__)
     assert all(getattr(extend, name) is not None for name in extend.__all__)
     assert (ROOT / "mbsd3d" / "py.typed").exists()
+
+
+@pytest.mark.parametrize(
+    "module",
+    [mbsd3d, extend, bicycle, validation, *(getattr(mbsd3d, name) for name in PUBLIC_MODULES)],
+    ids=lambda module: module.__name__,
+)
+def test_completion_offers_public_names_alone(module):
+    importlib.import_module("mbsd3d.linkages.bricard")  # modules that others have imported do not show
+    assert {name for name in dir(module) if not name.startswith("__")} == set(module.__all__) - {"__version__"}
 
 
 OWN_ERRORS = ("mbsd3d.integrators", "validation.theory")  # compiled with the kernels; shares nothing with mbsd3d

@@ -16,3 +16,8 @@ def __getattr__(name: str) -> Any:
 
         return cross_check
     raise AttributeError(f"module 'validation' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Public names alone."""
+    return sorted(__all__)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "stability": "stability", "sensitivity": "linear", "why": "linear", "ride": "motion", "circles": "motion",
-    "frequency": "linear", "rider": "rider", "compare": "linear",
+    "frequency": "linear", "rider": "rider", "play": "play", "compare": "linear",
 }  # fmt: skip
 """Study -> module here that holds its command, in the order of a course."""
 

@@ -1,9 +1,12 @@
-"""Drawing and exporting a system at rest; `mbsd3d.api.viewable` does it for motions."""
+"""Drawing, exporting and playing a system; `mbsd3d.api.viewable` draws motions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..integrators.method import Method
+from ..mechanism.bodies import Body
+from ..mechanism.measures import Measure
 from ..mechanism.state import State
 from .viewable import Layers
 
@@ -12,10 +15,11 @@ if TYPE_CHECKING:
 
     from ..view.page.html import View
     from ..view.page.live import LiveView
+    from ..view.play.play import Play
 
 
 class Drawable:
-    """Pictures of a system at rest."""
+    """Pictures of a system at rest, and playing with it."""
 
     def show(
         self,
@@ -89,3 +93,77 @@ class Drawable:
         from ..view.gltf.export import export_pose
 
         return export_pose(self, path)
+
+    def play(
+        self,
+        inputs: Mapping[str, Sequence[float]] | None = None,
+        *,
+        state: State | None = None,
+        curves: Sequence[Measure] | None = None,
+        method: Method | None = None,
+        rtol: float = 1e-6,
+        as_built: float | None = None,
+        shown: Layers = (),
+        hidden: Layers = (),
+        follow: Body | str | None = None,
+        view: Sequence[float] | None = None,
+        title: str | None = None,
+        dark: bool | None = None,
+        port: int = 0,
+    ) -> "Play":
+        """Let the system move in real time, in a browser on this machine, and change its inputs meanwhile.
+
+        The page has a slider and keys for each input, pause, reset, slow motion, curves of the last ten seconds, and
+        saves the ride. The `Play` has ``.open()``, ``.wait()`` until Ctrl-C, ``.set(name, value)``, ``.t``,
+        ``.late`` (frames that were not ready in time), ``.solution()`` and ``.stop()``. Only the browser that was
+        given its ``.url`` is let in.
+
+        Parameters
+        ----------
+        inputs : mapping of the name of an `Input` to (low, high), in the unit of what it drives
+            Pressed keys hold an end of the range: left and right arrow (or J, L) of the first input, down and up (or
+            K, I) of the second, A, D and S, W of the next two. Other inputs stay what they are.
+        state : State or None
+            Start, also of every reset; None = ``system.state()``.
+        curves : sequence of measures, optional
+            Drawn while it moves, by unit; None = angles and slides of joints.
+        method, rtol, as_built
+            As for `Stepper`; a frame is a slice of 1/60 s.
+        shown, hidden : layer or list of layers, optional
+            Added to and removed from the usual layers at the start, see `mbsd3d.api.viewable`.
+        follow : Body, str or None
+            Body that the camera goes along and turns with.
+        view : (float, float) or None
+            First azimuth (from x about z) and elevation of the eye [degrees]; None = as in `show`.
+        title, dark
+            As for `show`.
+        port : int
+            Of this machine; 0 = any that is free.
+
+        Raises
+        ------
+        ValueError
+            For an unknown input or one that prescribes a motion, a range the wrong way round or without the value at
+            the start, a port that is in use, a missing package.
+        AssemblyError, IntegrationError
+            If the system cannot start.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, Force, Input, System
+        >>> sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+        >>> system = System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))])
+        >>> with system.play({"push": (-5, 5)}) as play:  # doctest: +SKIP
+        ...     play.open()
+        ...     play.wait()
+        """
+        from ..run.playable import plain
+        from ..run.simulation import check_state
+        from .playing import play_model
+
+        check_state(state, "play")
+        model = plain(self, state or self.state(as_built=as_built), inputs, curves)
+        return play_model(
+            model, method=method, rtol=rtol, as_built=as_built, shown=shown, hidden=hidden, follow=follow, view=view,
+            title=title, dark=dark, port=port,
+        )  # fmt: skip

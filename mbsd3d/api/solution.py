@@ -159,7 +159,9 @@ class Solution(RunResult, Viewable):
         return save(self, path)
 
     def to_xarray(self) -> "Dataset":
-        """All quantities as an xarray Dataset; ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it.
+        """All quantities as an xarray Dataset.
+
+        ``dataset.to_netcdf(path, engine="h5netcdf")`` writes it; the extra ``netcdf`` installs that engine.
 
         Returns
         -------

@@ -14,6 +14,7 @@ from ..mechanism.measures import Measure
 from ..mechanism.signals import Input
 from ..mechanism.state import State
 from ..run.slices import Slices
+from .replay import replay
 from .simulation import simulate, start_of
 from .solution import Solution
 from .system import System
@@ -54,8 +55,8 @@ class Stepper(metaclass=Explained):
     >>> stepper.advance(1.0)
     >>> stepper.set("push", 0.0)
     >>> stepper.advance(2.0)
-    >>> stepper.q[:3].round(9).tolist(), stepper.v[:3].round(9).tolist()  # 1 m in the push, 2 m/s after it
-    ([3.0, 0.0, 0.0], [2.0, 0.0, 0.0])
+    >>> float(stepper.q[0].round(9)), float(stepper.v[0].round(9))  # 1 m in the push, 2 m/s after it
+    (3.0, 2.0)
     """
 
     def __init__(
@@ -155,33 +156,4 @@ def _solution_of(result: Any) -> Solution:
 def rerun(history: History) -> Callable[..., Solution]:
     """How a run with these inputs is run again: as `simulate` where none was ever changed."""
     changed = any(len(changes) > 1 for changes in history.values())
-    return partial(_replay, history) if changed else simulate
-
-
-def _replay(
-    history: History,
-    system: System,
-    t_end: float,
-    *,
-    state: State,
-    output: Sequence[float],
-    method: Method,
-    rtol: float,
-    as_built: float | None = None,
-    **switches: Any,
-) -> Solution:
-    """`simulate` with inputs that change when they did."""
-    run = Slices(system, state, Switches(**switches), method, rtol, as_built, ())
-    changes = {t: [] for t in sorted({*map(float, output), t_end, *(t for x in history.values() for t, _ in x)})}
-    for name, values in history.items():
-        for t, value in values:
-            changes[t].append((name, value))
-    wanted = set(map(float, output))
-    for t, values in changes.items():
-        if state.t < t <= t_end:
-            run.keep = t in wanted
-            run.advance(t)
-        if t <= t_end:
-            for name, value in values:
-                run.set(name, value)
-    return Solution.of(run.solution(), partial(_replay, history))
+    return partial(replay, history) if changed else simulate

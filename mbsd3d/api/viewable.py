@@ -185,7 +185,7 @@ class Viewable:
         missing; the same solution gives the same bytes.
 
         ``frames``: their number in equal steps of time, None = enough for a smooth film. ``traces``: points whose paths
-        are drawn, as in `animate`. ValueError if the package pygltflib is missing, there is no sample, a shape cannot
+        are drawn, as in `animate`. ValueError if there is no sample, a shape cannot
         be drawn, a point's body is not in the system, or the folder cannot be written.
         """
         from ..view.gltf.export import export_run

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import Explained, InputError, MbsError
+from .errors import CONTROL, Explained, InputError, MbsError
 
 LARGEST, SMALLEST = 1e60, 1e-60  # sizes of numbers in SI units whose squares and ratios can be computed with
 
@@ -19,6 +19,14 @@ def shown(value: Any) -> str:
     except ValueError:  # Python prints no whole number of more than 4300 digits
         return f"a {type(value).__name__} of many digits"
     return text if len(text) <= 80 else f"{text[:60]} ... ({len(text)} characters)"
+
+
+def check_name(name: Any, what: str) -> None:
+    """ValueError for what is no text, is empty, or would command a terminal."""
+    if not isinstance(name, str) or not name:
+        raise InputError(f"{what} name {shown(name)}: give a non-empty text")
+    if CONTROL.search(name):
+        raise InputError(f"{what} name {shown(name)} holds control characters; give a text of one line")
 
 
 def floats(values: Any, what: str, remedy: str) -> np.ndarray:

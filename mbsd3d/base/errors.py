@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import re
 from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
@@ -9,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 T = TypeVar("T")
+CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")  # ends of lines, and all that moves a cursor, paints or rings
 
 
 class MbsError(ValueError):

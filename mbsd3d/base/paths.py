@@ -3,7 +3,8 @@
 import os
 import stat
 import uuid
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import InputError
@@ -43,13 +44,20 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
     """
     if not replace and path.exists():
         raise InputError(f"'{path}' exists; give replace=True to replace it, or another name")
+    with in_its_place(path) as part, part.open("xb") as handle:
+        handle.write(content)
+        handle.flush()
+        os.fsync(handle.fileno())
+    return path
+
+
+@contextmanager
+def in_its_place(path: Path) -> Iterator[Path]:
+    """A name to write a file under: it takes the place of ``path`` once it is whole, and goes if that fails."""
     part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     try:
         try:
-            with part.open("xb") as handle:
-                handle.write(content)
-                handle.flush()
-                os.fsync(handle.fileno())
+            yield part
             os.replace(part, path)
         finally:
             part.unlink(missing_ok=True)
@@ -57,7 +65,6 @@ def write_atomically(path: Path, content: bytes, *, replace: bool = True) -> Pat
         raise InputError(
             f"'{path}' cannot be written: {error.strerror}; give a file in a folder that exists, is yours and has space"
         ) from error
-    return path
 
 
 def package_version() -> str:

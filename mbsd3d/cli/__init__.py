@@ -7,6 +7,7 @@ from .check import check
 from .demo import demo
 from .doctor import doctor
 from .gallery import gallery
+from .play import play
 from .run import run
 from .show import show
 from .support import Commands
@@ -25,5 +26,5 @@ def version() -> None:
     click.echo(f"mbsd3d {__version__}")
 
 
-for command in (check, demo, doctor, gallery, run, show, warmup):
+for command in (check, demo, doctor, gallery, play, run, show, warmup):
     main.add_command(command)

@@ -32,7 +32,7 @@ def gallery(names: tuple[str, ...], out: str) -> None:
         for k, task in enumerate(as_completed(tasks)):
             name, error = tasks[task], task.exception()
             lost += [f"{name}: {error}"] if error else []
-            state = "FAILED" if error else "done" if task.result() else "as it was"
+            state = f"FAILED: {error}" if error else "done" if task.result() else "as it was"
             click.echo(f"mbsd3d: page {k + 1} of {len(wanted)}, {name}: {state}", err=True)
     index = front(list(demos), folder)
     size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6

@@ -16,19 +16,22 @@ PATIENCE = 0.15  # s until Python has had its turn wherever it can have one: chu
 
 
 @contextmanager
-def answered_at_once() -> Iterator[None]:
+def answered_at_once() -> Iterator[threading.Event]:
     """Inside, Ctrl-C in the compiler ends the process: Python is not asked for seconds there, and nothing is lost.
+
+    Yields what says whether Ctrl-C has come: a library that is being loaded may answer it by an error of its own.
 
     Python marks a signal and acts when it is its turn; a thread that reads the marks sees whether it was. Elsewhere
     Ctrl-C is the usual KeyboardInterrupt: runs and sweeps keep what they have.
     """
+    answered, came = threading.Event(), threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield came
         return
-    answered = threading.Event()
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         answered.set()
+        came.set()
         raise KeyboardInterrupt
 
     reader, writer = os.pipe()
@@ -36,7 +39,7 @@ def answered_at_once() -> Iterator[None]:
     before, handler = signal.set_wakeup_fd(writer, warn_on_full_buffer=False), signal.signal(signal.SIGINT, interrupt)
     threading.Thread(target=listen, args=(reader, answered), daemon=True).start()
     try:
-        yield
+        yield came
     finally:
         signal.signal(signal.SIGINT, handler)
         signal.set_wakeup_fd(before)

@@ -3,13 +3,14 @@
 import signal
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..base.errors import CONTROL
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
 from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
@@ -17,9 +18,11 @@ from .interruption import INTERRUPTED, SAID, answered_at_once, end_now
 if TYPE_CHECKING:
     from ..api.solution import Solution
     from ..api.system import System
-    from ..view.page.live import LiveView
+    from ..view.page.served import Served
 
 GROUP = "mbsd3d.commands"
+LOADING = (ImportError, AttributeError, SystemError)
+"""What a library makes of Ctrl-C while it is being loaded."""
 
 
 out_option = click.option("--out", default="out", show_default=True, help="Folder for the results; made if missing.")
@@ -34,8 +37,9 @@ class Failure(click.ClickException):
     exit_code = 2
 
     def show(self, file: Any = None) -> None:
-        """One line."""
-        click.echo(f"mbsd3d: {' '.join(self.message.split())}", err=True)
+        """One line; of what a file or a path holds, a terminal is told nothing but letters."""
+        line = CONTROL.sub("?", " ".join(self.message.split()))
+        click.echo(f"mbsd3d: {line}", err=True)
 
 
 class Commands(click.Group):
@@ -68,8 +72,13 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; expected errors become a `Failure`, Ctrl-C a quiet end."""
         try:
-            with answered_at_once(), Heartbeat(lambda: ctx.invoked_subcommand or "start"):
-                return super().invoke(ctx)
+            with answered_at_once() as came, Heartbeat(lambda: ctx.invoked_subcommand or "start"):
+                try:
+                    return super().invoke(ctx)
+                except Exception as error:
+                    if came.is_set() and isinstance(error.__cause__ or error, LOADING):
+                        raise KeyboardInterrupt from None
+                    raise
         except KeyboardInterrupt:
             click.echo(SAID, err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None
@@ -152,11 +161,11 @@ def can_view(needed: bool = False) -> bool:
     return True
 
 
-def watch(view: "LiveView") -> None:
-    """Print the address of a live view, open a browser if possible, and wait for Ctrl-C."""
+def watch(view: "Served") -> None:
+    """Print the address of what is served, open a browser if possible, and wait for Ctrl-C."""
     if Heartbeat.on is not None:
         Heartbeat.on.end()
-    with view:
+    with view, suppress(KeyboardInterrupt):
         click.echo(f"{view.url}  (Ctrl-C ends it)")
         if view.can_open():
             view.open()

@@ -1,18 +1,27 @@
 """Post-processing over all samples of a run: wrenches of rows on a body, and the equations checked once more."""
 
-from ..kernels.jit import kernel
+from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import rows
 from ..kernels.vectors import add, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec
 from .loads import loads
 
 
+@inner_kernel
+def rows_of_sample(m, d, t, state, coordinates):
+    """Kinematics and rows at a sample; its hinge coordinates count turns, and curves are searched from them."""
+    for i in range(m.coordinate.shape[0]):
+        d.coordinate[i].value = coordinates[i]
+    d.unwrap_time[0] = t
+    kinematics(m, d, state)
+    rows(m, d, t)
+
+
 @kernel
-def wrenches(m, d, times, states, lam, first, last, body, out):
+def wrenches(m, d, times, states, coordinates, lam, first, last, body, out):
     """out (samples, 6) = force and moment about O of body from the rows first:last: minus the sum of J' lam."""
     for i in range(times.shape[0]):
-        kinematics(m, d, states[i])
-        rows(m, d, times[i])
+        rows_of_sample(m, d, times[i], states[i], coordinates[i])
         for j in range(6):
             out[i, j] = 0.0
         for k in range(first, last):
@@ -46,11 +55,7 @@ def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
     """out (samples, n, 4): `body_residual` of every body, with the true terms whatever the teaching switches drop."""
     n = m.body.shape[0]
     for k in range(times.shape[0]):
-        for i in range(m.coordinate.shape[0]):  # angles count their turns
-            d.coordinate[i].value = coordinates[k, i]
-        d.unwrap_time[0] = times[k]
-        kinematics(m, d, states[k])
-        rows(m, d, times[k])
+        rows_of_sample(m, d, times[k], states[k], coordinates[k])
         loads(m, d, times[k])
         for row in range(m.row.shape[0]):
             for slot in range(4):
@@ -63,11 +68,10 @@ def newton_euler(m, d, times, states, coordinates, accelerations, lam, out):
 
 
 @kernel
-def row_defects(m, d, times, states, accelerations, out):
+def row_defects(m, d, times, states, coordinates, accelerations, out):
     """out (samples,): largest |J v_dot - gamma| with the true gamma: rows that the accelerations do not respect."""
     for k in range(times.shape[0]):
-        kinematics(m, d, states[k])
-        rows(m, d, times[k])
+        rows_of_sample(m, d, times[k], states[k], coordinates[k])
         out[k] = 0.0
         for row in range(m.row.shape[0]):
             total = -d.row[row].gamma

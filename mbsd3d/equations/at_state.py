@@ -67,15 +67,19 @@ def coordinate_row(compiled: Compiled, data: Data, i: int, t: float) -> tuple[fl
     return x, row[:n].ravel()
 
 
-def load_rows(compiled: Compiled, data: Data, y: np.ndarray, t: float) -> None:
-    """Kinematics and rows at y."""
+def load_rows(
+    compiled: Compiled, data: Data, y: np.ndarray, t: float, coordinates: np.ndarray | None = None
+) -> None:  # fmt: skip
+    """Kinematics and rows at y; hinge coordinates are near those given, else as the work space remembers them."""
+    if coordinates is not None:
+        data.coordinate["value"], data.coordinate["rate"] = coordinates, 0.0
     kinematics(compiled.model, data, y)
     rows(compiled.model, data, t)
 
 
-def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray) -> BlockRows:
-    """Scaled rows at y."""
-    load_rows(compiled, data, y, t)
+def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray, coordinates: np.ndarray) -> BlockRows:
+    """Scaled rows at y, where the hinge coordinates are near those given."""
+    load_rows(compiled, data, y, t, coordinates)
     return scaled_rows(compiled.model, data)
 
 

@@ -130,6 +130,7 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
     rows_of_joint = [joint.primitives for joint in system.joints]
     primitives = [row for rows in rows_of_joint for row in rows]
     records = [force.record() for force in system.forces]
+    given = [x for r in records for x in r.numbers]
     wanted = [x for joint in system.joints for x in (joint.angle(), joint.slide())]
     wanted += [x for row in primitives for x in row.coordinates]
     wanted += [r.coordinate for r in records]
@@ -150,10 +151,10 @@ def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) 
         body=bodies,
         primitive=rows_table,
         row=per_row,
-        coordinate=coordinate_table(coordinates, index),
+        coordinate=coordinate_table(coordinates, index, len(given)),
         force=forces,
         measure=measure_table([*measures, *read], index, where, places),
-        number=np.array([x for r in records for x in r.numbers], float),
+        number=np.concatenate([np.array(given, float), *(x.numbers for x in coordinates)]),
         **signals.arrays(),
         **state_layout(system, records, int((per_row["drive"] >= 0).sum()), length),
         gravity=np.array(system.gravity, float),

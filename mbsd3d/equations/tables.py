@@ -18,7 +18,7 @@ from ..mechanism.signals import Signal
 def key_of(x: Coordinate) -> tuple:
     """Two coordinates are the same when kind, bodies and geometry are."""
     zeros = () if x.zero_a is None else (x.zero_a, x.zero_b)
-    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b, *zeros])
+    geometry = np.concatenate([x.axis, x.axis_b, x.point_a, x.point_b, *zeros, x.numbers])
     return (x.kind, id(x.a), id(x.b), geometry.tobytes())
 
 
@@ -99,15 +99,18 @@ def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:
     return perpendiculars(x.axis)[0], matched_perpendiculars(x.axis, x.axis_b)[0]
 
 
-def coordinate_table(coordinates: list[Coordinate], index: dict[int, int]) -> np.ndarray:
-    """The table of hinge coordinates."""
+def coordinate_table(coordinates: list[Coordinate], index: dict[int, int], first: int) -> np.ndarray:
+    """The table of hinge coordinates; the numbers of their curves follow each other from ``first``."""
     out = table(COORDINATE, len(coordinates))
+    out["number"] = first + np.cumsum([0, *(x.numbers.size for x in coordinates)])[:-1]
     for i, x in enumerate(coordinates):
         out["kind"][i], out["body"][i] = COORDINATES[x.kind], (index[id(x.a)], index[id(x.b)])
         out["point"][i] = x.a.local_point(x.point_a), x.b.local_point(x.point_b)
         if x.kind == "slide":
             out["axis"][i, 0] = x.a.local_axis(x.axis)
-        else:
+        elif x.kind == "touch":
+            out["axis"][i, 2] = x.b.local_axis(x.axis_b)
+        elif x.kind == "angle":
             x_a, x_b = zero_directions(x)
             y_a = cross(x.axis, x_a)
             out["axis"][i] = x.a.local_axis(x_a), x.a.local_axis(y_a), x.b.local_axis(x_b)

@@ -1,7 +1,9 @@
 """Hinge coordinates (angle or slide of a joint, with its gradient) and measures (scalar functions of the state).
 
 Angle between x_a, y_a (fixed in a) and x_b (fixed in b): theta = atan2(x_b.y_a, x_b.x_a), exact off the joint's
-manifold too. Slide: s = n_a . (p_b - p_a). Angles are unwrapped against the last accepted state, never by a counter.
+manifold too. Slide: s = n_a . (p_b - p_a). Path: length s along a curve x(s) of a up to where it is nearest to p_b;
+touch: to where it is highest over a face of b. Angles are unwrapped against the last accepted state, never by a
+counter, and curves are searched from there.
 """
 
 import math
@@ -9,9 +11,24 @@ import math
 import numpy as np
 
 from .jit import inner_kernel, kernel
-from .kinds import ANGLE, CLEARANCE, COORDINATE, COORDINATE_RATE, GAP, LEAN, OWN_STATE, POSITION, PRESS, TURN, VELOCITY
-from .surfaces import meeting, pressure
-from .vectors import add, arm, cross, dot, point, point_velocity, scale, sub, turning, vec
+from .kinds import (
+    ANGLE,
+    CLEARANCE,
+    COORDINATE,
+    COORDINATE_RATE,
+    GAP,
+    LEAN,
+    OWN_STATE,
+    PATH,
+    POSITION,
+    PRESS,
+    SLIDE,
+    TOUCH,
+    TURN,
+    VELOCITY,
+)
+from .surfaces import expected, highest, meeting, nearest, pressure
+from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
 
 
 @kernel
@@ -28,9 +45,7 @@ def arctan2(y, x):
 @inner_kernel
 def unwrapped(d, i, angle, t):
     """The branch of an angle nearest to where the last accepted state says it should be at time t."""
-    last = d.coordinate[i]
-    expected = last.value + last.rate * (t - d.unwrap_time[0])
-    return angle + 2.0 * math.pi * math.floor((expected - angle.real) / (2.0 * math.pi) + 0.5)
+    return angle + 2.0 * math.pi * math.floor((expected(d, i, t) - angle.real) / (2.0 * math.pi) + 0.5)
 
 
 @inner_kernel
@@ -86,21 +101,51 @@ def slide(m, d, i):
     return slide_along(a, b, arm(a, x.axis[0]), arm(a, x.point[0]), arm(b, x.point[1]))
 
 
+@inner_kernel
+def path(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    s, _, s_ddot, gradient, _, _, _, _, _, _ = nearest(m, d, i, t)
+    _, bias, la, ta, lb, tb = slide_along(a, b, rotate(mat(a.R), gradient), (0.0, 0.0, 0.0), arm(b, x.point[1]))
+    return s, bias + s_ddot, la, ta, lb, tb
+
+
+@inner_kernel
+def touch(m, d, i, t):
+    """(value, J_dot v, blocks on a and b as (linear, angular)) of touch i."""
+    a = d.body[m.coordinate[i].body[0]]
+    s, _, bias, gradient, _, _, _ = highest(m, d, i, t)
+    turn = rotate(mat(a.R), gradient)
+    zero = scale(0.0, turn)
+    return s, bias, zero, scale(-1.0, turn), zero, turn
+
+
 @kernel
 def coordinate(m, d, i, t):
     """(value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
-    if m.coordinate[i].kind == ANGLE:
+    kind = m.coordinate[i].kind
+    if kind == ANGLE:
         return angle(m, d, i, t)
-    return slide(m, d, i)
+    if kind == SLIDE:
+        return slide(m, d, i)
+    if kind == PATH:
+        return path(m, d, i, t)
+    return touch(m, d, i, t)
 
 
 @inner_kernel
 def value_and_rate(m, d, i, t):
     """Hinge coordinate i at time t and its rate [rad, rad/s or m, m/s]."""
     a, b = d.body[m.coordinate[i].body[0]], d.body[m.coordinate[i].body[1]]
-    if m.coordinate[i].kind == ANGLE:
+    kind = m.coordinate[i].kind
+    if kind == ANGLE:
         _, _, _, sine, cosine, _, g = turn(m, d, i)
         return unwrapped(d, i, arctan2(sine, cosine), t), dot(g, sub(vec(b.w), vec(a.w)))
+    if kind == PATH:
+        return nearest(m, d, i, t)[:2]
+    if kind == TOUCH:
+        return highest(m, d, i, t)[:2]
     value, _, la, ta, lb, tb = slide(m, d, i)
     return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
 

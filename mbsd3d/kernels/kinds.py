@@ -1,9 +1,10 @@
 """Numbers of the kinds that kernels switch on; importing this compiles nothing."""
 
 COINCIDE, DOT, DOT_DIFFERENCE, IN_PLANE, DISTANCE, RATIO, TURN_RATE, NO_SIDESLIP, ROLL, MESH = range(10)
-ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3, 1)
+ON_CURVE, ON_FACE = 10, 11
+ROWS_OF = (3, 1, 1, 1, 1, 1, 1, 1, 3, 1, 1, 1)
 
-ANGLE, SLIDE = range(2)
+ANGLE, SLIDE, PATH, TOUCH = range(4)
 
 POLYNOMIAL, SINE, SPLINE = range(3)
 

@@ -42,10 +42,11 @@ ROW = [
     ("drive", int),  # number of the driven row (its work is a state), -1 = not driven
 ]
 COORDINATE = [
-    ("kind", int),  # angle or slide
+    ("kind", int),  # angle or slide; path: of a point along a curve of a; touch: of a face of b along it
     ("body", int, 2),
     ("point", float, (2, 3)),  # m, body axes
-    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; body axes
+    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; touch: normal in b; body axes
+    ("number", int),  # first of the numbers of the curve in Model.number: see surfaces.py
 ]
 FORCE = [
     ("kind", int),  # number of its law
@@ -91,7 +92,7 @@ class Model(NamedTuple):
     term: np.ndarray  # TERM
     term_data: np.ndarray
     measure: np.ndarray  # MEASURE: those of the caller first, then those the forces read
-    number: np.ndarray  # gains, references, parameters of forces
+    number: np.ndarray  # gains, references, parameters of forces; curves
     state: np.ndarray  # STATE, layout of z: [states of force elements | work of forces | work of drivers | impulse (6)]
     gravity: np.ndarray  # (3,) m/s^2
     z_work: int

@@ -10,10 +10,23 @@ import numpy as np
 
 from .coordinates import coordinate, slide_along
 from .jit import inner_kernel, kernel
-from .kinds import BAUMGARTE, COINCIDE, DISTANCE, DOT, DOT_DIFFERENCE, IN_PLANE, MESH, NO_SIDESLIP, RATIO, TURN_RATE
+from .kinds import (
+    BAUMGARTE,
+    COINCIDE,
+    DISTANCE,
+    DOT,
+    DOT_DIFFERENCE,
+    IN_PLANE,
+    MESH,
+    NO_SIDESLIP,
+    ON_CURVE,
+    ON_FACE,
+    RATIO,
+    TURN_RATE,
+)
 from .signals import signal
-from .surfaces import lowest, lowest_rate
-from .vectors import add, add6, arm, cross, dot, point, point_velocity, put6, scale, sub, turning, vec
+from .surfaces import GROUP, contact_row, group, highest, lowest, lowest_rate, nearest
+from .vectors import add, add6, arm, cross, dot, mat, point, point_velocity, put6, rotate, scale, sub, turning, vec
 
 
 @inner_kernel
@@ -145,18 +158,6 @@ def turn_rate(row, p, a, b):
 
 
 @inner_kernel
-def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
-    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
-
-    arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
-    """
-    slip = sub(point_velocity(b, arm_b), point_velocity(a, arm_a))
-    row.gamma = -(dot(n_dot, slip) + dot(n, sub(arm_b_bias, cross(vec(a.w), arm_a_dot))))
-    put6(row.J[0], scale(-1.0, n), cross(n, arm_a))
-    put6(row.J[1], n, cross(arm_b, n))
-
-
-@inner_kernel
 def no_sideslip(row, p, a, b):
     """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
     n, s = arm(b, p.axis[1]), arm(b, p.point[1])
@@ -188,6 +189,36 @@ def roll(d, p, a, b):
     contact_row(d.row[p.row], a, b, n, n_dot, arm_b, arm_a, bias_b, arm_a_dot)
     contact_row(d.row[p.row + 1], a, b, along, cross(wa, along), arm_b, arm_a, bias_b, arm_a_dot)
     contact_row(d.row[p.row + 2], a, b, across, cross(wa, across), arm_b, arm_a, bias_b, arm_a_dot)
+
+
+@inner_kernel
+def on_curve(m, d, row, p, t):
+    """c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    _, s_dot, s_ddot, ds, k, u, off, along, bend, speed = nearest(m, d, p.coordinate[0], t)
+    E, E_rate, E_bend, _ = group(m.number, k + GROUP * int(p.value[1]), u)
+    shift = dot(E_rate, off) - dot(E, along)  # dc / ds
+    bent = dot(E_bend, off) - 2.0 * dot(E_rate, along) - dot(E, bend)
+    n, sb = rotate(mat(a.R), add(E, scale(shift, ds))), arm(b, p.point[1])
+    _, bias, la, ta, lb, tb = slide_along(a, b, n, (0.0, 0.0, 0.0), sb)
+    row.c = dot(E, off) - p.value[0]
+    row.gamma = -bias - (2.0 * dot(E_rate, speed) + bent * s_dot) * s_dot - shift * s_ddot
+    put6(row.J[0], la, ta)
+    put6(row.J[1], lb, tb)
+
+
+@inner_kernel
+def on_face(m, d, row, p, t):
+    """c = n_b . (p_b - x(s)) where the curve is highest over the face of b with the normal n_b."""
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    _, s_dot, _, _, x, along, _ = highest(m, d, p.coordinate[0], t)
+    R, n, sb, wa, wb = mat(a.R), arm(b, p.axis[1]), arm(b, p.point[1]), vec(a.w), vec(b.w)
+    arm_a = rotate(R, x)
+    arm_b = add(sub(vec(a.r), vec(b.r)), arm_a)
+    arm_a_dot = add(cross(wa, arm_a), scale(s_dot, rotate(R, along)))
+    arm_b_dot = add(sub(vec(a.velocity), vec(b.velocity)), arm_a_dot)
+    row.c = dot(n, sub(sb, arm_b))
+    contact_row(row, a, b, n, cross(wb, n), arm_b, arm_a, cross(wb, arm_b_dot), arm_a_dot)
 
 
 @inner_kernel
@@ -239,6 +270,10 @@ def fill(m, d, p, t):
         turn_rate(row, p, a, b)
     elif p.kind == NO_SIDESLIP:
         no_sideslip(row, p, a, b)
+    elif p.kind == ON_CURVE:
+        on_curve(m, d, row, p, t)
+    elif p.kind == ON_FACE:
+        on_face(m, d, row, p, t)
     else:
         roll(d, p, a, b)
 

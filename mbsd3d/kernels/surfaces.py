@@ -1,18 +1,30 @@
-"""Smooth convex surfaces on planes: where they are lowest, and how hard they press.
+"""Surfaces and curves that touch: where smooth convex surfaces are lowest over planes, how hard they press, and where
+curves are nearest to points or highest over faces.
 
 A surface is an ellipsoid with half axes r_i along u_i, some of which may be 0, thickened by a ball of radius rho: with
 r = (R, R, 0) the outside of a torus, with rho = 0 an ellipsoid, with equal r_i a sphere. Its lowest point over a plane
 of normal n lies in closed form at
 
     l = -A n / h - rho n,   h = sqrt(n'A n),   A = sum_i r_i^2 u_i u_i'         from its centre.
+
+A curve x(s) is made of pieces of fifth degree, in body axes from O; s is its length. In ``Model.number`` it has
+
+    n pieces, period (0: open), k groups, s_0 ... s_n, then per piece k groups of 3 components of 6 coefficients
+
+with the highest power first, in s - s_i. Group 0 is x, the others are directions that go along with it.
 """
+
+import math
 
 import numpy as np
 
 from .jit import inner_kernel
-from .vectors import add, arm, columns, cross, dot, point, point_velocity, scale, sub, vec
+from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, put6, rotate_back, scale, sub, vec
 
 FLAT = 1e-300  # m^2 added to n'A n: a flat disc that lies on the plane touches it in its centre, and nothing is NaN
+GROUP = 18  # numbers of a group of a piece
+CLOSE = 1e-8  # of a piece: from there one more step of Newton's method is exact
+BEYOND = 1e-6  # of a piece: so far past the end of an open curve is the end, by rounding
 
 
 @inner_kernel
@@ -59,3 +71,147 @@ def pressure(p, gap, speed):
     elastic = p.value[4] * depth ** p.value[5] if gap.real < 0.0 else depth
     normal = elastic * (1.0 + p.value[7] * speed) + p.value[6] * speed if gap.real < 0.0 else depth
     return normal if normal.real > 0.0 else 0.0 * normal, elastic, depth
+
+
+@inner_kernel
+def contact_row(row, a, b, n, n_dot, arm_b, arm_a, arm_b_bias, arm_a_dot):
+    """Velocity of b relative to a at a contact point that moves on both: J v = n . (V_b - V_a).
+
+    arm_b, arm_a lead from each O to the point; arm_b_bias = d(w_b x arm_b)/dt - alpha_b x arm_b.
+    """
+    slip = sub(point_velocity(b, arm_b), point_velocity(a, arm_a))
+    row.gamma = -(dot(n_dot, slip) + dot(n, sub(arm_b_bias, cross(vec(a.w), arm_a_dot))))
+    put6(row.J[0], scale(-1.0, n), cross(n, arm_a))
+    put6(row.J[1], n, cross(arm_b, n))
+
+
+@inner_kernel
+def power(data, k, u):
+    """c5 u^5 + ... + c0 and three derivatives."""
+    c5, c4, c3, c2, c1, c0 = data[k], data[k + 1], data[k + 2], data[k + 3], data[k + 4], data[k + 5]
+    return (
+        ((((c5 * u + c4) * u + c3) * u + c2) * u + c1) * u + c0,
+        (((5.0 * c5 * u + 4.0 * c4) * u + 3.0 * c3) * u + 2.0 * c2) * u + c1,
+        ((20.0 * c5 * u + 12.0 * c4) * u + 6.0 * c3) * u + 2.0 * c2,
+        (60.0 * c5 * u + 24.0 * c4) * u + 6.0 * c3,
+    )
+
+
+@inner_kernel
+def group(data, k, u):
+    """Value and three derivatives of a group of a piece, as vectors."""
+    x, y, z = power(data, k, u), power(data, k + 6, u), power(data, k + 12, u)
+    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]), (x[3], y[3], z[3])
+
+
+@inner_kernel
+def slope(data, k, u, e, weight):
+    """f = x' . (e - weight x) and its derivative."""
+    x, t, t_rate, _ = group(data, k, u)
+    rest = sub(e, scale(weight, x))
+    return dot(t, rest), dot(t_rate, rest) - weight * dot(t, t)
+
+
+@inner_kernel
+def piece_of(data, breaks, n, s):
+    """Number of the piece that holds s, the first or last one outside."""
+    low, high = 0, n - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if data[breaks + middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@inner_kernel
+def search(data, first, e, weight, expected):
+    """(s, where its piece starts, s within the piece) at which x' . (e - weight x) falls through zero.
+
+    weight 1: the point of the curve nearest to e; 0: its highest along e. The search goes downhill from ``expected``,
+    so it stays on the branch; s counts the turns of a closed curve, and is not a number past the end of an open one.
+    """
+    n, period, breaks, size = int(data[first]), data[first + 1], first + 3, GROUP * int(data[first + 2])
+    pieces, real = breaks + n + 1, (e[0].real, e[1].real, e[2].real)
+    turns = period * math.floor((expected - data[breaks]) / period) if period > 0.0 else 0.0
+    j = piece_of(data, breaks, n, expected - turns)
+    for _ in range(n):
+        width = data[breaks + j + 1] - data[breaks + j]
+        if slope(data, pieces + size * j, width, real, weight)[0] > 0.0 and (period > 0.0 or j < n - 1):
+            j += 1
+            if j == n:
+                j, turns = 0, turns + period
+        elif slope(data, pieces + size * j, 0.0, real, weight)[0] < 0.0 and (period > 0.0 or j > 0):
+            j -= 1
+            if j < 0:
+                j, turns = n - 1, turns - period
+        else:
+            break
+    at, start, width = pieces + size * j, data[breaks + j], data[breaks + j + 1] - data[breaks + j]
+    low = -BEYOND * width if period == 0.0 and j == 0 else 0.0
+    high = (1.0 + BEYOND) * width if period == 0.0 and j == n - 1 else width
+    left = slope(data, at, low, real, weight)[0] < 0.0 or slope(data, at, high, real, weight)[0] > 0.0
+    u = min(max(expected - turns - start, low), high)
+    for _ in range(60):
+        f, rate = slope(data, at, u, real, weight)
+        if f > 0.0:
+            low = u
+        else:
+            high = u
+        step = u - f / rate
+        if not low < step < high:
+            step = 0.5 * (low + high)
+        done = abs(step - u) <= CLOSE * width
+        u = step
+        if done:
+            break
+    f, rate = slope(data, at, u, e, weight)  # of e as it is: complex in a complex step
+    within = u - f / rate + (math.nan if left and period == 0.0 else 0.0)
+    return turns + start + within, at, within
+
+
+@inner_kernel
+def expected(d, i, t):
+    """Where the last accepted state says that coordinate i should be at time t."""
+    last = d.coordinate[i]
+    return last.value + last.rate * (t - d.unwrap_time[0])
+
+
+@inner_kernel
+def nearest(m, d, i, t):
+    """Of path i, in axes of a: (s, its rate, its second rate at rest in a, gradient of s, place of the piece, s in it,
+    p - x, x', x'', velocity of p relative to a): F = x' . (p - x) = 0 gives s, and its derivatives the rates.
+    """
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    sb = arm(b, x.point[1])
+    reach = sub(point(b, sb), vec(a.r))
+    moving = sub(sub(point_velocity(b, sb), vec(a.velocity)), cross(vec(a.w), reach))
+    place, speed = rotate_back(mat(a.R), reach), rotate_back(mat(a.R), moving)
+    s, k, u = search(m.number, x.number, place, 1.0, expected(d, i, t))
+    curve, along, bend, twist = group(m.number, k, u)
+    off = sub(place, curve)
+    yields = dot(along, along) - dot(bend, off)
+    s_dot = dot(along, speed) / yields
+    s_ddot = (2.0 * dot(bend, speed) + (dot(twist, off) - 3.0 * dot(along, bend)) * s_dot) * s_dot / yields
+    return s, s_dot, s_ddot, scale(1.0 / yields, along), k, u, off, along, bend, speed
+
+
+@inner_kernel
+def highest(m, d, i, t):
+    """Of touch i, in axes of a: (s, its rate, J_dot v, gradient by the turn of b relative to a, x, x', normal):
+    F = x' . n = 0 gives s, and its derivatives the rest.
+    """
+    c = m.coordinate[i]
+    a, b = d.body[c.body[0]], d.body[c.body[1]]
+    R, wa, wb = mat(a.R), vec(a.w), vec(b.w)
+    n, w = rotate_back(R, arm(b, c.axis[2])), rotate_back(R, sub(wb, wa))
+    n_dot, swing = cross(w, n), rotate_back(R, cross(wb, wa))
+    n_ddot = add(cross(swing, n), cross(w, n_dot))
+    s, k, u = search(m.number, c.number, n, 0.0, expected(d, i, t))
+    x, along, bend, twist = group(m.number, k, u)
+    yields = -dot(bend, n)
+    s_dot = dot(along, n_dot) / yields
+    s_ddot = ((2.0 * dot(bend, n_dot) + dot(twist, n) * s_dot) * s_dot + dot(along, n_ddot)) / yields
+    return s, s_dot, s_ddot, scale(1.0 / yields, cross(n, along)), x, along, n

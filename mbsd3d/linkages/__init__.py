@@ -18,3 +18,8 @@ __all__ = [
     "bennett", "bricard", "bricard_line", "bricard_plane", "goldberg", "hinge_loop", "myard", "rssr", "sarrus",
     "schatz",
 ]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    """Public names alone."""
+    return sorted(__all__)

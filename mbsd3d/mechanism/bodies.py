@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, number, shown, vector
-from ..base.errors import InputError, explaining_methods
+from ..base.checks import Frozen, check_name, number, vector
+from ..base.errors import explaining_methods
 from ..base.mass_properties import check_inertia
 from ..base.rotations import as_quaternion, matrix
 from .shapes.guesses import as_shape
@@ -124,12 +124,6 @@ class Body(Frozen):
     def local_axis(self, axis: np.ndarray) -> np.ndarray:
         """R' a: a world direction at the reference pose in body axes."""
         return self.axes.T @ vector(axis, "local_axis: axis")
-
-
-def check_name(name: Any, what: str) -> None:
-    """A text that is not empty, or a ValueError."""
-    if not isinstance(name, str) or not name:
-        raise InputError(f"{what} name {shown(name)}: give a non-empty text")
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,10 +159,10 @@ class SpeedDriver(Driver):
     >>> from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System
     >>> rotor = Body("rotor", mass=1.0, inertia=(0.1, 0.1, 0.2))
     >>> hinge = Revolute(GROUND, rotor, at=(0, 0, 0), axis=(0, 0, 1))
-    >>> System([rotor], [hinge, SpeedDriver(hinge, 3.0)]).state().v[3:].round(12).tolist()
+    >>> (System([rotor], [hinge, SpeedDriver(hinge, 3.0)]).state().v[3:].round(12) + 0.0).tolist()
     [0.0, 0.0, 3.0]
     >>> rail = Prismatic(GROUND, rotor, at=(0, 0, 0), axis=(1, 0, 0))
-    >>> System([rotor], [rail, SpeedDriver(rail, 0.2)]).state().v[:3].round(12).tolist()
+    >>> (System([rotor], [rail, SpeedDriver(rail, 0.2)]).state().v[:3].round(12) + 0.0).tolist()
     [0.2, 0.0, 0.0]
     """
 
@@ -205,6 +205,8 @@ class SpeedDriver(Driver):
                 f"{what}: {name} has {has}; give SpeedDriver(a, b, axis=..., speed=) in rad/s or "
                 "SpeedDriver(a, b, at=..., direction=..., speed=) in m/s"
             )
+        if slide is not None and slide.kind != "slide":
+            raise InputError(f"{what}: '{joint.name}' leads along a curve; give a SlideDriver with Ramp(speed)")
         x = turn or slide
         self.set(a=x.a, b=x.b, axis=x.axis if turn else None)
         if slide:

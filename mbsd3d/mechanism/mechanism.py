@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Frozen, check_choice, shown, vector
+from ..base.checks import Frozen, check_choice, check_name, shown, vector
 from ..base.errors import InputError
 from .bodies import GROUND, Body
 from .force_element import ForceElement
@@ -61,6 +61,8 @@ class Mechanism(Frozen):
     def __post_init__(self) -> None:
         if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
             raise InputError(f"System: name {self.title!r} is no name; give a text, or None")
+        if self.title is not None:
+            check_name(self.title, "System:")
         for key, kind in KINDS.items():
             parts = parts_of(getattr(self, key), key)
             for part in parts:

@@ -21,5 +21,11 @@ class Motion(Protocol):
 class LoadedMotion(Motion, Protocol):
     """A motion whose reactions are known."""
 
+    t: np.ndarray
+    system: Any
+
+    def slide(self, joint: Any) -> np.ndarray:
+        """(samples,) displacement of b along the axis or the curve of a joint [m]."""
+
     def reaction(self, *joints: Any) -> Any:
         """Force and moment of joints; see `Solution.reaction`."""

@@ -11,7 +11,7 @@ from .bodies import Body, Ground
 from .signals import Signal
 
 ZERO = np.zeros(3)
-COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE}
+COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.TOUCH}
 
 
 def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
@@ -22,11 +22,13 @@ def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Coordinate:
-    """A hinge coordinate between bodies a and b: an angle about ``axis`` (zero at the reference pose) or a slide.
+    """A hinge coordinate between bodies a and b: an angle about ``axis`` (zero at the reference pose), a slide, or a
+    way along a curve.
 
     Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis, or along
-    ``zero_a`` (across the axis) and ``zero_b``. Slide: ``axis . (point_b - point_a)``. World coordinates at the
-    reference pose.
+    ``zero_a`` (across the axis) and ``zero_b``. Slide: ``axis . (point_b - point_a)``. Path: length of a curve up to
+    where it is nearest to ``point_b``; touch: to where it is highest along ``axis_b``. World coordinates at the
+    reference pose; ``numbers`` of the curve as the kernels have them (see `kernels.surfaces`).
     """
 
     kind: str  # a key of COORDINATES
@@ -38,6 +40,7 @@ class Coordinate:
     point_b: np.ndarray = field(default_factory=lambda: ZERO)
     zero_a: np.ndarray | None = None
     zero_b: np.ndarray | None = None
+    numbers: np.ndarray = field(default_factory=lambda: ZERO[:0])
 
     def __post_init__(self) -> None:
         check_kind(self.kind, COORDINATES, "Coordinate")

@@ -168,11 +168,14 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
 def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[Path]:
     """Write a figure as PNG (150 dpi), SVG and, if ``pdf``, PDF; the same figure gives the same bytes.
 
-    ``path`` has no suffix; returns the files. ValueError if the folder cannot be written.
+    ``path`` is the name of all of them, without suffix or with one of theirs; ".pdf" asks for PDF too. Returns the
+    files. ValueError if the folder cannot be written.
     """
     if not isinstance(figure, Figure):
         raise InputError(f"save_figure: {shown(figure)} is no figure; give one of matplotlib, e.g. of solution.plot()")
     path, written = as_path(path, "figure"), []
+    if (given := path.suffix.lower()) in (".png", ".svg", ".pdf"):
+        path, pdf = path.with_suffix(""), pdf or given == ".pdf"
     options = {".png": {"dpi": 150, "metadata": {"Software": None}}, ".svg": {"dpi": 300, "metadata": {"Date": None}}}
     if pdf:
         options[".pdf"] = {"dpi": 300, "metadata": {"CreationDate": None}}

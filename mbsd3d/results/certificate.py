@@ -159,6 +159,7 @@ def notes(solution: RunSamples) -> tuple[str, ...]:
     found = [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]
     if solution.record.nearest < PASSED:
         found.append("the run passes a singular position; it goes on along the tangent of the motion")
+    found += [text for joint in solution.system.joints for text in joint.notes(solution)]
     return (*found, *(f"Newton-Euler not checked: {name} was saved without its function" for name in lost(solution)))
 
 
@@ -268,7 +269,7 @@ def equation_checks(solution: RunSamples) -> list[Check]:
     checks = [] if lost(solution) else [Check("Newton-Euler", largest(relative), 1e-8, meaning)]
     if model.row.size:
         defect = np.zeros(t.size)
-        row_defects(model, data, t, arrays["state"], arrays["acceleration"], defect)
+        row_defects(model, data, t, arrays["state"], coordinates, arrays["acceleration"], defect)
         error, tolerance = largest(defect) * model.length / scale.acceleration, max(1e-8, solution.record.tolerance)
         if solution.record.switches.stabilisation == "baumgarte":  # it corrects accelerations by what the joints gape
             tolerance = max(tolerance, drift_limit(solution.record))

@@ -17,7 +17,8 @@ def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
     for joint in (joint for joint, certain in zip(joints, unique, strict=True) if not certain):
         rows = compiled.rows[id(joint)]
         lam[:, rows] = solution._multipliers[samples, rows]
-    wrenches = wrenches_about_O(compiled, solution.t[samples], solution.arrays["state"][samples], lam)
+    states, coordinates = solution.arrays["state"][samples], solution.arrays["coordinate"][samples]
+    wrenches = wrenches_about_O(compiled, solution.t[samples], states, coordinates, lam)
     found = []
     for k, joint in enumerate(joints):
         point = joint.reaction_points(solution)[samples]
@@ -27,7 +28,9 @@ def every_reaction(solution: RunSamples, samples: np.ndarray) -> list[Reaction]:
     return found
 
 
-def wrenches_about_O(compiled: Compiled, t: np.ndarray, states: np.ndarray, lam: np.ndarray) -> np.ndarray:
+def wrenches_about_O(
+    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, lam: np.ndarray
+) -> np.ndarray:
     """(samples, joints, 6) force and moment of every joint on its body b about O: minus the sum of J' lam."""
     data, joints, pairs = compiled.data(), compiled.system.joints, []
     for k, joint in enumerate(joints):
@@ -37,6 +40,6 @@ def wrenches_about_O(compiled: Compiled, t: np.ndarray, states: np.ndarray, lam:
     which, row, slot = np.array(pairs, dtype=int).reshape(-1, 3).T
     out = np.zeros((t.size, len(joints), 6))
     for i in range(t.size):
-        load_rows(compiled, data, states[i], t[i])
+        load_rows(compiled, data, states[i], t[i], coordinates[i])
         np.subtract.at(out[i], which, data.row["J"][row, slot] * lam[i, row, None])
     return out

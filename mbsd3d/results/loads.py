@@ -156,7 +156,7 @@ def stretch(solution: "RunSamples", part: ForceElement) -> dict[str, np.ndarray]
     x = part.record().coordinate
     if x is not None:
         values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
-        return {"length" if x.kind == "slide" else "angle": values, "rate": solution._coordinate_rate(x)}
+        return {"angle" if x.kind == "angle" else "length": values, "rate": solution._coordinate_rate(x)}
     if isinstance(part, SpringDamper):
         (p_a, v_a), (p_b, v_b) = (
             solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))

@@ -47,13 +47,15 @@ def open_shares(rows: BlockRows) -> list[Open]:
     return [Open(own, N) for own, N in found if N.shape[1]]
 
 
-def middle_rows(compiled: Compiled, t: np.ndarray, states: np.ndarray, left_out: int | None = None) -> MiddleRows:
+def middle_rows(
+    compiled: Compiled, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, left_out: int | None = None
+) -> MiddleRows:
     """Rows of a run, for `unique_wrench` and `minimum_norm`; nothing is open where the run left out no row."""
     data, k = compiled.data(), t.size // 2
     place = np.full(compiled.model.row.size, -1)
     if not place.size or not t.size or left_out == 0:
         return MiddleRows([], place, data.row["J"])
-    found = open_shares(rows_at(compiled, data, t[k], states[k]))
+    found = open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k]))
     for i, (own, _) in enumerate(found):
         place[own] = i
     return MiddleRows(found, place, data.row["J"])
@@ -76,14 +78,14 @@ def unique_wrench(compiled: Compiled, middle: MiddleRows, parts: list) -> bool:
 
 
 def minimum_norm(
-    compiled: Compiled, middle: MiddleRows, t: np.ndarray, states: np.ndarray, lam: np.ndarray
+    compiled: Compiled, middle: MiddleRows, t: np.ndarray, states: np.ndarray, coordinates: np.ndarray, lam: np.ndarray
 ) -> np.ndarray:
     """Multipliers of least norm in the model's own units that give the same forces."""
     if not middle.open:
         return lam
     data, scale, shared = compiled.data(), compiled.model.row["scale"], lam.copy()
     for k in range(t.size):
-        for own, N in open_shares(rows_at(compiled, data, t[k], states[k])):
+        for own, N in open_shares(rows_at(compiled, data, t[k], states[k], coordinates[k])):
             mu = lam[k, own] / scale[own]
             shared[k, own] = (mu - N @ (N.T @ mu)) * scale[own]
     return shared

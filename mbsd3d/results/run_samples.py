@@ -125,6 +125,8 @@ class RunSamples(Poses):
 
     def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
         """(samples,) rate of a hinge coordinate [rad/s or m/s]."""
+        if x.kind not in ("angle", "slide"):
+            return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
         axis = self.body_axis(x.a, x.axis)
         w_a, w_b = (np.zeros((self.t.size, 3)) if body is GROUND else self.omega(body) for body in (x.a, x.b))
         if x.kind == "angle":
@@ -147,12 +149,14 @@ class RunSamples(Poses):
     @cached_property
     def _middle(self) -> MiddleRows:
         """Which shares of the rows the constraints leave open."""
-        return middle_rows(self.compiled, self.t, self.arrays["state"], self.record.rows_left_out)
+        states, coordinates = self.arrays["state"], self.arrays["coordinate"]
+        return middle_rows(self.compiled, self.t, states, coordinates, self.record.rows_left_out)
 
     @cached_property
     def _multipliers(self) -> np.ndarray:
         """(samples, rows) multipliers; shares of indeterminate rows by least norm in the model's units."""
-        return minimum_norm(self.compiled, self._middle, self.t, self.arrays["state"], self.arrays["lam"])
+        states, coordinates = self.arrays["state"], self.arrays["coordinate"]
+        return minimum_norm(self.compiled, self._middle, self.t, states, coordinates, self.arrays["lam"])
 
     def reaction(self, *joints: Joint | str) -> Reaction:
         """Force [N] and moment [N m] of a joint on its body b at the joint's point, world axes.
@@ -174,10 +178,11 @@ class RunSamples(Poses):
         unique, samples = unique_wrench(compiled, self._middle, parts), self.t.size
         lam = self.arrays["lam"] if unique else self._multipliers
         total, one = np.zeros((samples, 6)), np.zeros((samples, 6))
-        index, data = compiled.body_index[id(body)], compiled.data()
+        index, data, states = compiled.body_index[id(body)], compiled.data(), self.arrays["state"]
+        coordinates = np.ascontiguousarray(self.arrays["coordinate"])
         for part in parts:
             rows = compiled.rows[id(part)]
-            wrenches(compiled.model, data, self.t, self.arrays["state"], lam, rows.start, rows.stop, index, one)
+            wrenches(compiled.model, data, self.t, states, coordinates, lam, rows.start, rows.stop, index, one)
             total += one
         point = parts[0].reaction_points(self)
         origin = np.zeros((samples, 3)) if body is GROUND else self.position(body)

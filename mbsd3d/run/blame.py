@@ -7,7 +7,9 @@ from ..equations.at_state import load_rows
 from ..equations.compiled import Compiled
 from ..kernels.layout import Data
 from ..mechanism.drivers import AngleDriver, Driver, PositionDriver, SlideDriver
+from ..mechanism.joints import CurveContact
 
+BEFORE = 1e-6  # of a curve, at its ends
 UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m"}
 
 
@@ -22,6 +24,17 @@ def reached(driver: Driver, t: float) -> str:
     unit = UNITS.get(type(driver))
     values = [float(row.signal(t)) for row in driver.primitives if row.signal is not None]
     return f" at {', '.join(f'{value:.6g}' for value in values)} {unit}" if unit and values else ""
+
+
+def at_end_of_curve(compiled: Compiled, data: Data, h: float) -> str | None:
+    """Name of a joint whose point comes to the end of an open curve within a time step h, if any."""
+    for joint in compiled.system.joints:
+        if isinstance(joint, CurveContact) and not joint.closed:
+            last = data.coordinate[compiled.coordinate(joint.way)]
+            near = joint.start + last["value"] + last["rate"] * h
+            if not BEFORE * joint.line.length < near < (1.0 - BEFORE) * joint.line.length:
+                return f"joint '{compiled.system.name(joint)}'"
+    return None
 
 
 def blame(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: float) -> str | None:

@@ -31,7 +31,7 @@ from ..results.record import Record, Samples, buffer_size
 from ..results.run_result import RunResult
 from ..saddle.solve import SOLVED
 from .balance import check_balance
-from .blame import blame, driven_to
+from .blame import at_end_of_curve, blame, driven_to
 from .divergence import DivergenceWatch
 from .events import armed_at_start
 from .stiffness import check_forces
@@ -271,7 +271,10 @@ class Job:
         solution = self.solution()
         part = blame(self.compiled, self.data, self.memory.y, t, float(self.memory.now.step))
         what, advice = FAILURES[status]
-        if part is None and status == memory.NOT_CLOSING and self.compiled.drives:
+        ended = at_end_of_curve(self.compiled, self.data, float(self.memory.now.step))
+        if ended:
+            part, what, advice = ended, "the contact comes to the end of its curve", "give a longer one, or end the run"
+        elif part is None and status == memory.NOT_CLOSING and self.compiled.drives:
             part = f"{driven_to(self.compiled, t)}, where the mechanism locks or passes a singular position"
             advice = "drive it less far, or the other way; see system.check()"
         elif part:

@@ -30,7 +30,8 @@ SILENT = Progress("", 0.0, 1.0, False)
 class Slices(Job):
     """A job whose end is moved on from slice to slice; rows, steps and factors of the method stay what they are.
 
-    ``keep`` says whether the end of each slice is a sample, taken before an input changes there.
+    ``keep`` says whether the end of each slice is a sample, taken before an input changes there; ``progress`` is asked
+    every 0.05 s of work.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class Slices(Job):
                 raise InputError(f"Stepper: measures: {shown(x)} is not a measure; build one with mbsd3d.measures")
             check_members(system, x, "Stepper: measures")
         compiled = with_own_inputs(compile_system(system, tuple(measures), switches))
-        self.inputs, self.keep = starts(compiled), True
+        self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
         self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
         self.driving = {name: driver_of(system, name) for name in self.inputs}
         super().__init__(compiled, start, start.t, None, method, rtol, None, as_built)
@@ -102,7 +103,7 @@ class Slices(Job):
         if not self.keep and now["written"]:
             self.drain()
         run.times[1], now["next_output"] = t, 0 if first else 1
-        self.loop(SILENT)
+        self.loop(self.progress)
         if first:
             mark_warm(f"time loop {self.method.loop.__name__}")
             mark_warm()

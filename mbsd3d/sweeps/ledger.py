@@ -92,8 +92,8 @@ class Store:
             self.check(dict(identity), replace)
         except sqlite3.Error as error:
             raise LedgerError(
-                f"{what}: ledger '{self.path}' cannot be used: {error}; give a file in a folder that exists and is "
-                f"yours, and that is new or the ledger of this {what}"
+                f"{what}: ledger '{self.path}' cannot be used: {error}; give a file that is new or of this {what}, in "
+                "a folder that exists, is yours and has space"
             ) from error
 
     def check(self, own: dict[str, Any], replace: bool) -> None:
@@ -139,7 +139,10 @@ class Store:
         try:
             self.file.execute("INSERT OR REPLACE INTO cells VALUES (?, ?)", (key, json.dumps(value)))
         except sqlite3.Error as error:
-            raise LedgerError(f"ledger '{self.path}' cannot be written: {error}") from error
+            raise LedgerError(
+                f"ledger '{self.path}' cannot be written: {error}; make room, and run the {self.what} again with this "
+                "ledger: it goes on"
+            ) from error
 
     def close(self) -> None:
         """Close the file."""

@@ -168,7 +168,7 @@ def collect(
     except KeyboardInterrupt:
         return None
     except LedgerError as error:
-        return SweepError(str(error), advice="make room, and run the sweep again with this ledger: it goes on")
+        return SweepError(str(error))
     except SweepError as error:
         return error
     except Exception as error:  # an executor may fail as it likes: what has finished is kept

@@ -147,7 +147,7 @@ def test_without_viser_a_demo_has_no_page_and_says_why(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "viser", None)
     result = call("demo", "cardan")
     assert result.exit_code == 0 and result.stderr.count("\n") == 1
-    assert "a view needs the package viser; install it: pip install 'mbsd3d[view]'" in result.stderr
+    assert "a view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.*'" in result.stderr
     assert not list((folder / "out").glob("*.html")) and (folder / "out" / "cardan.png").exists()
 
 
@@ -157,7 +157,7 @@ def test_without_viser_a_view_is_refused_before_anything_is_computed(folder, mon
     arguments = (*arguments, "--view") if arguments[0] == "run" else arguments
     result = call(*arguments)
     assert result.exit_code == 2 and result.stdout == "" and not list(folder.iterdir())
-    assert result.stderr == "mbsd3d: a view needs the package viser; install it: pip install 'mbsd3d[view]'\n"
+    assert result.stderr == "mbsd3d: a view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.*'\n"
 
 
 @pytest.mark.slow
@@ -321,7 +321,7 @@ def expect_one_line(result, message):
         (("run", "model.py", "--t-end", 1, "--out", "model.py"), "--out 'model.py' is a file; give a folder"),
         (("run", "model.py", "--t-end", 1, "--out", "model.py/x"), "cannot be written: Not a directory"),
         (("demo", "cardan", "--out", "model.py"), "--out 'model.py' is a file; give a folder"),
-        (("demo", "unknown"), "there is no demo 'unknown'; there are "),
+        (("demo", "unknown"), "there is no demo 'unknown'; see the whole list: mbsd3d demo"),
         (("demo", "falling_dog"), "there is no demo 'falling_dog'; did you mean falling_cat?"),
         (("demo", "stewart", "--set", "yaw=3"), "no parameter 'yaw'; did you mean yaw_deg?"),
         (("demo", "stewart", "--set", "yaw_deg"), "'yaw_deg' is not NAME=VALUE; write e.g. --set Omega=30"),
@@ -394,6 +394,16 @@ def test_a_demo_that_misses_its_theory_ends_with_1(plugins, folder):
     assert result.exit_code == 1 and "FAIL, limit 1e-09" in result.stdout
     assert "demo 'lost' of 'no_such_package:demo' cannot be loaded" in result.stderr
     assert result.stderr.splitlines()[-1] == "mbsd3d: theory is not met by failing"
+
+
+@pytest.mark.parametrize(("meets", "code", "said"), [(True, 130, "mbsd3d: interrupted"), (False, 2, "failed")])
+def test_ctrl_c_while_a_library_is_loaded(folder, meets, code, said):
+    """Libraries in C answer it by an ImportError of their own."""
+    key = "import os, signal, time\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    time.sleep(9)\n"
+    answer = "except KeyboardInterrupt:\n    raise ImportError('initialization failed')\n"
+    (folder / "m.py").write_text(key + answer if meets else "raise ImportError('initialization failed')\n")
+    result = CliRunner().invoke(main, ["check", "m.py"])
+    assert result.exit_code == code and said in result.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow

@@ -24,8 +24,8 @@ def test_doctor_says_versions_kernels_and_threads():
 def test_doctor_names_what_is_missing_and_its_extra(monkeypatch):
     module = __import__("mbsd3d.cli.doctor", fromlist=["installed"])
     known = module.installed
-    monkeypatch.setattr(module, "installed", lambda name: None if name == "viser" else known(name))
-    assert 'missing viser: pip install "mbsd3d[view]"' in said()["view"]
+    monkeypatch.setattr(module, "installed", lambda name: None if name == "distributed" else known(name))
+    assert 'missing distributed: pip install "mbsd3d[cluster]"' in said()["cluster"]
 
 
 def test_doctor_runs_where_mbsd3d_is_not_installed(monkeypatch):

@@ -3,6 +3,8 @@
 import inspect
 import json
 import re
+import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 from runpy import run_path
@@ -26,14 +28,50 @@ WITH_BLOCKS = [
     for name, path in PAGES.items()
     if blocks(path)
 ]
+PEERS = {  # pages whose ``py`` blocks need a package that the tests do without
+    "coming_from/bicycle_parameters.md": "bicycleparameters",
+    "coming_from/drake.md": "pydrake", "coming_from/sympy.md": "sympy",
+}  # fmt: skip
+NEVER_RUN = {"coming_from/chrono.md"}  # no package index has PyChrono
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 NAME = r"`((?:mbsd3d|validation|bicycle)\.[\w.]+)`"
+
+
+@pytest.fixture(autouse=True)
+def no_figures_left():
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 @pytest.mark.parametrize("page", WITH_BLOCKS)
 def test_blocks_of_a_page_print_what_is_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(page)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PEERS)
+def test_blocks_of_other_programs_print_what_is_shown(name, tmp_path, monkeypatch):
+    pytest.importorskip(PEERS[name], reason=f"{name} is run where it is installed")
+    monkeypatch.chdir(tmp_path)
+    assert run(PAGES[name], "python|py") > len(blocks(PAGES[name]))
+
+
+def test_blocks_that_are_not_run_say_so():
+    for name, page in PAGES.items():
+        text = page.read_text(encoding="utf-8")
+        assert name in {*PEERS, *NEVER_RUN} or not blocks(page, "py"), name
+        for before in re.split(r"^```py\n", text, flags=re.MULTILINE)[:-1]:
+            assert re.search(r"\*(Not run|Run once|As above)[^`]*$", before[-400:]), name
+
+
+def test_sizes_of_the_installation_are_those_of_the_packages():
+    found = json.loads((DOCS / "packages.json").read_text(encoding="utf-8"))
+    said = re.findall(r"pip install .*: (\d+) MB$", PAGES["start/install.md"].read_text(encoding="utf-8"), re.MULTILINE)
+    assert list(map(int, said)) == list(found["MB"].values())
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert found["dependencies"] == project["dependencies"], "measure again: .ci/packages"
 
 
 def test_slow_pages_exist():
@@ -116,6 +154,16 @@ def test_notebooks_are_those_of_the_lessons():
         code = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
         assert len(code) == len(blocks(DOCS / "teaching" / f"{path.stem}.md"))
         assert all(cell["outputs"] for cell in code)
+
+
+def test_every_lesson_has_its_pictures():
+    named = {
+        page: set(re.findall(r"\]\(\.\./pictures/lessons/(\S+)\)", text.read_text(encoding="utf-8")))
+        for page, text in PAGES.items()
+        if page.startswith("teaching/") and blocks(text)
+    }
+    assert all(len(pictures) >= 2 for pictures in named.values())
+    assert set().union(*named.values()) == {path.name for path in (DOCS / "pictures/lessons").iterdir()}
 
 
 def test_forty_questions_have_a_page():

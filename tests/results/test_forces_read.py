@@ -297,7 +297,7 @@ def test_slips_are_named(run):
         run.force("nix")
     with pytest.raises(ValueError, match="'spring' does not act on 'c'; it acts on 'a', 'b'"):
         run.force("spring", on="c")
-    with pytest.raises(ValueError, match="give every state a name of its own"):
+    with pytest.raises(ValueError, match="name each once"):
         CustomForce(band, on=(run.system.bodies[0], GROUND), states=(1.0, 2.0), labels=("x", "x"))
 
 

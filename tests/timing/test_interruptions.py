@@ -8,6 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
+from test_live import connected
+
+from mbsd3d import Body, System, simulate
 
 pytestmark = pytest.mark.timing
 
@@ -91,3 +94,13 @@ def test_sweeps_end_with_their_workers(tmp_path, executor, sign, moment):
     process = start(tmp_path, "sweep_models", tmp_path / "sweep.db", "0", executor, **more)
     time.sleep(moment)
     stopped(process, sign, END)  # with what Python needs to take itself apart
+
+
+def test_a_live_view_stops_at_once_with_open_connections():
+    stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 1.0))
+    view = simulate(System([stone]), 0.1, progress=False).animate(live=True)
+    open_ones, began = connected(view), time.perf_counter()
+    view.stop()
+    assert time.perf_counter() - began < 0.5
+    for one in open_ones:
+        one.close_socket()

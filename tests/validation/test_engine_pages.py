@@ -97,11 +97,11 @@ def test_published_figures_stand_on_the_page_of_their_layout():
     table = truth.rows()
     shown = {name: pages.Sheet(FakeComparison(Engine(name)), ()).claims(table) for name in names()}
     whats = {name: {row.what for row in rows} for name, rows in shown.items()}
-    assert "flat4 1x moment [N.m] (flat-vs-boxer article)" in whats["flat4_nonboxer_staggered"]
-    assert "peak moment V10_72_article" in whats["V10_72_real"] and "6x force, V12" in whats["V12_60"]
+    assert "flat4 1x moment [N.m] (flat-vs-boxer article)" in whats["flat4_shared"]
+    assert "peak moment V10_72_steps_of_144" in whats["V10_72"] and "6x force, V12" in whats["V12_60"]
     assert not any("V12" in what or "V10" in what for what in whats["I4"] | whats["V8_flat"])
     assert all(row.layouts and set(row.layouts) <= set(names()) for row in table)  # every row stands on some page
-    assert "1x couple, crank's centre on the axis" in whats["V8_cross_real"]
+    assert "1x couple, crank's centre on the axis" in whats["V8_cross"]
     with pytest.raises(ValueError, match="no layout begins with 'I7'; there are single"):
         claims.family("I4 I7")
 

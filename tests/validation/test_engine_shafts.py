@@ -104,9 +104,9 @@ def test_firing_order_of_many_cylinders():
 
 def test_firing_orders():
     assert gas.firing_order(layout("I4")) == "1-3-4-2"
-    assert gas.firing_order(layout("I5_real")) == "1-2-4-5-3"
+    assert gas.firing_order(layout("I5")) == "1-2-4-5-3"
     assert gas.firing_order(layout("I3")) == "1-2-3"  # 1-3-2 is that of the crank mirrored
-    for name, known, bank in (("V8_cross_real", "1-8-4-3-6-5-7-2", 4), ("V6_60_offset+60", "1-2-3-4-5-6", 3)):
+    for name, known, bank in (("V8_cross", "1-8-4-3-6-5-7-2", 4), ("V6_60_offset+60", "1-2-3-4-5-6", 3)):
         first = name.startswith("V8")  # odd numbers in the first bank, or in the second
         order = [int(c) - 1 for c in gas.firing_order(layout(name)).split("-")]
         numbers = [2 * (c % bank) + (1 if (c < bank) == first else 2) for c in order]

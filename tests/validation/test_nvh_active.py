@@ -1,6 +1,7 @@
 """Active mounts: limits in closed form, poles against the general model step by step."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -89,6 +90,19 @@ def test_poles_say_what_the_general_model_does(cancel, share):
     assert np.abs(cancel.run(step, count) - known).max() < 5e-3 * abs(cancel.force)
 
 
+def test_what_they_differ_by_is_of_second_order(cancel):
+    """No mean torque, and a load of a tenth: the difference is a hundredth."""
+    held, load = replace(cancel.held, torque=0.0), cancel.source.at(cancel.rpm)
+    off = []
+    for share in (1.0, 0.1):
+        small = replace(load, force=share * load.force, moment=share * load.moment)
+        source = SimpleNamespace(at=lambda rpm, small=small: small, inertia=cancel.source.inertia)
+        one = replace(cancel, held=held, source=source)
+        step = 0.5 * one.path.limit(one.W)
+        off.append(np.abs(one.run(step, 200) - one.predicted(step, 200)).max())
+    assert off[1] == pytest.approx(0.01 * off[0], rel=0.02)
+
+
 def test_beyond_the_limit_the_force_grows(cancel):
     step = 2.0 * cancel.path.limit(cancel.W)
     size = np.abs(np.linalg.eigvals(cancel.path.loop(cancel.W, step))).max()
@@ -133,7 +147,8 @@ def test_inclined_mounts_and_undamped_ones_are_refused():
 
 
 @pytest.mark.slow
-def test_the_command_shows_an_active_mount():
-    found = CliRunner().invoke(nvh, ["inline_4", "--active"])
+def test_the_command_shows_an_active_mount(tmp_path):
+    found = CliRunner().invoke(nvh, ["inline_4", "--active", "--page", str(tmp_path)])
     assert found.exit_code == 0, found.output
     assert "feed-forward" in found.output and "stable up to" in found.output
+    assert (tmp_path / "inline_4-compact.html").read_text(encoding="utf-8").count("<svg") == 8

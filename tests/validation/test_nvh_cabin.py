@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 from scipy.io import wavfile
 
-from mbsd3d import Body, Bushing, System, linearize
 from validation import theory
+from validation.nvh.cabin import checks
 from validation.nvh.cabin.seat import Cabin
 from validation.nvh.cabin.shell import KEPT, ModalShell, beam_shell
 from validation.nvh.cabin.sound import SECONDS, write_sound
@@ -16,17 +16,10 @@ from validation.nvh.cli import nvh
 from validation.nvh.engine import presets
 from validation.nvh.engine.loads import Source
 from validation.nvh.held import mounts
-from validation.nvh.held.powertrain import equivalent
-from validation.nvh.held.response import Map, OnMounts, shift, six_freedoms
+from validation.nvh.held.response import Map
 
 BEAM = dict(mass=900.0, roll_inertia=400.0, length=4.1, bending=26.0, lateral=37.0, torsion=31.0, damping=0.02)
 RIGID = 6
-
-
-def held_in(car: str, engine: str) -> OnMounts:
-    """An engine on the mounts of a car, not rolled by a mean torque."""
-    body = equivalent(presets.preset(engine))
-    return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
 
 
 def test_frequencies_of_a_free_beam():
@@ -60,45 +53,19 @@ def test_shapes_of_a_free_beam():
 def test_forces_and_motions_of_the_shell_are_reciprocal():
     shell, a, b = beam_shell(**BEAM), np.array([[1.2, 0.4, -0.1]]), np.array([[-0.3, 0.1, 0.5]])
     w = np.array([90.0, 260.0])
+    a, b = shell.at(a), shell.at(b)
     assert shell.receptance(w, a, b) == pytest.approx(np.swapaxes(shell.receptance(w, b, a), 1, 2), rel=1e-12)
 
 
 @pytest.mark.parametrize(("car", "engine"), [("compact", "inline_3"), ("saloon", "boxer_4")])
 def test_a_rigid_shell_is_a_body_of_the_general_model(car, engine):
     """Shell, powertrain and spinning rotor as bodies on bushings: the same acceleration of the seat."""
-    held, rpm = held_in(car, engine), 1700.0
-    cabin = Cabin(mounts.car(car), held)
-    source, rate = Source(presets.preset(engine), 0.7), 2 * np.pi * rpm / 60
-    elastic = cabin.shell.rates > 0
-    stiff = replace(cabin.shell, rates=cabin.shell.rates[~elastic], damping=cabin.shell.damping[~elastic],
-                    shapes=[x for x, e in zip(cabin.shell.shapes, elastic, strict=True) if not e])  # fmt: skip
-    object.__setattr__(cabin, "shell", stiff)
-    found = cabin.seat(answer := held.answer(source, [rpm]))[0]
-
-    r, R = mounts.car(car).shell, cabin.axes
-    m, length = r["mass"], r["length"]
-    inertia = R.T @ np.diag([r["roll_inertia"], m * length**2 / 12, m * length**2 / 12]) @ R
-    shell = Body("shell", m, inertia, com=-R.T @ r["engine"])
-    apart = held.body.system(lambda body: [], rate)
-    powertrain, rotor = apart.bodies
-    forces = [
-        Bushing(shell, powertrain, at=x.at, stiffness=x.rates, damping=x.damping, axes=x.axes) for x in held.placed
-    ]
-    both = System([powertrain, rotor, shell], apart.joints, [*forces, *apart.forces], gravity=(0, 0, 0))
-    A = linearize(both, outputs=six_freedoms(powertrain) + six_freedoms(shell)).A
-    order = np.r_[0:6, 12:18, 6:12, 18:24]  # displacements of both, then rates of both
-    A = A[np.ix_(order, order)]
-    B = np.zeros((24, 6))
-    B[12:18] = np.linalg.inv(held.mass)
-    to_seat = shift(np.array(R.T @ (np.array(r["seat"]) - r["engine"])))[:3]
-    for k, W in enumerate(answer.orders * rate):
-        if k:
-            x = np.linalg.solve(1j * W * np.eye(24) - A, B @ answer.load[0, k])
-            assert found[k] == pytest.approx(-(W**2) * R @ to_seat @ x[6:12], rel=1e-6, abs=1e-9)
+    ((found, known),) = checks.rigid_shell(car, engine).values()
+    assert found == pytest.approx(known, rel=1e-6, abs=1e-9)
 
 
 def test_paths_add_up_and_a_stiffer_shell_is_felt_less():
-    held = held_in("saloon", "v6_90")
+    held = checks.held_in("saloon", "v6_90")
     found = held.answer(Source(presets.preset("v6_90")), [1500.0])
     car = mounts.car("saloon")
     cabin, heavy = Cabin(car, held), Cabin(replace(car, shell=car.shell | {"mass": 1e9, "roll_inertia": 1e9}), held)
@@ -112,7 +79,8 @@ def test_a_mode_at_the_frequency_of_an_order_is_heard():
     """One mode of frequency f: the receptance at resonance is 1 / (2 i z w^2) times the shapes."""
     w, at = 2 * np.pi * 40.0, np.array([[1.0, 2.0, 3.0]])
     shell = ModalShell(np.array([w]), np.array([0.05]), [lambda x: 2.0 * x])
-    assert shell.receptance([w], at, at)[0] == pytest.approx(4 * np.outer(at, at) / (2j * 0.05 * w**2))
+    there = shell.at(at)
+    assert shell.receptance([w], there, there)[0] == pytest.approx(4 * np.outer(at, at) / (2j * 0.05 * w**2))
 
 
 def test_the_sound_of_one_order_rises_with_the_speed(tmp_path):
@@ -132,7 +100,7 @@ def test_the_sound_of_one_order_rises_with_the_speed(tmp_path):
         (lambda: beam_shell(**BEAM | {"bending": 0.0}), "shell: bending"),
         (lambda: beam_shell(**BEAM | {"damping": -0.1}), "damping of mode"),
         (lambda: ModalShell(np.ones(2), np.ones(1), []), "2 rates, 1 dampings, 0 shapes"),
-        (lambda: Cabin(mounts.car("bench"), held_in("bench", "single")), "its shell is not known"),
+        (lambda: Cabin(mounts.car("bench"), checks.held_in("bench", "single")), "its shell is not known"),
     ],
 )
 def test_shells_that_cannot_be_are_refused(call, text):

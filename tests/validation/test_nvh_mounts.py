@@ -186,7 +186,7 @@ def test_the_command_writes_a_page(tmp_path):
     assert "modes on the mounts" in found.output and "main 2" in found.output
     page = (tmp_path / "single-motorcycle.html").read_text(encoding="utf-8")
     assert (
-        page.count("<svg") == 4
+        page.count("<svg") == 6
         and "single-motorcycle-view.html" in page
         and "http://" not in page.replace("http://www.w3.org", "")
     )

@@ -1,9 +1,11 @@
-"""Balance shafts of engines with real dimensions: what they take, late ones, and the full motion with them."""
+"""Balance shafts of engines with real dimensions: what they take, faults of fitting, the full motion with them."""
 
 import numpy as np
 import pytest
 
+from validation.engine_balance.pages.portrait import upright
 from validation.nvh.engine import balance_shafts, presets
+from validation.nvh.engine.balance_shafts import Fault
 from validation.nvh.engine.loads import Source
 from validation.nvh.held import mounts
 from validation.nvh.study import Study
@@ -40,20 +42,74 @@ def test_shafts_at_one_height_leave_the_torque_of_the_inertia():
     assert left[3] == pytest.approx(bare[3], rel=1e-9)
 
 
+SPEED = 4000.0
+WHOLE = orders("inline_4", None, 2)[2] * (SPEED / 5100) ** 2  # N: the 2x force without shafts
+
+
+def remains(kind: str, **fault: object) -> np.ndarray:
+    """(5,) phasors of forces, couples and torque that faulty shafts of the inline four leave."""
+    chosen = presets.preset("inline_4")
+    shafts = balance_shafts.faulty(chosen, balance_shafts.fitted(chosen, kind), Fault("", **fault))
+    found = balance_shafts.left(chosen, shafts, SPEED)
+    space = balance_shafts.left_in_space(chosen, shafts, SPEED)
+    assert np.abs(space - found).max() < ROUNDING * WHOLE
+    return found
+
+
 @pytest.mark.parametrize("degrees", [1.0, 7.5, 40.0])
 def test_late_shafts_leave_twice_the_sine_of_half_the_angle(degrees):
-    chosen, phase = presets.preset("inline_4"), np.radians(degrees)
-    fitted = balance_shafts.fitted(chosen, "lanchester")
-    whole = orders("inline_4", None, 2)[2] * (4000 / 5100) ** 2
-    assert balance_shafts.left(chosen, fitted, 4000.0, phase)[0] == pytest.approx(
-        2 * np.sin(phase / 2) * whole, rel=1e-9
-    )
+    found = remains("lanchester", phase=np.radians(degrees))
+    assert np.abs(found[:2]).max() == pytest.approx(2 * np.sin(np.radians(degrees) / 2) * WHOLE, rel=1e-9)
+
+
+def test_shafts_out_of_place_leave_their_force_times_the_distance():
+    """Along the crank a couple, aside a torque; up nothing, but for one alone, whose sideways force has then an arm."""
+    d = 0.0037
+    along, aside, up = (remains("raised", moved=tuple(d * e)) for e in np.eye(3))
+    assert np.abs(along) == pytest.approx([0, 0, *np.abs(along[2:4]), 0], abs=1e-9 * WHOLE)
+    assert np.abs(along[2:4]).max() == pytest.approx(d * WHOLE, rel=1e-9)
+    assert np.abs(aside) == pytest.approx([0, 0, 0, 0, d * WHOLE], abs=1e-9 * WHOLE)
+    assert np.abs(up) == pytest.approx(np.zeros(5), abs=1e-9 * WHOLE)
+    for moved in ((0, d, 0), (0, 0, d)):
+        one = remains("raised", moved=moved, one=True)
+        assert np.abs(one) == pytest.approx([0, 0, 0, 0, d * WHOLE / 2], abs=1e-9 * WHOLE)
+    both = remains("raised", moved=(d, -2 * d, d), phase=0.02, heavy=0.01)
+    assert np.abs(both[:2]).max() == pytest.approx(abs(1 - 1.01 * np.exp(0.02j)) * WHOLE, rel=1e-9)
+
+
+def test_one_heavy_shaft_leaves_a_force_that_turns():
+    found = remains("lanchester", heavy=0.02, one=True)
+    assert np.abs(found[:2]) == pytest.approx([0.01 * WHOLE] * 2, rel=1e-9)
+
+
+def test_counterweights_are_never_late():
+    chosen = presets.preset("single")
+    shafts = balance_shafts.fitted(chosen, "first")
+    late = balance_shafts.faulty(chosen, shafts, Fault("", phase=0.3))
+    for a, b in zip(shafts, late, strict=True):
+        assert (a == b) == a.on_crank
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0, 1.3])
+def test_the_roll_is_linear_in_the_height_of_the_shafts(share):
+    chosen = presets.preset("inline_4")
+    full = balance_shafts.fitted(chosen, "raised")
+    up = upright(chosen.layout)[2, :2]
+    best = abs(np.subtract(*(np.array(shaft.position) @ up for shaft in full)))
+    bare = abs(balance_shafts.left(chosen, balance_shafts.fitted(chosen, "lanchester"), SPEED)[4])
+    found = balance_shafts.left(chosen, balance_shafts.apart(chosen, full, share * best), SPEED)
+    assert abs(found[4]) == pytest.approx(abs(1 - share) * bare, abs=1e-9 * bare)
+    assert np.abs(found[:4]) == pytest.approx(np.zeros(4), abs=1e-9 * WHOLE)
 
 
 @pytest.mark.parametrize(("name", "kind"), [("inline_6", "lanchester"), ("v12", "first"), ("single", "third")])
 def test_shafts_that_help_nothing_are_refused(name, kind):
     with pytest.raises(ValueError, match="that .* shafts could take|unknown; there are lanchester"):
         balance_shafts.fitted(presets.preset(name), kind)
+    if name == "single":
+        alone = balance_shafts.fitted(presets.preset(name), "first")
+        with pytest.raises(ValueError, match="1 shafts have no height between them; give a pair"):
+            balance_shafts.apart(presets.preset(name), alone, 0.1)
 
 
 def test_the_full_motion_with_geared_shafts_is_that_of_the_linear_map():

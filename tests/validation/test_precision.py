@@ -121,11 +121,13 @@ def test_peers_come_to_the_closed_form_and_the_order_shows(row):
     assert mine.bound == "" and theirs.bound == ""
 
 
-def test_front_of_an_engine_falls(row):
-    for engine in ("mbsd3d", *candidates.PEERS):
-        points = front(row, engine)
-        assert len(points) > 2
-        assert all(a.seconds < b.seconds and a.error > b.error for a, b in zip(points, points[1:], strict=False))
+def test_front_of_an_engine_falls_and_nothing_beats_it():
+    low, high = power_law(1, at=1e-3, label="low"), power_law(4, at=2.0, label="high")  # they cross between 16 and 32 s
+    points = front(Row("laws", "free", 1, 0, (low, high)), "MuJoCo")
+    assert all(a.seconds < b.seconds and a.error > b.error for a, b in zip(points, points[1:], strict=False))
+    assert {*points} < {*low.points, *high.points} and points[0] in low.points and points[-1] in high.points
+    for tried in (*low.points, *high.points):
+        assert any(point.seconds <= tried.seconds and point.error <= tried.error for point in points)
 
 
 @pytest.mark.slow

@@ -146,6 +146,14 @@ def test_forty_four_bars_with_605_rows_of_rank_485():
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_of_a_demo_of_forgotten_terms_the_whole_equations_are_judged():
+    (trial,) = listing.chosen(families.demonstrations(quick=True), ("gallery_wall",))
+    record, made = examine(trial)
+    assert len(made.source.solutions) > 1 and record.verdict == AGREES
+    assert made.solution is not next(iter(made.source.solutions.values()))
+
+
 def test_random_mechanisms_move_and_keep_their_seed():
     for seed in range(4):
         first, second = (families.started(seed) for _ in range(2))

@@ -11,7 +11,7 @@ from browser import visit
 from test_files import LOWER_ARM, pendulum
 
 from mbsd3d import Body, System, simulate
-from mbsd3d.view.page import html, live
+from mbsd3d.view.page import html, live, served
 from mbsd3d.view.page.live import LiveView, mixed, place
 
 NODE = "window.__viserMutable.nodePoseData['/bodies/1']"
@@ -98,8 +98,8 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(html.sys, "platform", "linux")
-    monkeypatch.setattr(live.webbrowser, "get", lambda: None)
-    monkeypatch.setattr(live.webbrowser, "open", lambda url: False)
+    monkeypatch.setattr(served.webbrowser, "get", lambda: None)
+    monkeypatch.setattr(served.webbrowser, "open", lambda url: False)
     with pytest.raises(ValueError, match=re.escape(f"no browser was found on this machine; open {view.url} in one")):
         view.open()
 
@@ -107,7 +107,7 @@ def test_open_says_where_there_is_no_browser(view, monkeypatch, variables):
 def test_a_missing_package_is_named(solution, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "viser", None)
     with pytest.raises(
-        ValueError, match=r"a live view needs the package viser; install it: pip install 'mbsd3d\[view\]'"
+        ValueError, match=r"a live view needs viser 1.1.x, found none; install it: pip install 'viser==1.1.\*'"
     ):
         solution.animate(live=True)
 
@@ -196,17 +196,20 @@ def test_another_page_gets_no_scene(view):
     assert knock(bare, Cookie=cookie, **socket_headers)[0] == 101
 
 
-def test_it_stops_at_once_with_open_connections(solution, capfd):
+def connected(view, count=3):
+    """Browsers that stay, as far as the server can tell."""
+    from viser import __version__
     from websockets.sync.client import connect
 
-    view = solution.animate(live=True)
     cookie = knock(view.url)[1]["Set-Cookie"].partition(";")[0]
-    address = view.url.partition("?")[0].replace("http", "ws")
-    protocol = [f"viser-v{__import__('viser').__version__}"]
-    open_ones = [connect(address, additional_headers={"Cookie": cookie}, subprotocols=protocol) for _ in range(3)]
-    url, began = view.url, time.perf_counter()
-    view.stop()
-    assert time.perf_counter() - began < 2.0  # 0.3 s on an idle machine
+    address, protocol = view.url.partition("?")[0].replace("http", "ws"), [f"viser-v{__version__}"]
+    return [connect(address, additional_headers={"Cookie": cookie}, subprotocols=protocol) for _ in range(count)]
+
+
+def test_it_stops_with_open_connections(solution, capfd):
+    view = solution.animate(live=True)
+    url, open_ones = view.url, connected(view)
+    view.stop()  # how fast: tests/timing
     assert not listens(url)
     for one in open_ones:
         one.close_socket()

@@ -264,7 +264,7 @@ def test_a_missing_or_other_viser(monkeypatch):
         import_viser("show")
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(
-        ValueError, match=r"system.show needs the package viser; install it: pip install 'mbsd3d\[view\]'"
+        ValueError, match=r"system.show needs viser 1.1.x, found none; install it: pip install 'viser==1.1.\*'"
     ):
         System([Body("stone", 1.0, (1, 1, 1))]).show()
 

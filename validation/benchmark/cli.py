@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import INTERRUPTED, Failure, ready_folder
+from mbsd3d.extend import INTERRUPTED, Failure, ready_folder, write_atomically
 
 PARTS = ("precision", "redundancy", "speed")
 LEDGER, DATA, TEXT, FIGURE = "precision.db", "precision.json", "precision.txt", "work_precision"
@@ -128,7 +128,7 @@ def show(rows: list[Any], out: Path, pictures: Path | None) -> None:
         return
     lines = report(rows)
     click.echo("\n".join(lines))
-    (out / TEXT).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_atomically(out / TEXT, ("\n".join(lines) + "\n").encode())
     if any(row.name in SHOWN for row in rows):
         for folder in filter(None, (out, pictures)):
             save_figure(work_precision(rows), folder / FIGURE)

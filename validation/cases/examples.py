@@ -88,6 +88,14 @@ def _stone(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
     return [mbsd3d.Rolling(a, b, stone, plane=plane)]
 
 
+def _curve(rng: Generator, a: Any, b: Any) -> list[mbsd3d.Joint]:
+    """A point of b on a wide closed curve in space."""
+    turn, frame = 2 * np.pi * np.arange(60) / 60, mbsd3d.rotations.matrix(random_orientation(rng))
+    points = np.column_stack([5 * np.cos(turn), 4.5 * np.sin(turn), 0.8 * np.sin(2 * turn + 0.3)]) @ frame
+    at = middle(rng, a, b)
+    return [mbsd3d.CurveContact(a, b, points - points[7] + at, at=at)]
+
+
 def _universal(rng: Generator, cls: type, a: Any, b: Any, **at: Any) -> list[mbsd3d.Joint]:
     axis = direction(rng)
     return [cls(a, b, axis_a=axis, axis_b=across(rng, axis), **at)]
@@ -158,6 +166,7 @@ JOINTS: dict[type, Factory] = {
     ],
     mbsd3d.Parallel: lambda rng, a, b, c, d: [mbsd3d.Parallel(a, b, axis=direction(rng))],
     mbsd3d.Perpendicular: lambda rng, a, b, c, d: _universal(rng, mbsd3d.Perpendicular, a, b),
+    mbsd3d.CurveContact: lambda rng, a, b, c, d: _curve(rng, a, b),
     mbsd3d.ConstantVelocity: lambda rng, a, b, c, d: _constant_velocity(rng, a, b),
     mbsd3d.Screw: lambda rng, a, b, c, d: [mbsd3d.Screw(a, b, at=middle(rng, a, b), axis=direction(rng), pitch=0.8)],
     mbsd3d.RollingDisc: lambda rng, a, b, c, d: _rolling(rng, a, b),
@@ -181,8 +190,8 @@ EXAMPLES: dict[type, Factory] = {
 NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.Rolling, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
 
 
-TREE = [cls for cls in JOINTS if cls in GEOMETRY or cls in VELOCITY]
-"""Joints between two bodies that a second formulation can judge."""
+TREE = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
+"""Joints between two bodies that a second formulation can judge; contacts on curves have trials of their own."""
 CLOSING = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
 HINGES = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
 

@@ -64,7 +64,7 @@ def firing_angles(layout: Layout) -> np.ndarray:
     """(n,) crank angles at which the cylinders fire, top dead centres in [0, 720) [degrees].
 
     The firing order of the layout, if the crank can do it and no other is more even; else the most even one. (Of the
-    data file, the orders of I3 and I6 belong to cranks that turn the other way; those of V8_cross_real and
+    data file, the orders of I3 and I6 belong to cranks that turn the other way; those of V8_cross and
     V6_60_offset+60 number the cylinders from bank to bank, 1, 3, 5 ... opposite 2, 4, 6 ...)
 
     FiringOrderError for too many cylinders to search, without a firing order.

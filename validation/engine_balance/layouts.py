@@ -79,13 +79,18 @@ def names() -> tuple[str, ...]:
 
 
 def layout(name: str) -> Layout:
-    """A layout of the data file.
+    """A layout of the data file, by its name or by the one it was published under.
 
     ValueError if the name is unknown; it lists the names.
+
+    >>> layout("V8_cross_article").name
+    'V8_cross_in_sequence'
     """
-    if name not in names():
-        raise InputError(f"layout '{name}' is unknown; there are {', '.join(names())}")
-    record = data()["configurations"][name]
+    records = data()["configurations"]
+    name = next((key for key, record in records.items() if record.get("published_as") == name), name)
+    if name not in records:
+        raise InputError(f"layout '{name}' is unknown; there are {', '.join(records)}")
+    record = records[name]
     return Layout(
         name=name,
         title=record["name"],

@@ -19,10 +19,10 @@ WORDS = {"layout", "harmonic", "turning", "unit", "figure", "verdict", "shafts",
 PUBLISHED = {
     ("single", "force", 1): 9.87, ("single", "force", 2): 4.111, ("single", "force", 4): 0.295,
     ("I3", "couple", 1): 1.71, ("I4", "force", 2): 16.44, ("I4", "force", 4): 1.18,
-    ("V8_flat", "force", 2): 23.26, ("V8_flat", "force", 4): 1.67, ("V8_cross_article", "force", 4): 1.67,
-    ("V8_cross_article", "couple", 1): 2.79, ("V8_cross_article", "couple", 2): 1.16,
-    ("flat4_nonboxer_article", "couple", 1): 3.95, ("flat4_nonboxer_article", "couple", 2): 0.0,
-    ("boxer4_article", "couple", 1): 0.0, ("boxer4_article", "couple", 2): 0.0,
+    ("V8_flat", "force", 2): 23.26, ("V8_flat", "force", 4): 1.67, ("V8_cross_in_sequence", "force", 4): 1.67,
+    ("V8_cross_in_sequence", "couple", 1): 2.79, ("V8_cross_in_sequence", "couple", 2): 1.16,
+    ("flat4_shared_face_to_face", "couple", 1): 3.95, ("flat4_shared_face_to_face", "couple", 2): 0.0,
+    ("boxer4_face_to_face", "couple", 1): 0.0, ("boxer4_face_to_face", "couple", 2): 0.0,
 }  # fmt: skip
 """Published amplitudes of the toy engine; the truth table says what is wrong with some of them."""
 COUNT = 720  # samples of a turn with gas: its kinks fold back (order / COUNT)^2

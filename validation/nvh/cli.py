@@ -11,7 +11,7 @@ from mbsd3d.extend import can_view, ready_folder
 DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
 TAKES = {
-    "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "active", "sound", "page"),
+    "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "cycles", "active", "shell", "sound", "page", "export"),
     "--road": ("car", "speed", "page"),
     "--valve": ("rpm", "page"),
     "--planes": ("car",),
@@ -21,37 +21,42 @@ TAKES = {
 
 @click.command()
 @click.argument("engine", metavar="[LAYOUT]", required=False)
-@click.option("--car", help="Where it is mounted; see --list.  [default: compact]")
+@click.option("--car", help="Where it is mounted; see --list, or a file (.json).  [default: compact]")
 @click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
 @click.option("--sweep", type=int, metavar="N", help="Full motions at N speeds from idle to redline.")
+@click.option("--cycles", type=int, metavar="N", help="Of each of these motions, after half a second.  [default: 4]")
 @click.option("--active", is_flag=True, help="An active mount: skyhook, and feed-forward on the largest order.")
+@click.option("--shell", metavar="KIND", help="The car's shell: beam, plate, or a file of modes.  [default: beam]")
 @click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
-@click.option("--road", help="Without LAYOUT: the car on a road of this class, A (smooth) to H.")
+@click.option("--road", help="The car on a road: a class, A (smooth) to H, or a file of x,left,right.")
 @click.option("--speed", type=float, help="With --road: of the car [m/s].  [default: 20]")
 @click.option("--page", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
+@click.option("--export", metavar="FOLDER", help="Write engine, car and shell there, as files to edit.")
 @click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
 @click.option("--planes", is_flag=True, help="What a plane says of all this: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
     """What an engine does to its bearings, its mounts and the car it is in.
 
-    LAYOUT is an engine with real dimensions, such as inline_4. Orders of forces and moments on the block, loads of the
-    main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the speeds, and at one speed
-    by the full motion of the crank train on its mounts. The exit code is 1 if the two differ by more than 1 %.
+    LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments
+    on the block, loads of the main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the
+    speeds, and at one speed by the full motion of the crank train on its mounts. The exit code is 1 if the two differ
+    by more than 1 %.
 
-    Instead of LAYOUT, --road: vibration at the seat of a quarter, linked, half and whole car on a rough road, and what
-    the links of its axles make of the travel of a wheel; --valve: from which speed on a valve leaves its cam, and how
-    it comes back; --planes: what a plane can say.
+    Instead of LAYOUT, --road: vibration at the seat of a quarter, half and whole car on a rough road, on slides and on
+    the links of its axles, and what these make of the travel of a wheel; --valve: from which speed on a valve leaves
+    its cam, and how it comes back; --planes: what a plane can say.
     """
     from validation.nvh.engine import presets
     from validation.nvh.held import mounts
 
     if only_list:
-        listed = [(name, presets.preset(name).title) for name in presets.names()]
-        listed += [(name, mounts.car(name).title) for name in mounts.names()]
-        click.echo("\n".join(f"{name:12} {title}" for name, title in listed))
+        from validation.nvh.tables import engines
+
+        show("engines; forces and couples on the block at the redline", engines())
+        show("cars", [["", "mounts"], *([name, mounts.car(name).title] for name in mounts.names())])
         return
     given = {name: value for name, value in options.items() if value is not None and value is not False}
     subjects = ["LAYOUT"] * (engine is not None) + [f"--{name}" for name in given if f"--{name}" in TAKES]
@@ -63,7 +68,11 @@ def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
         raise InputError(f"nvh: --{wrong[0]} does not go with {subject}; leave it out")
     if "page" in given:
         can_view(needed=True)
-        ready_folder(given["page"], "--page")
+    for option in ("page", "export"):
+        if option in given:
+            ready_folder(given[option], f"--{option}")
+    if "cycles" in given and "sweep" not in given:
+        raise InputError("nvh: --cycles belongs to --sweep; give both")
     if "sound" in given:
         ready_folder(str(Path(given["sound"]).parent), "--sound")
     car = mounts.car(given.pop("car", CAR))
@@ -86,42 +95,43 @@ def in_car(
     load: float = 1.0,
     shafts: str | None = None,
     sweep: int | None = None,
+    cycles: int = 4,
     active: bool = False,
+    shell: str = "beam",
     sound: str | None = None,
     page: str | None = None,
+    export: str | None = None,
 ) -> None:
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from validation.nvh import tables
     from validation.nvh.study import AGREES, Study
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
-    study = Study(chosen, car, speed, load, shafts)
+    study = Study(chosen, car, speed, load, shafts, shell)
     if sound is not None and study.cabin is None:
         raise InputError(
-            f"nvh: --sound needs a car whose shell is known; '{car.name}' is not one, give compact or saloon"
+            f"nvh: --sound needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or --shell"
         )
-    swept = None if sweep is None else study.sweep(sweep)
+    if study.cabin is not None:
+        study.cabin.at_feet, study.cabin.at_seat  # noqa: B018  # refuses a table that lacks a place
+    swept = None if sweep is None else study.sweep(sweep, cycles)
     facts = tables.facts(study)
     width = max(len(name) for name, _ in facts)
     click.echo("\n".join(f"{name:{width}}  {text}" for name, text in facts))
-    show("load on the block", tables.loads(study))
-    if study.source.fitted:
-        show("balance shafts fitted late", tables.timing(study))
-    show("main bearings", tables.bearings(study))
-    show("modes on the mounts", tables.modes(study))
-    show("mounts", tables.mounts(study))
-    show("handed on to the car", tables.handed_on(study))
+    for title, rows in tables.on_engine(study):
+        show(title, rows)
     if swept is not None:
         show("over the speed", tables.sweep(swept))
-    rows = None
+    of_mount = None
     if active:
         from validation.nvh.active.report import ActiveMount
 
-        rows = ActiveMount(study).rows
-        show("active mount", rows)
+        of_mount = ActiveMount(study)
+        show("active mount", of_mount.rows)
     if study.cabin is not None:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
+        show(f"modes of the shell, {Path(shell).name}", tables.shell(study))
     click.echo(f"\nlinear map and full run differ by {study.difference:.2%}")
     if sound is not None:
         from validation.nvh.cabin.sound import write_sound
@@ -130,26 +140,31 @@ def in_car(
     if page is not None:
         from validation.nvh.page import write_page
 
-        click.echo(write_page(study, page, rows))
+        click.echo(write_page(study, page, of_mount, swept, sound))
+    if export is not None:
+        from validation.nvh.export import export as write_records
+
+        click.echo("\n".join(str(path) for path in write_records(study, export)))
     if study.difference > AGREES:
         click.echo(f"mbsd3d: linear map and full run differ by {study.difference:.2%}", err=True)
         raise click.exceptions.Exit(DIFFER)
 
 
 def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -> None:
-    """Quarter, linked, half and whole car on a road; show them, write their page."""
+    """Quarter, half and whole car on a road, on slides and on links; show them, write their page."""
     from validation.nvh.road import report
-    from validation.nvh.road.vehicle import KINDS
 
-    rides = [report.ride_of(car, kind, road, speed) for kind in KINDS]
-    click.echo(f"{car.title.split(',')[0]} on a road of class {road} at {speed:g} m/s")
+    rides = report.rides_of(car, road, speed)
+    click.echo(f"{car.title.split(',')[0]} on {rides[-1].road.title} at {speed:g} m/s")
+    if missing := report.left_out(rides[-1]):
+        click.echo(missing)
     show("at the seat", report.comfort(rides))
-    show("wheels", report.struts(rides[-1]))
-    show("modes", report.modes(rides[-1]))
+    show("wheels of the whole car on links", report.struts(rides[-1]))
+    show("modes of the whole car on links", report.modes(rides[-1]))
     show("guides of the wheels", report.guides(rides[-1].vehicle))
     click.echo(f"\n{report.braking(rides[-1].vehicle)}")
     if page is not None:
-        click.echo(report.write_page(car, rides[-1], page))
+        click.echo(report.write_page(car, rides, page))
 
 
 def on_cam(valve: str, rpm: float | None = None, page: str | None = None) -> None:

@@ -1,6 +1,7 @@
 """What a plane can say about an engine in its car: exact, approximate, or impossible, each measured.
 
-Where both exist the planar model is computed as well and timed; what a plane has no term for is named with its size.
+Where both exist the planar model (`flat`, closed forms, planar twins) is computed as well, and both are timed; what a
+plane has no term for is named with its size, and with the time that it takes in space.
 """
 
 import time
@@ -9,24 +10,27 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
 
 from mbsd3d import Kinematic, simulate
+from validation import theory
 from validation.engine_balance import planar_sum, spatial
 from validation.engine_balance.harmonics import Harmonics
-from validation.nvh.engine import presets
+from validation.nvh.active.report import ActiveMount
+from validation.nvh.engine import balance_shafts, presets
 from validation.nvh.engine.loads import Source
 from validation.nvh.engine.main_bearings import COUNT, cut_engine
+from validation.nvh.flat import Flat, front_view
 from validation.nvh.held.mounts import Car
-from validation.nvh.held.rigid_modes import mass_matrix, rigid_modes
-from validation.nvh.held.roll_axis import roll_axis, stiffness_matrix
+from validation.nvh.held.rigid_modes import rigid_modes
+from validation.nvh.held.roll_axis import roll_axis
 from validation.nvh.road.report import quarter_car, ride_of
 from validation.nvh.road.ride import rms
 from validation.nvh.study import Study
+from validation.nvh.valve.report import Valve
 from validation.twins import planar
 
 ENGINE, PAIRED, RPM, SPEED = "inline_4", "inline_3", 4000.0, 20.0
-ACROSS = (1, 2, 3)  # y, z, about x: the plane across the crank
+OUT_OF_PLACE = balance_shafts.Fault("out of place", 0.02, (0.003, 0.005, -0.004))
 EXACT, NEAR, NEVER = "exact", "approximate", "impossible"
 FELT = 0.06  # m of travel
 SAME = 1e-5  # relative: the run over the road holds 2e-6, kinematics 1e-13
@@ -60,7 +64,10 @@ class Planes:
     @cached_property
     def lines(self) -> list[Line]:
         """All of them, in the order from crank to road."""
-        return [self.block(), self.bearings(), self.couple(), self.modes(), self.roll(), self.spin(), *self.road()]
+        return [
+            self.block(), self.bearings(), self.shafts(), self.couple(), self.modes(), self.roll(), self.spin(),
+            self.active(), self.cabin(), self.valve(), *self.road(), *self.guides(),
+        ]  # fmt: skip
 
     def block(self) -> Line:
         """Forces of the engine on its block."""
@@ -85,58 +92,107 @@ class Planes:
         share = max(off) / np.abs(plane[0].reaction("bearing").force).max()
         return Line("main bearings", verdict(share), f"{share:.0e}", "crank cut: half a throw each", quick, slow)
 
+    def shafts(self) -> Line:
+        """Balance shafts that are out of place: their order on the block."""
+        preset = self.study.preset
+        fitted = balance_shafts.faulty(preset, balance_shafts.fitted(preset, "raised"), OUT_OF_PLACE)
+        plane, quick = timed(lambda: balance_shafts.left(preset, fitted, RPM))
+        space, slow = timed(lambda: balance_shafts.left_in_space(preset, fitted, RPM))
+        off = np.abs(space - plane).max() / np.abs(plane).max()
+        return Line("balance shafts", verdict(off), f"{off:.0e}", "sum of planes along the crank", quick, slow)
+
     def couple(self) -> Line:
         """The couple of an engine with three cylinders, which balance shafts of the first order take."""
-        load = np.abs(Source(presets.preset(PAIRED), 0.0).at(RPM).six[2])
+        load, slow = timed(lambda: np.abs(Source(presets.preset(PAIRED), 0.0).at(RPM).six[2]))
         what, term = f"first order of {PAIRED}", "couple in the plane of the crank"
-        return Line(what, NEVER, f"{max(load[4:]):.0f} N m", term)
+        return Line(what, NEVER, f"{max(load[4:]):.0f} N m", term, None, slow)
 
     def modes(self) -> Line:
         """Sway, bounce and roll of the powertrain in the plane across the crank."""
         body, placed = self.study.body.rigid, self.study.placed
-        part = np.ix_(ACROSS, ACROSS)
-        (squares, _), quick = timed(lambda: eigh(stiffness_matrix(body, placed)[part], mass_matrix(body)[part]))
+        plane, quick = timed(lambda: Flat(self.study.on_mounts).modes())
         found, slow = timed(lambda: rigid_modes(body, placed))
-        plane, space = np.sqrt(squares) / (2 * np.pi), np.array([mode.frequency for mode in found])
+        space = np.array([mode.frequency for mode in found])
         worst = max(np.abs(space - f).min() / f for f in plane)
-        return Line(
-            "modes on the mounts", verdict(worst), f"{worst:.1%} in Hz", "mounts and masses off the plane", quick, slow
-        )
+        term = "mounts and masses off the plane"
+        return Line("modes on the mounts", verdict(worst), f"{worst:.1%} in Hz", term, quick, slow)
 
     def roll(self) -> Line:
         """The axis that a torque about the crank turns the powertrain about."""
-        lean = np.degrees(np.arccos(abs(roll_axis(self.study.body.rigid)[0])))
-        return Line("torque-roll axis", NEVER, f"{lean:.1f} degrees", "products of inertia")
+        axis, slow = timed(lambda: roll_axis(self.study.body.rigid))
+        lean = np.degrees(np.arccos(abs(axis[0])))
+        return Line("torque-roll axis", NEVER, f"{lean:.1f} degrees", "products of inertia", None, slow)
 
     def spin(self) -> Line:
         """Pitch and yaw are coupled by the crank."""
-        _, slow = timed(lambda: self.study.map, 1)
+        _, slow = timed(lambda: self.study.on_mounts.answer(self.study.source, self.study.map.rpm))
         return Line("spin of the crank", NEVER, f"{self.study.spin:.2%} of force", "w x J w, pitch to yaw", None, slow)
 
+    def active(self) -> Line:
+        """The step of an active mount from which on it is unstable."""
+        cancel = ActiveMount(self.study).cancel
+        flat = Flat(self.study.on_mounts)
+        plane, quick = timed(lambda: flat.path(cancel).limit(cancel.W))
+        space, slow = timed(lambda: replace(cancel).path.limit(cancel.W))
+        off, term = plane / space - 1, "pitch and yaw of the powertrain"
+        return Line("active mount", verdict(off), f"{off:+.1%} of the stable step", term, quick, slow)
+
+    def cabin(self) -> Line:
+        """Acceleration of the seat rail over all speeds and orders, engine, mounts and shell in one plane."""
+        study, flat = self.study, Flat(self.study.on_mounts)
+        cabin, found = study.cabin, study.map
+        plane, quick = timed(lambda: flat.seat(cabin, found.rpm, found.orders, found.load))
+        space, slow = timed(lambda: cabin.seat(found) @ cabin.axes)
+        off = np.linalg.norm(space - np.pad(plane, [(0, 0), (0, 0), (1, 0)])) / np.linalg.norm(space)
+        return Line("shell, at the seat", verdict(off), f"{off:.0%} rms", "torsion, pitch and yaw", quick, slow)
+
+    def valve(self) -> Line:
+        """The speed from which on a valve leaves its cam: closed form over the spline of the lift, and multiplier."""
+        train = Valve("cycloidal").train
+        angle = np.linspace(0.0, 2 * np.pi, 20001)
+
+        def closed() -> float:
+            s, dds = train.cam.spline(angle), train.cam.spline(angle, 2)
+            return 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
+
+        (plane, quick), (space, slow) = timed(closed), timed(train.floats_at)
+        off = space / plane - 1
+        return Line("valve on its cam", verdict(off), f"{abs(off):.0e}", "flat cam; a barrel has no plane", quick, slow)
+
     def road(self) -> list[Line]:
-        """Cars on a rough road, and what guides their wheels."""
-        quarter, linked, half, whole = (
-            ride_of(self.car, kind, "C", SPEED) for kind in ("quarter", "linked", "half", "whole")
-        )
+        """Cars on a rough road."""
+        quarter, half, whole = (ride_of(self.car, kind, "C", SPEED) for kind in ("quarter", "half", "whole"))
+        linked = ride_of(self.car, "quarter", "C", SPEED, linked=True)
         known, quick = timed(lambda: quarter_car(quarter))
-        _, slow = timed(lambda: replace(quarter, vehicle=replace(quarter.vehicle)).seat)
-        off = rms(quarter.run_seat - known) / rms(known)  # and all is compiled before times are taken
-        (_, half_time), (_, whole_time) = (timed(lambda ride=ride: ride.run, 1) for ride in (half, whole))
-        held = whole.vehicle.guides[0].curves
-        toe = 60 * np.degrees(held.at("toe", FELT))
-        linked_off, roll_off = linked.weighted / quarter.weighted - 1, half.weighted / whole.weighted - 1
+        (_, of_quarter), (_, of_linked), (_, of_whole), (_, of_half) = (
+            timed(lambda ride=ride: replace(ride, vehicle=replace(ride.vehicle)).seat)
+            for ride in (quarter, linked, whole, half)
+        )
+        off = rms(quarter.run_seat - known) / rms(known)
+        by_links, by_roll = linked.weighted / quarter.weighted - 1, half.weighted / whole.weighted - 1
+        small = "straight guide; small motions"
         return [
-            Line("quarter car", verdict(off), f"{off:.0e}", "straight guide; small motions", quick, slow),
-            Line("wheel on its links", verdict(linked_off), f"{linked_off:+.1%} at the seat", "side motion and turn"),
-            Line(
-                "half car",
-                verdict(roll_off),
-                f"{roll_off:+.1%} at the seat",
-                "roll, two different tracks",
-                half_time,
-                whole_time,
-            ),
-            Line("bump steer", NEVER, f"{toe:.0f} minutes", f"toe at {1e3 * FELT:.0f} mm, turn about z"),
+            Line("quarter car", verdict(off), f"{off:.0e}", small, quick, of_quarter),
+            Line("wheel on its links", verdict(by_links), f"{by_links:+.1%} at the seat", "side motion and turn", quick,
+                 of_linked),
+            Line("half car", verdict(by_roll), f"{by_roll:+.1%} at the seat", "roll, two different tracks", of_half,
+                 of_whole),
+        ]  # fmt: skip
+
+    def guides(self) -> list[Line]:
+        """What the front axle makes of the travel of a wheel; ValueError if it is no double wishbone."""
+        held = ride_of(self.car, "whole", "C", SPEED).vehicle.guides[0]
+        heights = np.linspace(-FELT, FELT, 41)
+        (camber, ratio), quick = timed(lambda: front_view(held, heights))
+        curves, slow = timed(lambda: replace(held).curves)
+        off = 60 * np.degrees(np.abs(camber - np.interp(heights, curves.z, curves.camber)).max())
+        by_ratio = np.abs(np.abs(ratio) / np.abs(np.interp(heights, curves.z, curves.ratio)) - 1).max()
+        toe, ahead = 60 * np.degrees(curves.at("toe", FELT)), 1e3 * curves.at("ahead", 0.0)
+        size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * FELT:.0f} mm"
+        return [
+            Line("camber and motion ratio", verdict(by_ratio), size, "axes of the arms not along the car", quick, slow),
+            Line("bump steer", NEVER, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
+            Line("anti-dive", NEVER, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
         ]
 
 

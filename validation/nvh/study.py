@@ -8,8 +8,8 @@ import numpy as np
 
 from mbsd3d import Solution
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
-from validation.nvh.cabin.seat import Cabin
+from mbsd3d.extend import closing, number
+from validation.nvh.cabin.seat import BEAM, Cabin, known
 from validation.nvh.engine import balance_shafts
 from validation.nvh.engine.loads import Source
 from validation.nvh.engine.main_bearings import Bearing, main_bearings
@@ -31,10 +31,13 @@ SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
 @dataclass(frozen=True)
 class Sweep:
-    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N]."""
+    """Linear ``map`` and ``full`` (s, n, mounts, 3) motion at the same speeds, phasors of the forces on the car [N],
+    from so many ``cycles``.
+    """
 
     map: Map
     full: np.ndarray
+    cycles: int
 
     @property
     def off(self) -> np.ndarray:
@@ -46,7 +49,8 @@ class Sweep:
 @dataclass(frozen=True)
 class Study:
     """``preset`` in ``car`` at ``rpm`` [1/min] under ``load``, a share of full load; 0 is motored, without gas;
-    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None.
+    ``shafts``: balance shafts, one of `balance_shafts.KINDS`, or None; ``shell``: what the car's shell is taken for,
+    see `Cabin`.
 
     ValueError for a speed that is not positive or beyond the redline, or a load outside 0 ... 1.
     """
@@ -56,6 +60,7 @@ class Study:
     rpm: float
     load: float = 1.0
     shafts: str | None = None
+    shell: str = BEAM
 
     def __post_init__(self) -> None:
         rpm = number(self.rpm, "nvh: rpm", positive=True)
@@ -156,13 +161,13 @@ class Study:
             run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles, count=COARSE)
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
-        with ThreadPoolExecutor(THREADS) as pool:
-            return Sweep(found, np.array(list(pool.map(full, found.rpm))))
+        with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
+            return Sweep(found, np.array(list(pool.map(full, found.rpm))), cycles)
 
     @cached_property
     def cabin(self) -> Cabin | None:
         """The car around it; None if its shell is not known."""
-        return None if self.car.shell is None else Cabin(self.car, self.on_mounts)
+        return Cabin(self.car, self.on_mounts, self.shell) if known(self.car, self.shell) else None
 
     @property
     def idling(self) -> "Study":

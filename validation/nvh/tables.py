@@ -1,15 +1,19 @@
 """Tables of a study as rows of text, header first, for the command line and for the page."""
 
 import numpy as np
+from scipy.integrate import cumulative_simpson
 
+from validation.engine_balance.pages.portrait import upright
 from validation.nvh.cabin.seat import rms
-from validation.nvh.engine import balance_shafts
+from validation.nvh.engine import balance_shafts, presets
+from validation.nvh.engine.loads import Source
 from validation.nvh.held.rigid_modes import DIRECTIONS
 from validation.nvh.study import Study, Sweep
 
 Rows = list[list[str]]
 LEAST = 1e-3  # of the largest: smaller orders are left out
-LATE = (0.0, 1.0, 3.0, 6.0, 10.0)  # degrees of a shaft; a tooth of forty is nine
+SMALL = 1e-6  # of the 1x force of a cylinder: smaller forces are those of moments
+HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
 
 
 def figure(x: float, size: float = 0.0) -> str:
@@ -17,27 +21,73 @@ def figure(x: float, size: float = 0.0) -> str:
     return "0" if abs(x) <= 1e-9 * size else f"{x:.4g}"
 
 
+def engines() -> Rows:
+    """All engines, with the orders that their layout leaves at the redline."""
+    rows = [["", "engine", "1/min", "1x [N]", "2x [N]", "1x [N m]", "2x [N m]"]]
+    for name in presets.names():
+        chosen = presets.preset(name)
+        six, single = np.abs(Source(chosen, 0.0).at(chosen.redline).six), chosen.engine(chosen.redline).single
+        sizes = [np.linalg.norm(six[2 * k, part]) for part in (slice(0, 3), slice(4, 6)) for k in (1, 2)]
+        numbers = (f"{x:.0f}" if x > LEAST * single else "0" for x in sizes)
+        rows.append([name, chosen.title, f"{chosen.idle:g}-{chosen.redline:g}", *numbers])
+    return rows
+
+
+def on_engine(study: Study) -> list[tuple[str, Rows]]:
+    """(title, table) from the block to what the mounts hand on."""
+    found = [("load on the block", loads(study))]
+    if study.source.fitted:
+        found.append(("balance shafts fitted wrongly", faults(study)))
+        if (of_pair := heights(study)) is not None:
+            found.append(("balance shafts apart in height", of_pair))
+    return [
+        *found, ("main bearings", bearings(study)), ("modes on the mounts", modes(study)),
+        ("shapes of the modes", shapes(study)), ("mounts", mounts(study)), ("handed on to the car", handed_on(study)),
+    ]  # fmt: skip
+
+
 def loads(study: Study) -> Rows:
-    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank."""
+    """Orders of the load on the block at the study's speed, forces and moments about the middle of the crank, and of
+    the torque that turns the crank.
+    """
     load = study.source.at(study.rpm)
-    found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]"]]
-    six = np.abs(load.six)
-    sizes = np.array([six[1:, :3].max(), six[1:, 3:].max()]).repeat(3)
-    for order, row in zip(load.orders[1:], six[1:], strict=True):
+    found = [["order", "Hz", "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]", "crank [N m]"]]
+    seven = np.abs(np.column_stack([load.six, load.torque]))
+    sizes = np.array([seven[1:, :3].max(), seven[1:, 3:].max()]).repeat((3, 4))
+    for order, row in zip(load.orders[1:], seven[1:], strict=True):
         if (row > LEAST * np.maximum(sizes, 1.0)).any():
             frequency = order * study.rpm / 60
             found.append([f"{order:g}x", f"{frequency:.1f}", *(figure(x, max(sizes)) for x in row)])
     return found
 
 
-def timing(study: Study) -> Rows:
-    """What balance shafts leave of their order at the study's speed if they are fitted late."""
-    rows = [["late by [degrees]", "force [N]", "couple [N m]", "torque [N m]"]]
-    preset, fitted = study.preset, study.source.fitted
-    size = preset.engine(study.rpm).single
-    for degrees in LATE:
-        values = balance_shafts.left(preset, fitted, study.rpm, np.radians(degrees))
-        rows.append([f"{degrees:g}", *(figure(x, size) for x in values)])
+def faults(study: Study) -> Rows:
+    """What balance shafts leave of their order at the study's speed if they are fitted wrongly, in closed form; and how
+    far the engine with its geared shafts in space is from it, over the 1x force of a cylinder.
+    """
+    rows = [["fault", "force [N]", "couple [N m]", "torque [N m]", "in space off by"]]
+    preset, size = study.preset, study.preset.engine(study.rpm).single
+    for fault in balance_shafts.FAULTS:
+        fitted = balance_shafts.faulty(preset, study.source.fitted, fault)
+        known, found = (way(preset, fitted, study.rpm) for way in (balance_shafts.left, balance_shafts.left_in_space))
+        force, couple, torque = (float(np.abs(part).max()) for part in (known[:2], known[2:4], known[4]))
+        values = (figure(x, size) for x in (force, couple, torque))
+        rows.append([fault.title, *values, f"{np.abs(found - known).max() / size:.0e}"])
+    return rows
+
+
+def heights(study: Study) -> Rows | None:
+    """What a pair of shafts leaves of the roll of its order, by how far they are apart in height; None for no pair."""
+    fitted, preset, source = study.source.fitted, study.preset, study.source
+    if len(fitted) != 2 or any(shaft.on_crank for shaft in fitted) or fitted[0].order != 2:
+        return None
+    full = balance_shafts.fitted(preset, "raised")
+    best = abs(np.subtract(*(np.array(shaft.position) @ upright(preset.layout)[2, :2] for shaft in full)))
+    rows = [["apart in height [mm]", "roll 2x of inertia [N m]", "with gas at this load [N m]"]]
+    for height in (0.0, best / 2, best, 1.5 * best):
+        pair = tuple(balance_shafts.apart(preset, full, height))
+        rolls = (abs(Source(preset, load, pair).at(study.rpm).six[4, 3]) for load in (0.0, source.load))
+        rows.append([f"{1e3 * height:.1f}", *(figure(x, 1e3) for x in rolls)])
     return rows
 
 
@@ -46,6 +96,20 @@ def modes(study: Study) -> Rows:
     rows = [["mode", "mostly", "Hz", *DIRECTIONS]]
     for k, mode in enumerate(study.modes, start=1):
         rows.append([str(k), mode.main, f"{mode.frequency:.2f}", *(f"{100 * share:.1f}" for share in mode.shares)])
+    return rows
+
+
+def shapes(study: Study) -> Rows:
+    """Shapes of the rigid-body modes: motion of the centre of mass, scaled such that the mount that moves most moves by
+    1 mm.
+    """
+    rows = [["mode", "mostly", "Hz", "x", "y", "z [mm]", "about x", "about y", "about z [mrad]"]]
+    arms = np.array([mount.at for mount in study.placed]) - study.body.rigid.com
+    for k, mode in enumerate(study.modes, start=1):
+        heads = mode.shape[:3] + np.cross(mode.shape[3:], arms)
+        values = mode.shape / np.linalg.norm(heads, axis=1).max()
+        numbers = (f"{round(x, 3) + 0.0:.3f}" for x in values)
+        rows.append([str(k), mode.main, f"{mode.frequency:.2f}", *numbers])
     return rows
 
 
@@ -62,33 +126,53 @@ def mounts(study: Study) -> Rows:
 def handed_on(study: Study) -> Rows:
     """What the mounts hand on at the study's speed: by order, linear and in the full run."""
     rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
-    here, (size, off) = study.here, study.differences
+    here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
         if size[k] > LEAST * size.max():
-            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > LEAST * engine.max(initial=1.0) else "moment only"
-            forces = figure(engine[k], engine.max()), figure(car[k]), ratio, figure(size[k])
+            ratio = f"{car[k] / engine[k]:.4f}" if engine[k] > SMALL * single else "moment only"
+            forces = figure(engine[k], single), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
 
 
-def sweep(found: Sweep) -> Rows:
-    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart."""
-    rows = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]]
-    for s, rpm in enumerate(found.map.rpm):
+def sweep(found: Sweep, most: int | None = None) -> Rows:
+    """Largest force of a mount over the speed, linear and in the full motion, and how far they are apart; ``most``:
+    rows of a shorter table, the speed where they differ most among them.
+    """
+    rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]], found.map.rpm.size
+    chosen = np.linspace(0, count - 1, min(most or count, count)).astype(int)
+    for s in np.union1d(chosen, found.off.argmax()):
         linear, full = (np.abs(part[s, 1:]).max(axis=(1, 2)) for part in (found.map.force, found.full))
         k = int(linear.argmax())
         forces = figure(linear[k]), figure(full[k])
-        rows.append([f"{rpm:.0f}", f"{found.map.orders[1:][k]:g}x", *forces, f"{100 * found.off[s]:.2g}"])
+        rows.append([f"{found.map.rpm[s]:.0f}", f"{found.map.orders[1:][k]:g}x", *forces, f"{100 * found.off[s]:.2g}"])
     return rows
 
 
 def felt(study: Study) -> Rows:
-    """Acceleration of the seat rail at the study's speed by order."""
-    rows, seat = [["order", "Hz", "x", "y", "z [mm/s2]"]], np.abs(study.cabin.seat(study.here)[0])
-    for order, row in zip(study.here.orders, 1e3 * seat, strict=True):
-        if (row > LEAST * 1e3 * seat.max()).any():
-            rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *(figure(x) for x in row)])
+    """Acceleration of the seat rail by order, at the study's speed and load and at idle."""
+    rows = [["", "order", "Hz", "x", "y", "z [mm/s2]"]]
+    for one in (study, study.idling):
+        seat = np.abs(one.cabin.seat(one.here)[0])
+        for order, row in zip(one.here.orders, 1e3 * seat, strict=True):
+            if (row > LEAST * 1e3 * seat.max()).any():
+                what = f"{one.rpm:g} 1/min, {one.load:.0%} load"
+                rows.append([what, f"{order:g}x", f"{order * one.rpm / 60:.1f}", *(figure(x) for x in row)])
+    return rows
+
+
+def shell(study: Study) -> Rows:
+    """Elastic modes of the shell, and how far the seat rail and the mount that moves most move in each for a modal mass
+    of 1 kg.
+    """
+    rows, cabin = [["mode of the shell", "Hz", "damping", "seat rail", "hardest mount [1/sqrt(kg)]"]], study.cabin
+    sizes = (
+        np.linalg.norm(part.reshape(len(part), -1, 3), axis=2).max(axis=1) for part in (cabin.at_seat, cabin.at_feet)
+    )
+    for rate, damping, *moved in sorted(zip(cabin.shell.rates, cabin.shell.damping, *sizes, strict=True)):
+        if 0 < rate / (2 * np.pi) < HIGHEST:
+            rows.append([str(len(rows)), f"{rate / (2 * np.pi):.1f}", f"{damping:g}", *(figure(x) for x in moved)])
     return rows
 
 
@@ -124,6 +208,15 @@ def seat_rail(study: Study) -> str:
     return f"{1e3 * here:.3g} mm/s2 rms, at idle {1e3 * idle:.3g}"
 
 
+def ripple(study: Study) -> str:
+    """Range of the torque that gas and inertia give to an even crank, and how unevenly a free one would turn."""
+    angle = np.linspace(0.0, 4 * np.pi, 2881)
+    torque = sum(study.source.over_the_cycle(study.rpm, angle))
+    energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
+    uneven = np.ptp(energy) / (study.body.rotor * study.preset.engine(study.rpm).rate ** 2)
+    return f"{torque.min():.0f} to {torque.max():.0f} N m; alone it would turn unevenly by {100 * uneven:.2g} %"
+
+
 def facts(study: Study) -> list[tuple[str, str]]:
     """The engine and its mounts in a few lines."""
     p, (shift, turn) = study.preset, study.sag
@@ -138,6 +231,7 @@ def facts(study: Study) -> list[tuple[str, str]]:
         ("cylinder", pressure),
         ("masses", f"piston {p.piston_mass:g} kg, rod {p.rod_mass:g} kg, powertrain {study.body.mass:.1f} kg"),
         ("balance shafts", balance_shafts.described(study.preset, study.source.fitted)),
+        ("torque of the crank", ripple(study)),
         ("car", study.car.title),
         ("sag", f"{-1e3 * shift[2]:.2f} mm, turned by {np.degrees(np.linalg.norm(turn)):.3f} degrees"),
         ("rolled by mean torque", f"{np.degrees(study.on_mounts.roll):.2f} degrees"),

@@ -1,4 +1,4 @@
-"""Laws of cams in closed form: lift over the angle from the nose, its derivatives, and the speed of float."""
+"""Laws of cams in closed form: lift over the angle from the nose, its derivatives, roller followers, speed of float."""
 
 import numpy as np
 
@@ -24,6 +24,27 @@ def harmonic(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, n
         way * np.sin(np.pi * x),
         np.where(inside, np.pi**2 * lift / (2 * half**2) * np.cos(np.pi * x), 0.0),
     )
+
+
+def pressure_angle(s: np.ndarray, ds: np.ndarray, pitch: float) -> np.ndarray:
+    """[rad] between the way of a roller that crosses the axis of its cam and the force on it: ``tan = s' / (r + s)``.
+
+    ``pitch``: r from the axis of the cam to that of the roller where it is lowest [m].
+    """
+    return np.arctan2(ds, pitch + s)
+
+
+def pitch_radius(s: np.ndarray, ds: np.ndarray, dds: np.ndarray, pitch: float) -> np.ndarray:
+    """Radius of curvature of the way of the roller's centre [m], < 0 where it is hollow; larger rollers undercut it."""
+    r = pitch + s
+    return (r**2 + ds**2) ** 1.5 / (r**2 + 2 * ds**2 - r * dds)
+
+
+def roller_cam(angle: np.ndarray, s: np.ndarray, ds: np.ndarray, pitch: float, roller: float) -> np.ndarray:
+    """(n, 2) outline, the nose up: across, up [m]; a roller of radius 0 gives the way of its centre."""
+    r, alpha = pitch + s, pressure_angle(s, ds, pitch)
+    across, up = roller * np.sin(alpha), r - roller * np.cos(alpha)  # from a cam that has turned by the angle
+    return np.stack([across * np.cos(angle) + up * np.sin(angle), up * np.cos(angle) - across * np.sin(angle)], 1)
 
 
 def float_rate(mass: float, rate: float, preload: float, s: np.ndarray, dds: np.ndarray) -> float:

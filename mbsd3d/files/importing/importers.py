@@ -18,16 +18,23 @@ from ...base.paths import as_path
 from .builder import KINDS, Builder, Imported
 from .xml_scan import Scan
 
+SUFFIXES = {"mujoco": "xml", "robot": "urdf"}  # by the root of the file
+LONGEST = 86400.0  # s
+
 
 def read_xml(path: str | Path, kind: str, drop: Sequence[str], timeout: float) -> Imported:
     """Scan, let the worker compile, build."""
-    path, timeout = as_path(path, f"model.{kind}"), number(timeout, "timeout", positive=True)
+    path, timeout = as_path(path, f"model.{SUFFIXES[kind]}"), number(timeout, "timeout", positive=True)
+    if timeout > LONGEST:
+        raise InputError(f"timeout: {timeout:g} s is more than a day; give at most {LONGEST:g}")
     drop = (drop,) if isinstance(drop, str) else listed(drop, "drop", "kinds of parts")
     if unknown := [x for x in drop if not isinstance(x, str) or x not in KINDS]:
         raise InputError(f"'{path}': drop: {shown(unknown[0])} is not a kind of part; give some of {', '.join(KINDS)}")
     scan = Scan(path)
     scan.read(path)
     scan.check_named()
+    if path.suffix[1:] not in SUFFIXES.values():
+        raise InputError(f"'{path}': MuJoCo reads files by their name; give it one that ends in .{SUFFIXES[kind]}")
     if scan.kind != kind:
         raise InputError(f"'{path}': its root is <{scan.kind}>, not <{kind}>; use the reader of its format")
     try:

@@ -135,13 +135,13 @@ class FunctionForce(ForceElement):
 
     def check(self, what: str) -> None:
         if not isinstance(self.on, Body | Ground | list | tuple):
-            raise InputError(f"{what}: on {self.on!r}; give a Body, GROUND or a tuple of them")
+            raise InputError(f"{what}: on {shown(self.on)}; give a Body, GROUND or a tuple of them")
         on = (self.on,) if isinstance(self.on, Body | Ground) else tuple(self.on)
         if not 1 <= len(on) <= MOST_BODIES:
             raise InputError(f"{what}: acts on {len(on)} bodies; give 1 to {MOST_BODIES}")
         for body in on:
             if not isinstance(body, Body | Ground):
-                raise InputError(f"{what}: {body!r} is not a body; give a Body or GROUND")
+                raise InputError(f"{what}: {shown(body)} is not a body; give a Body or GROUND")
         given = [np.zeros(3) if b is GROUND else b.position for b in on] if self.points is None else self.points
         given = listed(given, f"{what}: points", "one per body")
         points = tuple(vector(point, f"{what}: point no. {k + 1}") for k, point in enumerate(given))
@@ -152,10 +152,10 @@ class FunctionForce(ForceElement):
         names = list(map(str, range(len(states)))) if self.labels is None else self.labels
         labels = listed(self.states if named else names, f"{what}: labels", "names")
         if len(labels) != len(states) or len(set(labels)) < len(labels) or not all(isinstance(x, str) for x in labels):
-            raise InputError(f"{what}: labels {labels} for {len(states)} states; give every state a name of its own")
+            raise InputError(f"{what}: labels {shown(labels)} for {len(states)} states; name each once")
         scales = (1.0,) * len(states) if self.scales is None else sequence(self.scales, f"{what}: scales")
         if len(scales) != len(states) or min(scales, default=1.0) <= 0.0:
-            raise InputError(f"{what}: scales {scales} for {len(states)} states; give one number > 0 per state")
+            raise InputError(f"{what}: scales {shown(scales)} for {len(states)} states; give one number > 0 per state")
         parameters = sequence(self.parameters, f"{what}: parameters")
         if not isinstance(self.external, bool):
             raise InputError(f"{what}: external {shown(self.external)}; give True or False")
@@ -254,7 +254,7 @@ class CustomForce(FunctionForce):
         super().check(what)
         plain = getattr(self.function, "py_func", self.function)
         if not inspect.isfunction(plain):
-            raise InputError(f"{what}: function {self.function!r} is not a function; give a plain or a jitted one")
+            raise InputError(f"{what}: function {shown(self.function)} is not a function; give a plain or a jitted one")
         if len(inspect.signature(plain).parameters) != len(ARGUMENTS):
             raise InputError(f"{what}: function '{plain.__name__}' must take the arguments {', '.join(ARGUMENTS)}")
         self.address(float)

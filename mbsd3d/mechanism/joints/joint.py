@@ -14,7 +14,7 @@ from ...base.checks import shown, vector
 from ...base.directions import matched_perpendiculars, perpendiculars, unit
 from ...base.errors import InputError
 from ..bodies import Body, Ground, Part
-from ..motion import Motion
+from ..motion import LoadedMotion, Motion
 from ..primitives import Coordinate, Primitive, in_plane, perpendicular
 
 
@@ -69,6 +69,10 @@ class Joint(Part):
     def reaction_points(self, solution: Motion) -> np.ndarray:
         """(samples, 3) world points at which the reaction is given: `point`, carried by body b."""
         return solution.body_point(self.b, self.point())
+
+    def notes(self, solution: LoadedMotion) -> list[str]:
+        """What the certificate says of the joint besides."""
+        return []
 
     def partners(self) -> list["Joint"]:
         """Other joints that this one acts through; they must be in the system too."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.checks import check_name
 from ...base.errors import InputError
 from .signal import Signal, _store_finite
 from .terms import POLYNOMIAL, Term
@@ -38,6 +39,7 @@ class Input(Signal):
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise InputError(f"Input: name {self.name!r}; give a text, e.g. Input('throttle')")
+        check_name(self.name, "Input:")
         _store_finite(self, "value")
 
     def terms(self) -> list[Term]:

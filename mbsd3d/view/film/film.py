@@ -3,10 +3,8 @@
 import contextlib
 import importlib
 import io
-import os
 import shutil
 import subprocess
-import uuid
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +12,7 @@ from PIL import Image
 
 from ...base.checks import number
 from ...base.errors import InputError
-from ...base.paths import ready_path, write_atomically
+from ...base.paths import in_its_place, ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
 from ...results.body_motion import Poses
@@ -36,13 +34,15 @@ def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object
     path = ready_path(path, ".gif")
     film = FilmFrames(motion, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(film) - 1, PROBES).astype(int))
-    sample = Image.fromarray(np.concatenate([film.frame(k) for k in probes]))
+    painted = {k: film.frame(k) for k in probes.tolist()}
+    sample = Image.fromarray(np.concatenate(list(painted.values())))
     palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
     tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), film.sheet.paper)
     ends = np.rint(np.arange(len(film) + 1) * 100.0 / film.fps).astype(int)  # GIF counts in 1/100 s
     with Progress(f"making {path.name}", 0, len(film)) as bar:
         images = []
-        for k, frame in enumerate(film):
+        for k in range(len(film)):
+            frame = painted[k] if k in painted else film.frame(k)
             images.append(Image.fromarray(nearest_tones(frame, tones)))
             images[-1].putpalette(tones.ravel().tolist())
             bar.update(k + 1)
@@ -59,15 +59,11 @@ def export_mp4(motion: Poses, path: str | Path, **options: object) -> Path:
     for side, length in (("width", film.width), ("height", film.height)):
         if length % 2:
             raise InputError(f"{side} = {length} is odd; give an even one")
-    part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{film.width}x{film.height}", "-r", f"{film.fps:g}", "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"]
     exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "mp4"]
-    try:
+    with in_its_place(path) as part:
         pour([command, "-loglevel", "error", "-y", *raw, *coded, *exact, str(part)], film, path)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
     return path
 
 

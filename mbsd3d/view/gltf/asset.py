@@ -5,9 +5,9 @@ vertices, indices and the arrays of the animation.
 """
 
 from collections.abc import Callable, Hashable
-from types import ModuleType
 
 import numpy as np
+import pygltflib
 
 from ...base.style import channels, linear
 from ...mechanism.shapes import Mesh
@@ -32,12 +32,12 @@ def short(values: np.ndarray) -> list[float]:
 
 
 class Asset:
-    """The parts so far; ``library`` is the module pygltflib."""
+    """The parts so far."""
 
-    def __init__(self, library: ModuleType, about: dict[str, str | float], generator: str) -> None:
-        self.library, self.gltf = library, library.GLTF2(scene=0, scenes=[library.Scene()])
-        self.gltf.asset = library.Asset(generator=generator, extras=about)
-        self.animation = library.Animation(name="motion")
+    def __init__(self, about: dict[str, str | float], generator: str) -> None:
+        self.gltf = pygltflib.GLTF2(scene=0, scenes=[pygltflib.Scene()])
+        self.gltf.asset = pygltflib.Asset(generator=generator, extras=about)
+        self.animation = pygltflib.Animation(name="motion")
         self.chunks: dict[str, bytearray] = {}
         self.known: dict[Hashable, int] = {}
         self.skins: dict[Hashable, Skin] = {}
@@ -60,7 +60,7 @@ class Asset:
             offset = len(chunk)
             chunk.extend(values.tobytes())
             low, high = (np.atleast_1d(f(values, axis=0)).tolist() if bounds else None for f in (np.min, np.max))
-            return self.library.Accessor(
+            return pygltflib.Accessor(
                 bufferView=list(self.chunks).index(view), byteOffset=offset, componentType=COMPONENTS[values.dtype.str],
                 normalized=None, count=len(values), type=TYPES[values.shape[1:]], min=low, max=high,
             )  # fmt: skip
@@ -79,11 +79,11 @@ class Asset:
         factor = [*linear(brightness * channels(colour) / 255.0).round(6).tolist(), 1.0]
 
         def make() -> object:
-            paint = self.library.PbrMetallicRoughness(
+            paint = pygltflib.PbrMetallicRoughness(
                 baseColorFactor=factor, metallicFactor=METALLIC, roughnessFactor=ROUGHNESS
             )
             name = f"{colour}{' dark' if brightness < 1.0 else ''}{' open' if double_sided else ''}"
-            return self.library.Material(pbrMetallicRoughness=paint, doubleSided=double_sided, name=name)
+            return pygltflib.Material(pbrMetallicRoughness=paint, doubleSided=double_sided, name=name)
 
         return self.once((tuple(factor), double_sided), "materials", make)
 
@@ -108,20 +108,20 @@ class Asset:
 
         def make() -> object:
             parts = [
-                self.library.Primitive(
-                    attributes=self.library.Attributes(POSITION=points, NORMAL=normals),
+                pygltflib.Primitive(
+                    attributes=pygltflib.Attributes(POSITION=points, NORMAL=normals),
                     indices=corners, mode=mode, material=material,
                 )
                 for mode, material, points, normals, corners in primitives
             ]  # fmt: skip
-            return self.library.Mesh(name=name, primitives=parts)
+            return pygltflib.Mesh(name=name, primitives=parts)
 
         return self.once(tuple(primitives), "meshes", make)
 
     def node(self, name: str, parent: int | None = None, mesh: int | None = None, **place: np.ndarray) -> int:
         """A node below its parent; ``place``: translation (3,), rotation (x, y, z, w) and scale (3,) at the start."""
         index, nodes = len(self.gltf.nodes), self.gltf.nodes
-        nodes.append(self.library.Node(name=name, mesh=mesh, **{key: short(value) for key, value in place.items()}))
+        nodes.append(pygltflib.Node(name=name, mesh=mesh, **{key: short(value) for key, value in place.items()}))
         (self.gltf.scenes[0].nodes if parent is None else nodes[parent].children).append(index)
         return index
 
@@ -133,10 +133,10 @@ class Asset:
             if (values == values[0]).all():
                 continue
             clock = self.array(np.asarray(t, "<f4"), "animation", bounds=True)
-            sampler = self.library.AnimationSampler(input=clock, output=self.array(values, "animation"))
-            target = self.library.AnimationChannelTarget(node=node, path=path)
+            sampler = pygltflib.AnimationSampler(input=clock, output=self.array(values, "animation"))
+            target = pygltflib.AnimationChannelTarget(node=node, path=path)
             self.animation.channels.append(
-                self.library.AnimationChannel(sampler=len(self.animation.samplers), target=target)
+                pygltflib.AnimationChannel(sampler=len(self.animation.samplers), target=target)
             )
             self.animation.samplers.append(sampler)
         return node
@@ -146,10 +146,10 @@ class Asset:
         chunk = bytearray()
         for name, content in self.chunks.items():
             chunk += bytes(-len(chunk) % 4)
-            view = self.library.BufferView(buffer=0, byteOffset=len(chunk), byteLength=len(content), **VIEWS[name])
+            view = pygltflib.BufferView(buffer=0, byteOffset=len(chunk), byteLength=len(content), **VIEWS[name])
             self.gltf.bufferViews.append(view)
             chunk += content
         self.gltf.animations = [self.animation] if self.animation.channels else []
-        self.gltf.buffers = [self.library.Buffer(byteLength=len(chunk))]
+        self.gltf.buffers = [pygltflib.Buffer(byteLength=len(chunk))]
         self.gltf.set_binary_blob(bytes(chunk))
         return b"".join(self.gltf.save_to_bytes())

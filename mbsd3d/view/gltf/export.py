@@ -6,11 +6,9 @@ glTF is y up: the root node turns the world, z up, by -90 degrees about x. Time 
 
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
-from ...base.errors import InputError
 from ...base.paths import package_version, with_suffix, write_atomically
 from ...base.rotations import rotation
 from ...base.style import GREY, SHADED
@@ -31,29 +29,19 @@ UPRIGHT = rotation("x", -90, degrees=True)
 
 def export_run(motion: Poses, path: str | Path, frames: int | None = None, traces: Points | None = None) -> Path:
     """Write the file of a solution; see `Solution.export_glb`."""
-    library = gltf_library()
     shown = frames_of(motion, frames)
-    content = glb(library, motion.system, shown, traces_of(motion, shown, traces))
+    content = glb(motion.system, shown, traces_of(motion, shown, traces))
     return write_atomically(with_suffix(path, ".glb"), content)
 
 
 def export_pose(system: Mechanism, path: str | Path) -> Path:
     """Write the file of a system at its reference pose; see `System.export_glb`."""
-    library, (r, e) = gltf_library(), poses_of(system)
-    content = glb(library, system, Frames(np.zeros(1), r[None], e[None]), [])
+    r, e = poses_of(system)
+    content = glb(system, Frames(np.zeros(1), r[None], e[None]), [])
     return write_atomically(with_suffix(path, ".glb"), content)
 
 
-def gltf_library() -> ModuleType:
-    """The module pygltflib."""
-    try:
-        import pygltflib
-    except ImportError:
-        raise InputError("export_glb needs the package pygltflib; install it: pip install 'mbsd3d[view]'") from None
-    return pygltflib
-
-
-def glb(library: ModuleType, system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
+def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
     """The bytes of the file."""
     drawing = draw_system(system)
     names = [body.name for body in system.bodies]
@@ -64,7 +52,7 @@ def glb(library: ModuleType, system: Mechanism, frames: Frames, traces: list[Tra
         "start": float(frames.t[0]),
         "duration": float(frames.t[-1] - frames.t[0]),
     }
-    asset = Asset(library, about, f"mbsd3d {package_version()}")
+    asset = Asset(about, f"mbsd3d {package_version()}")
     root = asset.node("world, z up", rotation=as_gltf(UPRIGHT))
     add_bodies(asset, root, [*names, "ground"], drawing, frames)
     add_links(asset, root, drawing, frames)

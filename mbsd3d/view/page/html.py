@@ -18,7 +18,7 @@ from ...base.templates import HtmlPage, page_template
 from .content import Content, scene_and_data
 from .recorder import client_head, printable
 
-SCRIPTS = ("unpack.js", "scene.js", "curves.js", "player.js")
+SCRIPTS = ("unpack.js", "scene.js", "curves.js", "common.js", "player.js")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,9 +62,9 @@ def has_browser() -> bool:
 
 
 @cache
-def asset(name: str) -> str:
-    """A text of the folder assets."""
-    return (resources("mbsd3d.view.page") / "assets" / name).read_text(encoding="utf-8")
+def asset(name: str, package: str = "mbsd3d.view.page") -> str:
+    """A text of the folder assets of a package."""
+    return (resources(package) / "assets" / name).read_text(encoding="utf-8")
 
 
 def make_page(content: Content, dark: bool | None, user: str) -> str:

@@ -6,27 +6,24 @@
 import logging
 import threading
 import time
-import webbrowser
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...base.errors import InputError
 from .content import Content
-from .guard import guarded_serving, new_token
-from .html import has_browser
+from .guard import guarded_serving
 from .panel import Panel
 from .recorder import import_viser, printable
+from .served import HOST, Served
 from .stage import Stage
 
 if TYPE_CHECKING:
     from viser import ViserServer
 
 PERIOD = 1.0 / 30.0  # [s] from one picture to the next
-HOST = "127.0.0.1"  # nobody else on the network sees it
 
 
-class LiveView:
+class LiveView(Served):
     """A running view; a context manager that stops it at its end.
 
     ``playing``, ``speed`` (seconds of the run per second) and ``time`` (shown [s]) can be read and set::
@@ -36,13 +33,15 @@ class LiveView:
             view.wait()
     """
 
+    kind = "live view"
+
     def __init__(self, content: Content, dark: bool | None = None) -> None:
+        super().__init__()
         frames, self._content = content.frames, content
         self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
         self._shown: float | None = None  # time of the picture; None = make it anew
-        self._ended = threading.Event()
-        self._token = new_token()
         self._server = quiet_server(self._token)
+        self.port = self._server.get_port()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
             self._stage = Stage(scene, camera, *content[:4], content.shown)
@@ -56,44 +55,8 @@ class LiveView:
         self._thread = threading.Thread(target=self._run, name="mbsd3d live view", daemon=True)
         self._thread.start()
 
-    def __repr__(self) -> str:
-        return f"<live view: {self.url}{' (stopped)' if self._ended.is_set() else ''}>"
-
-    def __enter__(self) -> "LiveView":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
-
-    @property
-    def url(self) -> str:
-        """Where a browser finds it, with the token that lets it in."""
-        return f"http://{HOST}:{self._server.get_port()}/?token={self._token}"
-
-    def can_open(self) -> bool:
-        """True if this machine can open a browser window."""
-        return has_browser()
-
-    def open(self) -> None:
-        """Show it in the default browser; raises ValueError if there is no browser."""
-        if not self.can_open() or not webbrowser.open(self.url):
-            raise InputError(f"no browser was found on this machine; open {self.url} in one")
-
-    def wait(self) -> None:
-        """Return after Ctrl-C or `stop`; the view is stopped then."""
-        try:
-            while not self._ended.wait(0.2):
-                pass
-        except KeyboardInterrupt:
-            pass  # the way to end it
-        finally:
-            self.stop()
-
-    def stop(self) -> None:
-        """End the server and free its port; browsers keep the last picture."""
-        if self._ended.is_set():
-            return
-        self._ended.set()
+    def close(self) -> None:
+        """End the thread, then the server."""
         self._thread.join()
         self._server.stop()
 

@@ -18,19 +18,17 @@ if TYPE_CHECKING:
     from viser._messages import Message
 
 CLIENT = "1.1."  # the client's build this package's player drives
-NEEDED = "{} needs the package viser; install it: pip install 'mbsd3d[view]'"
 
 
 def import_viser(user: str) -> "ModuleType":
     """The package viser; a ValueError that starts with ``user`` if it is missing or of another version."""
     try:
         import viser
-    except ImportError as error:
-        raise InputError(NEEDED.format(user)) from error
-    if not viser.__version__.startswith(CLIENT):
-        raise InputError(
-            f"{user} needs viser {CLIENT}x, found {viser.__version__}; install it: pip install 'viser=={CLIENT}*'"
-        )
+    except ImportError:
+        viser = None
+    found = viser.__version__ if viser else "none"
+    if not found.startswith(CLIENT):
+        raise InputError(f"{user} needs viser {CLIENT}x, found {found}; install it: pip install 'viser=={CLIENT}*'")
     remember_hints()
     return viser
 

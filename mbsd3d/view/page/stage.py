@@ -14,7 +14,7 @@ from ...base.rotations import matrix
 from ...base.style import CELLS, GREY, SHADED, channels, linear, paler, rgb
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.surfaces import joined
-from ..scene.camera import frame_camera, round_up
+from ..scene.camera import frame_camera, round_up, seen_from
 from ..scene.drawing import LAYERS, USUAL, Drawing, Link, bounds
 from ..scene.frames import Frames
 from ..scene.meshes import ROD, SLENDER, Z, arrow, laid, unit_coil, unit_or_z, unit_rod, with_shade
@@ -25,8 +25,10 @@ if TYPE_CHECKING:
     from viser import InitialCameraConfig, SceneApi, SceneNodeHandle
 
 FOV = 0.7  # vertical [rad]
+FADING = 12.0  # of the camera's distance, at which a ground without an edge has faded
 SUN = (-0.5, -1.5, 3.0)  # towards it
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
+CELLS_ALONG, FEW_CELLS = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
 NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
 
 
@@ -84,7 +86,8 @@ def lay(
 class Stage:
     """All that is shown, drawn at the first frame into the scene of a server of viser or of a `Recording`.
 
-    ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only.
+    ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only;
+    ``endless``: the ground has no edge; ``view``: azimuth and elevation of the first view [degrees], None = the usual.
     """
 
     def __init__(
@@ -98,12 +101,15 @@ class Stage:
         shown: Sequence[str] = USUAL,
         *,
         near: bool = False,
+        endless: bool = False,
+        view: Sequence[float] | None = None,
     ) -> None:
         low, high = bounds(drawing, frames.r, frames.e)
         box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
-        self.cell = round_up(max(float((box[1] - box[0]).max()), 1e-9) / 10.0)  # of the ground grid [m]
+        cells = FEW_CELLS if endless else CELLS_ALONG
+        self.cell = round_up(max(float((box[1] - box[0]).max()), 1e-9) / cells)  # of the ground grid [m]
         self.layers: dict[str, list[SceneNodeHandle]] = {name: [] for name in LAYERS}
         self.bodies = [
             scene.add_frame(f"/bodies/{i}", show_axes=False, position=position * self.scale, wxyz=orientation)
@@ -122,12 +128,12 @@ class Stage:
         self.traces: list[SceneNodeHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
             self.add_trace(i, trace)
-        self.add_grid(low, high, drawing.floor)
+        self.add_grid(low, high, drawing.floor, endless)
         for layer in self.layers:
             if layer not in shown:  # nodes are visible when they are made
                 self.show(layer, False)
         self.light()
-        self.distance = self.aim(camera, *box)  # of the first view [m]
+        self.distance = self.aim(camera, *box, view)  # of the first view [m]
         scene.add_frame("/ready", show_axes=False)  # the last one: when it is there, all is
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
@@ -200,17 +206,18 @@ class Stage:
             self.add_segments(f"/traces/{i}/path", "traces", segments, paler(trace.colour), 1.5)
             self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
 
-    def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float) -> None:
+    def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
         """A ground grid whose lines are at round coordinates."""
         thin, thick = CELLS["light"]
+        distance = frame_camera(low, high, FOV).distance * self.scale
         cell, span = self.cell, float((high - low)[:2].max())
         side = 2.0 * np.ceil(0.75 * span / cell + 1.0) * cell * self.scale
         middle = np.round(0.5 * (low + high)[:2] / cell) * cell
         node = self.scene.add_grid(
             "/grid", side, side, cell_size=cell * self.scale, section_size=5.0 * cell * self.scale,
             position=np.array([*middle, min(floor, low[2])]) * self.scale,
-            cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25,
-            fade_distance=max(100.0, 4.0 * frame_camera(low, high, FOV).distance * self.scale),  # 100: viser's own
+            cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25, infinite_grid=endless,
+            fade_distance=FADING * distance if endless else max(100.0, 4.0 * distance),  # 100: viser's own
         )  # fmt: skip
         self.layers["ground grid"].append(node)
 
@@ -222,9 +229,11 @@ class Stage:
         self.scene.add_light_hemisphere("/sky", **sky)
         self.scene.add_light_directional("/sun", intensity=2.8, cast_shadow=True, position=SUN)
 
-    def aim(self, camera: "InitialCameraConfig", low: np.ndarray, high: np.ndarray) -> float:
+    def aim(
+        self, camera: "InitialCameraConfig", low: np.ndarray, high: np.ndarray, view: Sequence[float] | None
+    ) -> float:
         """Let the first view hold the whole box; returns its distance [m]."""
-        seen = frame_camera(low, high, FOV)
+        seen = seen_from(frame_camera(low, high, FOV), view)
         distance = float(seen.distance * self.scale)
         camera.position, camera.look_at = seen.position * self.scale, seen.look_at * self.scale
         camera.fov, camera.near, camera.far = FOV, 1e-3 * distance, 1e3 * distance

@@ -13,7 +13,7 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.camera import frame_camera, lens_of, turned
+from ..scene.camera import frame_camera, lens_of, pair, seen_from
 from ..scene.drawing import ARROWS, MARKS, NAMES, USUAL, Layers, bounds, layers_of, poses_of
 from ..scene.frames import Frames, frames_at, frames_of
 from ..scene.motion import Arrows, Points, Trace, arrows_of, traces_of
@@ -41,13 +41,6 @@ def picture_layers(system: Mechanism, shown: Layers, hidden: Layers, *, moving: 
     return layers
 
 
-def pair(value: Sequence[float], what: str) -> tuple[float, float]:
-    """Two numbers."""
-    if np.shape(value) != (2,):
-        raise InputError(f"{what}: {shown(value)} is not a pair; give two numbers")
-    return number(value[0], what), number(value[1], what)
-
-
 def painter_of(
     system: Mechanism,
     r: np.ndarray,
@@ -64,12 +57,7 @@ def painter_of(
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
     drawing = draw_system(system)
     low, high = bounds(drawing, r, e)
-    camera = frame_camera(low, high)
-    if view is not None:
-        azimuth, elevation = pair(view, "view")
-        if not -89.0 <= elevation <= 89.0:
-            raise InputError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
-        camera = turned(camera, azimuth, elevation)
+    camera = seen_from(frame_camera(low, high), view)
     reach = REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]
     options = {"sheet": theme(dark), "layers": layers, "fine": fine, "also": np.concatenate(also) if also else None}

@@ -1,8 +1,12 @@
 """The camera: position of the eye, perspective, and round lengths for the ground grid."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
+from ...base.checks import number, shown
+from ...base.errors import InputError
 
 AROUND = 1.12  # of what is seen: the box and some air
 NEAR = 0.02  # of the camera's distance: what is nearer to the eye is drawn as if it were there
@@ -45,6 +49,23 @@ def turned(camera: Camera, azimuth: float, elevation: float) -> Camera:
     turn, rise = np.radians(azimuth), np.radians(elevation)
     towards = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
     return camera._replace(position=camera.look_at + camera.distance * towards)
+
+
+def seen_from(camera: Camera, view: Sequence[float] | None) -> Camera:
+    """The camera at an azimuth and an elevation [degrees]; None = as it is. ValueError for what is no such pair."""
+    if view is None:
+        return camera
+    azimuth, elevation = pair(view, "view")
+    if not -89.0 <= elevation <= 89.0:
+        raise InputError(f"view: elevation = {elevation:g}; give -89 ... 89 degrees")
+    return turned(camera, azimuth, elevation)
+
+
+def pair(value: Sequence[float], what: str) -> tuple[float, float]:
+    """Two numbers."""
+    if np.shape(value) != (2,):
+        raise InputError(f"{what}: {shown(value)} is not a pair; give two numbers")
+    return number(value[0], what), number(value[1], what)
 
 
 class Lens(NamedTuple):

@@ -1,7 +1,7 @@
 """The solids of joints, from the motion they allow, not from their names: a new joint needs nothing here.
 
-An angle is a barrel about its axis, a slide a rail along it, a plane a plate, what turns and slides in no way a cube,
-a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
+An angle is a barrel about its axis, a slide a rail along it, a plane a plate, a curve a line, what turns and slides in
+no way a cube, a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from ...mechanism.bodies import Body, Ground
 from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
 from ...mechanism.force_element import ForceElement
-from ...mechanism.joints import Joint
+from ...mechanism.joints import CurveContact, Joint
 from ...mechanism.shapes.surfaces import Mesh, ball, block, cylinder, moved, torus
 from ...mechanism.tooth_contact import Axle
 
@@ -54,6 +54,8 @@ def circles(joint: Joint) -> list[Glyph]:
     if isinstance(joint, GearMesh):
         hinges = [(joint.gear(hinge), joint.axle(hinge)) for hinge in (joint.hinge_a, joint.hinge_b)]
         return [pitch_circle(gear, axle, joint.at) for gear, axle in hinges]
+    if isinstance(joint, CurveContact) and joint.radius:
+        return [circle(joint.b, joint.at, joint.pin_here, joint.radius)]
     return []
 
 
@@ -71,7 +73,7 @@ def guides(joint: Joint, size: float) -> list[Glyph]:
     found, (angle, slide) = [], (joint.angle(), joint.slide())
     if angle is not None:
         found.append(placed(scaled(cylinder(24), 0.36 * size, 0.36 * size, size), angle.b, joint.point(), angle.axis_b))
-    if slide is not None:
+    if slide is not None and slide.kind == "slide":
         found.append(placed(scaled(block(), 0.24 * size, 0.24 * size, 4.0 * size), slide.a, slide.point_a, slide.axis))
     if hasattr(joint, "normal") and hasattr(joint, "at"):
         found.append(placed(scaled(block(), 3.0 * size, 3.0 * size, 0.12 * size), joint.a, joint.at, joint.normal))
@@ -115,7 +117,7 @@ def ring(partner: Joint, size: float) -> Glyph:
 
 
 def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
-    """(body, (2, 3) ends in its axes from O [m]) of the axes of a joint."""
+    """(body, (2, 3) ends in its axes from O [m]) of the axes of a joint; (body, (n, 3) points) of its curve."""
     own = {name: joint.a for name in AXES_OF_A} | {name: joint.b for name in AXES_OF_B}
     _, at = anchor(joint)
     if isinstance(joint, RollingDisc | GearMesh):
@@ -123,7 +125,7 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
     axes = {name: getattr(joint, name) for name in own if getattr(joint, name, None) is not None}
     if "axis" in axes and np.array_equal(axes.get("axis_b"), axes["axis"]):
         del axes["axis_b"]
-    found = []
+    found = [(joint.a, joint.outline)] if isinstance(joint, CurveContact) else []
     for name, axis in axes.items():
         body = own[name]
         point = joint.at if body is joint.a and getattr(joint, "at", None) is not None else at

@@ -56,7 +56,7 @@ def centre_of_mass() -> Figures:
 
     one, true_one = (force(h("single"), 1) for h in (assumed, actual))
     single = ("1x along the bore, one cylinder", "N", 9.87, one, true_one, wrong)
-    flat4, three = pair("flat4_nonboxer_article", "flat 4", 3.95), pair("I3", "I3", 1.71)
+    flat4, three = pair("flat4_shared_face_to_face", "flat 4", 3.95), pair("I3", "I3", 1.71)
     return {"single": [single], "flat4": flat4, "I3": three}
 
 
@@ -89,7 +89,7 @@ def sweep() -> list[Figure]:
 
 def boxer() -> Figures:
     """Opposed pistons cannot share a station."""
-    ideal, real = "boxer4_article", "boxer4_staggered"
+    ideal, real = "boxer4_face_to_face", "boxer4"
     four = ("2x driving torque, inline four", "N m", None, None, ripple("I4", 2), "the same")
     two = [
         ("1x couple", "N m", 0.0, ellipse(assumed(ideal), 1)[0], ellipse(actual(real), 1)[0], "agrees"),
@@ -101,7 +101,7 @@ def boxer() -> Figures:
 
 def flat() -> list[Figure]:
     """The flat four that is not a boxer."""
-    ideal, real = "flat4_nonboxer_article", "flat4_nonboxer_staggered"
+    ideal, real = "flat4_shared_face_to_face", "flat4_shared"
     a = couple(assumed(ideal), 1) / couple(assumed("I3"), 1)
     return [
         ("1x couple", "N m", 3.95, couple(assumed(real), 1), couple(actual(real), 1), "4 s F1 of the assumed force"),
@@ -124,7 +124,7 @@ def three() -> list[Figure]:
 
 def five() -> list[Figure]:
     """The inline five."""
-    real, sequential = "I5_real", "I5_sequential"
+    real, sequential = "I5", "I5_sequential"
     seen = frames(real)[1].max()
     wrong = "peak of both harmonics, most of it 2x"
     found = [
@@ -201,7 +201,7 @@ def v8_flat() -> list[Figure]:
 
 def v8_cross() -> list[Figure]:
     """V8 with a crossed crank, as built and as published."""
-    real, preset = "V8_cross_real", "V8_cross_article"
+    real, preset = "V8_cross", "V8_cross_in_sequence"
     least, most = (float(f(frames(preset)[1])) for f in (np.min, np.max))
     ones = [ellipse(h(name), 1)[0] for name in (real, preset) for h in (assumed, actual)]
     return [
@@ -219,7 +219,7 @@ def v8_cross() -> list[Figure]:
 def v10() -> list[Figure]:
     """V10 of 72 degrees."""
     found = []
-    for name, note in (("V10_72_article", "throws of the source"), ("V10_72_real", "throws of the inline five")):
+    for name, note in (("V10_72_steps_of_144", "throws of the source"), ("V10_72", "throws of the inline five")):
         for order in (1, 2):
             found += figures(name, order, "ellipse", note)
     return found
@@ -227,12 +227,12 @@ def v10() -> list[Figure]:
 
 def rotating() -> list[Figure]:
     """Big ends and crank turn with the pin; projected on the bores they count half."""
-    engine = Engine("V8_cross_article")
+    engine = Engine("V8_cross_in_sequence")
     on_axis = phasor.block_load(replace(engine, crank_centre=0.0))
     # counterweights as heavy as the big ends, 9 kg on the piston's side: then the projection is right
     balanced = phasor.block_load(replace(engine, crank_centre=-1.0, piston_mass=7.0))
     one, two = (couple(load, 1) for load in (on_axis, balanced))
-    full = couple(actual("V8_cross_article"), 1)
+    full = couple(actual("V8_cross_in_sequence"), 1)
     return [
         ("1x couple, crank's centre on the axis", "N m", 2.79, one, full, "the projection counts too little"),
         ("1x couple, masses with U = 0, m_rec = 9 kg", "N m", 2.79, two, two, "the projection holds for these"),

@@ -15,7 +15,7 @@ CENTRIPETAL = "m w x (w x s) of the crank was left out"
 PITCH = "pitch plane, " + CENTRIPETAL
 ONE_STATION = "opposed pistons do not share a station; staggered"
 ALONG = "forces across the bores and m w x (w x s) were left out"
-GIFS = {"I5_real": "I5", "V8_cross_article": "V8_cross", "V10_72_article": "V10"}  # shown with all cranks of that kind
+GIFS = {"V8_cross_in_sequence": "V8_cross", "V10_72_steps_of_144": "V10"}  # shown with all cranks of that kind
 GRAVITY = (0.0, -9.81, 0.0)
 
 
@@ -54,17 +54,17 @@ def published_checks() -> list[Row]:
 
 def checked() -> list[tuple[str, Any, Any, str]]:
     """(beginnings of the layouts it is about, assumed, actual, verdict) of every published check."""
-    flat, flat_real, boxer_real = "flat4_nonboxer_article", "flat4_nonboxer_staggered", "boxer4_staggered"
-    cross = "V8_cross_article"
-    real = couple(actual("V8_cross_real"), 1)
+    flat, flat_real, boxer_real = "flat4_shared_face_to_face", "flat4_shared", "boxer4"
+    cross = "V8_cross_in_sequence"
+    real = couple(actual("V8_cross"), 1)
     preset = f"{ALONG}; the real crank [0, 90, 270, 180] has {real:.3f}"
     still, heavy, wrong = single(False), single(True), single(True, False)
     return [
         both("I4", "I4", force, 2, AGREES),
         both("flat4", flat, couple, 1, PITCH),
         ("flat4", couple(assumed(flat), 2), couple(actual(flat_real), 2), ONE_STATION),
-        ("boxer4", couple(assumed("boxer4_article"), 1), couple(actual(boxer_real), 1), AGREES),
-        ("boxer4", couple(assumed("boxer4_article"), 2), couple(actual(boxer_real), 2), ONE_STATION),
+        ("boxer4", couple(assumed("boxer4_face_to_face"), 1), couple(actual(boxer_real), 1), AGREES),
+        ("boxer4", couple(assumed("boxer4_face_to_face"), 2), couple(actual(boxer_real), 2), ONE_STATION),
         both("I3", "I3", couple, 1, PITCH),
         both("single", "single", force, 1, CENTRIPETAL),
         both("single", "single", force, 2, AGREES),

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import GROUND, Body, CustomForce, System, linearize
+from mbsd3d import GROUND, Body, CustomForce, Prismatic, SpringDamper, System, linearize
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
+from validation.nvh.held.checks import Pairs
 from validation.nvh.held.mounts import Mount, bushings
+from validation.theory import active
 
 CALM = 1e-6  # 1/s: rounding of motions without damping stays below
 MOST = 1e9  # N s/m: gains beyond it are none
@@ -73,3 +75,17 @@ def limit(build: Callable[[float], System]) -> float:
 def on_mounts(body: Body, placed: list[Mount], hook: Skyhook) -> System:
     """A powertrain as one body on its mounts, one of them with a skyhook; no weight."""
     return System([body], forces=[*bushings(placed, body), hook.force(body)], gravity=(0, 0, 0))
+
+
+def one_body() -> Pairs:
+    """A body that only heaves, on a spring and a skyhook: its limit, by the eigenvalues and by Routh."""
+    mass, rate, damping, corner, share = 178.0, 2.3e5, 640.0, 370.0, 0.6
+    body = Body("body", mass, (1, 2, 3), com=(0.1, -0.2, 0.3))
+    slide = Prismatic(GROUND, body, at=(0, 0, 0), axis=(0, 0, 1))
+    spring = SpringDamper(GROUND, body, at_a=(0, 0, -0.3), at_b=(0, 0, 0), stiffness=rate, damping=damping)
+
+    def build(gain: float) -> System:
+        hook = Skyhook((0.2, 0.1, 0.0), gain, corner, share)
+        return System([body], [slide], [spring, hook.force(body)], gravity=(0, 0, 0))
+
+    return {"limit of a skyhook": (limit(build), active.skyhook_limit(mass, damping, rate, corner, share))}

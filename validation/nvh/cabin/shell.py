@@ -4,12 +4,14 @@ With the shapes phi_r of unit modal mass the shell moves at rate w under forces 
 
     u = H(w) f,   H = sum_r phi_r phi_r' / (w_r^2 - w^2 + 2 i z w_r w)
 
-`beam_shell` makes the modes of a uniform beam with free ends by finite elements: bending up and sideways (cubic),
-torsion and surge, the six motions as a rigid body among them.
+Modes come from a table (`table.read_modes`), a plate (`plate.plate_shell`) or a beam: `beam_shell` makes those of a
+uniform beam with free ends by finite elements: bending up and sideways (cubic), torsion and surge, the six motions as a
+rigid body among them.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -24,16 +26,15 @@ Shape = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
-class ModalShell:
-    """``rates`` (r,) w_r >= 0 [rad/s]; ``damping`` (r,) z >= 0 [-]; ``shapes`` (r): places (p, 3) -> (p, 3), unit modal
-    mass [1/sqrt(kg)]; x ahead, y left, z up from the centre of mass.
+class Modes:
+    """``rates`` (r,) w_r >= 0 [rad/s]; ``damping`` (r,) z >= 0 [-]; ``shapes`` (r) of unit modal mass [1/sqrt(kg)].
 
     ValueError for numbers of modes that differ, or a rate or damping that is negative.
     """
 
     rates: np.ndarray
     damping: np.ndarray
-    shapes: Sequence[Shape]
+    shapes: Sequence[Any]
 
     def __post_init__(self) -> None:
         if not len(self.rates) == len(self.damping) == len(self.shapes):
@@ -43,15 +44,19 @@ class ModalShell:
             number(w, f"shell: rate of mode {k}", minimum=0.0)
             number(z, f"shell: damping of mode {k}", minimum=0.0)
 
+    def receptance(self, rates: np.ndarray, felt: np.ndarray, pushed: np.ndarray) -> np.ndarray:
+        """(n, 3 p, 3 k) H [m/N] at rates (n,) > 0, from shapes where it is felt (r, 3 p) and pushed (r, 3 k)."""
+        w = np.asarray(rates, dtype=float)[:, None]
+        gain = 1 / (self.rates**2 - w**2 + 2j * self.damping * self.rates * w)
+        return np.einsum("rp,nr,rk->npk", felt, gain, pushed)
+
+
+class ModalShell(Modes):
+    """Modes with shapes known everywhere: places (p, 3) -> (p, 3), x ahead, y left, z up from the centre of mass."""
+
     def at(self, places: np.ndarray) -> np.ndarray:
         """(r, 3 p) shapes at places (p, 3) [m]."""
         return np.array([shape(np.atleast_2d(places)).ravel() for shape in self.shapes])
-
-    def receptance(self, rates: np.ndarray, felt: np.ndarray, pushed: np.ndarray) -> np.ndarray:
-        """(n, 3 p, 3 k) H [m/N] at rates (n,) > 0 of forces at ``pushed`` (k, 3) on ``felt`` (p, 3)."""
-        w = np.asarray(rates, dtype=float)[:, None]
-        gain = 1 / (self.rates**2 - w**2 + 2j * self.damping * self.rates * w)
-        return np.einsum("rp,nr,rk->npk", self.at(felt), gain, self.at(pushed))
 
 
 def beam_shell(

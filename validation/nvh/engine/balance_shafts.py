@@ -3,19 +3,21 @@
 "lanchester": two shafts of order 2 that turn opposite ways on both sides of the crank, at its height; "raised": the
 same, one higher and one lower such that they also take the 2x torque of the inertia; "first": one shaft of order 1 that
 turns against the crank, and weights on the crank for what its counterweights leave. Unbalances follow from the closed
-form of the engine (`engine_balance.shafts.balance`). A pair that is late by phi leaves ``2 sin(phi / 2)`` of the force
-that it should cancel.
+form of the engine (`engine_balance.shafts.balance`). What a fault of fitting leaves is known in closed form: a pair
+that is late by phi ``2 sin(phi / 2)`` of the force that it should cancel, one that is d off its place the force times
+d, as a couple (along the crank) or as a torque (aside). `left_in_space` is the same by the reaction of the whole engine
+with its geared shafts.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mbsd3d.errors import InputError
-from validation.engine_balance import phasor
+from validation.engine_balance import phasor, spatial
 from validation.engine_balance.pages.portrait import upright
-from validation.engine_balance.shafts import Shaft, balance, remainder
+from validation.engine_balance.shafts import Shaft, balance, engine_load, remainder, with_shafts
 from validation.nvh.engine.presets import Preset
 
 KINDS = ("lanchester", "raised", "first")
@@ -43,19 +45,69 @@ def fitted(preset: Preset, kind: str) -> list[Shaft]:
     return found
 
 
-def late(shafts: Sequence[Shaft], phase: float) -> list[Shaft]:
-    """The shafts fitted late: their phasors, seen from the crank, turned back by an angle at their order [rad]."""
-    return [
-        replace(shaft, unbalance=tuple(u * np.exp(-1j * shaft.direction * phase) for u in shaft.unbalance))
-        for shaft in shafts
-    ]
+@dataclass(frozen=True)
+class Fault:
+    """How shafts are fitted wrongly, counterweights of the crank apart: ``title``; late by ``phase`` [rad]; ``moved``
+    (3,) along the crank, to its left and up [m]; ``heavy``: share of too much unbalance; ``one``: only the first shaft.
+    """
+
+    title: str
+    phase: float = 0.0
+    moved: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    heavy: float = 0.0
+    one: bool = False
 
 
-def left(preset: Preset, shafts: Sequence[Shaft], rpm: float, phase: float = 0.0) -> tuple[float, float, float]:
-    """Largest component of force [N], couple and torque [N m] of the shafts' order that is left if they are late."""
+TOOTH = 2 * np.pi / 40
+FAULTS = (
+    Fault("none"), Fault("all 1 degree late", phase=np.pi / 180), Fault("all a tooth of 40 late", phase=TOOTH),
+    Fault("all 5 mm along", moved=(0.005, 0, 0)), Fault("all 5 mm aside", moved=(0, 0.005, 0)),
+    Fault("one 5 mm aside", moved=(0, 0.005, 0), one=True), Fault("one 5 mm high", moved=(0, 0, 0.005), one=True),
+    Fault("one 2 % heavy", heavy=0.02, one=True),
+)  # fmt: skip
+
+
+def faulty(preset: Preset, shafts: Sequence[Shaft], fault: Fault) -> list[Shaft]:
+    """The shafts with a fault; a late one is turned back by the angle at its order, as seen from the crank."""
+    found, (x, y, z) = list(shafts), upright(preset.layout).T @ fault.moved
+    loose = [k for k, shaft in enumerate(shafts) if not shaft.on_crank]
+    for k in loose[:1] if fault.one else loose:
+        shaft = shafts[k]
+        turn = (1 + fault.heavy) * np.exp(-1j * shaft.direction * fault.phase)
+        found[k] = replace(
+            shaft,
+            position=(shaft.position[0] + x, shaft.position[1] + y),
+            planes=tuple(plane + z for plane in shaft.planes),
+            unbalance=tuple(u * turn for u in shaft.unbalance),
+        )
+    return found
+
+
+def left(preset: Preset, shafts: Sequence[Shaft], rpm: float) -> np.ndarray:
+    """(5,) phasors of forces [N], couples and torque [N m] of the shafts' order that engine and shafts leave."""
     engine = preset.engine(rpm)
-    found = np.abs(remainder(engine, phasor.block_load(engine, dyno=True), late(shafts, phase)))
-    return float(found[:2].max()), float(found[2:4].max()), float(found[4])
+    return remainder(engine, phasor.block_load(engine, dyno=True), shafts)
+
+
+def left_in_space(preset: Preset, shafts: Sequence[Shaft], rpm: float) -> np.ndarray:
+    """The same by the reaction of the block, held, of the engine with its geared shafts in space."""
+    engine = preset.engine(rpm)
+    turn = spatial.turn(with_shafts(spatial.build(engine, driver="dyno"), engine, shafts), engine)
+    return engine_load(spatial.harmonics(turn, engine), shafts[0].order)
+
+
+def apart(preset: Preset, shafts: Sequence[Shaft], height: float) -> list[Shaft]:
+    """A pair of shafts as far apart in height as given, its middle where it was [m]; ValueError for others."""
+    pair = [shaft for shaft in shafts if not shaft.on_crank]
+    if len(pair) != 2 or len(shafts) != 2:
+        raise InputError(f"engine '{preset.name}': {len(pair)} shafts have no height between them; give a pair")
+    up = upright(preset.layout)[2, :2]
+    heights = [np.array(shaft.position) @ up for shaft in pair]
+    middle, way = sum(heights) / 2, 1.0 if heights[0] >= heights[1] else -1.0
+    found = []
+    for shaft, at, side in zip(pair, heights, (way, -way), strict=True):
+        found.append(replace(shaft, position=tuple(np.array(shaft.position) + (middle + side * height / 2 - at) * up)))
+    return found
 
 
 def described(preset: Preset, shafts: Sequence[Shaft]) -> str:

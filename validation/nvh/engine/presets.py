@@ -10,20 +10,24 @@ turns with the pin and the share ``balanced`` of what goes with the piston:
 '1-3-4-2'
 """
 
-import json
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from mbsd3d import inertia, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
+from validation.engine_balance.gas import firing_order
 from validation.engine_balance.layouts import Engine, Layout, layout
+from validation.engine_balance.layouts import names as layout_names
+from validation.nvh.records import Record, data, fields, is_file, positive, record, triple
 
-DATA = Path(__file__).parents[1] / "data" / "engines.json"
+POSITIVE = (
+    "bore", "stroke", "rod_length", "spacing", "idle", "redline", "compression", "piston_mass", "rod_mass",
+    "throw_mass", "flywheel", "main_diameter", "main_width", "roller_rating",
+)  # fmt: skip
+OWN = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
 FRACTION, TWO_MASSES = 0.28, 1.0965
 
 
@@ -40,6 +44,12 @@ class Block:
     com: tuple[float, float, float]
     tilt: float
 
+    def __post_init__(self) -> None:
+        number(self.mass, "block: mass", positive=True)
+        triple(self.box, "block: box", positive=True)
+        triple(self.com, "block: com")
+        number(self.tilt, "block: tilt")
+
     @property
     def inertia(self) -> np.ndarray:
         """(3, 3) about the centre of mass [kg m^2]."""
@@ -49,7 +59,10 @@ class Block:
 
 @dataclass(frozen=True)
 class Preset:
-    """An engine of the data file; lengths [m], masses [kg], speeds [1/min], see there."""
+    """An engine; lengths [m], masses [kg], speeds [1/min], fields as in the data file.
+
+    ValueError for a number that is not positive, or an idle speed that is not below the redline.
+    """
 
     name: str
     title: str
@@ -71,6 +84,13 @@ class Preset:
     roller_rating: float
     block: Block
 
+    def __post_init__(self) -> None:
+        what = f"engine '{self.name}'"
+        positive(vars(self), POSITIVE, what)
+        number(self.balanced, f"{what}: balanced", minimum=0.0)
+        if not self.idle < self.redline:
+            raise InputError(f"{what}: idle {self.idle:g} is not below the redline {self.redline:g} 1/min")
+
     @property
     def displacement(self) -> float:
         """Of all cylinders [m^3]."""
@@ -89,26 +109,37 @@ class Preset:
         )  # fmt: skip
 
 
-@cache
-def data() -> dict[str, Any]:
-    """The file of engines, and the ranges their numbers lie in."""
-    return json.loads(DATA.read_text(encoding="utf-8"))
-
-
 def names() -> tuple[str, ...]:
-    """Of all engines."""
-    return tuple(data()["engines"])
+    """Of all engines of the data file."""
+    return tuple(data("engines")["engines"])
 
 
 def preset(name: str) -> Preset:
-    """An engine by its name; ValueError for an unknown one, with all names."""
-    if name not in names():
-        raise InputError(f"engine '{name}' is unknown; there are {', '.join(names())}")
-    record = dict(data()["engines"][name])
-    block = Block(**record.pop("block"))
-    if "layout" in record:
-        plan = layout(record.pop("layout"))
-    else:
-        parts = {key: record.pop(key) for key in ("pins", "bores", "stations", "firing_order")}
-        plan = Layout(name, record["title"], **parts)
-    return Preset(name=name, layout=plan, block=block, **record)
+    """An engine by its name, or of a file (.json) with the same fields; ValueError for others."""
+    if name in layout_names() and name not in names():
+        raise InputError(
+            f"'{name}' is a layout of the toy engine (python -m validation.engine_balance {name}); "
+            f"engines with real dimensions are {', '.join(names())}"
+        )
+    found, title = dict(record("engines", name)), Path(name).stem if is_file(name) else name
+    what = f"engine '{title}'"
+    shape = ("layout",) if "layout" in found else OWN
+    fields(found, ("title", *POSITIVE, "balanced", "block", *shape), what)
+    fields(found["block"], ("mass", "box", "com", "tilt"), f"{what}: block")
+    parts = {key: found.pop(key) for key in shape}
+    plan = layout(parts["layout"]) if "layout" in parts else own_layout(title, found, parts)
+    return Preset(name=title, layout=plan, block=Block(**found.pop("block")), **found)
+
+
+def own_layout(name: str, found: Record, parts: Record) -> Layout:
+    """The layout of cylinders given one by one; ValueError for a firing order that the crank cannot do."""
+    plan, given = Layout(name, found["title"], spacing=found["spacing"], **parts), parts["firing_order"]
+    count = len(plan.pins)
+    if given is not None:
+        if not isinstance(given, str) or sorted(given.split("-")) != sorted(str(i + 1) for i in range(count)):
+            raise InputError(f"engine '{name}': firing_order {given!r}; give each of {count} cylinders once, '1-3-4-2'")
+        order = given.split("-")
+        first = order.index("1")
+        if (does := firing_order(plan)) != "-".join(order[first:] + order[:first]):
+            raise InputError(f"engine '{name}': firing_order {given} does not suit its pins and bores; {does} does")
+    return plan

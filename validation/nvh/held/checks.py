@@ -1,6 +1,7 @@
 """Powertrains so simple that theory knows their small motions; the general model must find the same.
 
-Each returns quantity -> (computed, exact); what is exact comes from `validation.theory`, fed with numbers alone.
+Each returns quantity -> (computed, exact), or with a limit of their difference; what is exact comes from
+`validation.theory`, fed with numbers alone.
 """
 
 from typing import Any
@@ -14,7 +15,7 @@ from validation.nvh.held.powertrain import Equivalent
 from validation.nvh.held.response import OnMounts
 from validation.nvh.held.rigid_modes import rigid_modes
 
-Pairs = dict[str, tuple[Any, Any]]
+Pairs = dict[str, tuple[Any, ...]]
 MASS, INERTIA = 187.0, np.diag([6.3, 11.9, 13.1])  # kg, kg m^2
 
 

@@ -1,17 +1,16 @@
 """Cars as places where powertrains are held: elastic mounts, scaled to the powertrain they carry.
 
-A mount is a `Bushing` between ground and block. The rates of a car are set such that all mounts together carry the
-powertrain at the bounce frequency, ``sum k_z = m (2 pi f)^2``, and damp it by a share of critical,
-``c = 2 zeta k / (2 pi f)`` of each.
+A mount is a `Bushing` between ground and block. The rates of a car with a bounce frequency are set such that all mounts
+together carry the powertrain at it, ``sum k_z = m (2 pi f)^2``, and damp it by a share of critical,
+``c = 2 zeta k / (2 pi f)`` of each; places are in halves of the powertrain's size. A car without one (null) has mounts
+of its own: places [m] from the middle of the crank, rates [N/m], damping [N s/m].
 
 >>> [mount.name for mount in mounts(car("compact"), preset("inline_4"))]
 ['engine side', 'gearbox side', 'torque rod']
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +20,15 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 from validation.nvh.engine.presets import Preset
+from validation.nvh.records import data, fields, is_file, record, triple
 
-DATA = Path(__file__).parents[1] / "data" / "cars.json"
+RIDE = (
+    "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
+    "tyre_damping", "seat", "brakes", "guides",
+)  # fmt: skip
+SHELL = (
+    "mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion", "damping", "engine", "turned", "seat",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -41,10 +47,11 @@ class Mount:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        for field, positive in (("rates", True), ("damping", False)):
-            for i, x in enumerate(getattr(self, field)):
-                what = f"mount '{self.name}': {field}[{i}]"
-                number(x, what, positive=True) if positive else number(x, what, minimum=0.0)
+        what = f"mount '{self.name}'"
+        triple(self.at, f"{what}: at")
+        triple(self.rates, f"{what}: rates", positive=True)
+        triple(self.damping, f"{what}: damping", minimum=0.0)
+        number(self.angle, f"{what}: angle")
 
     @property
     def axes(self) -> np.ndarray:
@@ -65,49 +72,62 @@ class Mount:
 
 @dataclass(frozen=True)
 class Car:
-    """A car of the data file.
+    """A car; fields as in the data file.
 
-    ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz]; ``damping`` [-]; ``ride``: the car on its wheels,
-    ``shell``: its body as a beam, None if nothing is known of them.
+    ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz], None for mounts with rates of their own;
+    ``damping`` [-]; ``ride``: the car on its wheels, ``shell``: its body as a beam, None if nothing is known of them.
+    ValueError for a field that lacks or is unknown, a rate or frequency that is not positive, a negative damping.
     """
 
     name: str
     title: str
     mounts: dict[str, dict[str, Any]]
-    bounce: float
-    damping: float
+    bounce: float | None
+    damping: float | None = None
     ride: dict[str, Any] | None = None
     shell: dict[str, Any] | None = None
 
-
-@cache
-def data() -> dict[str, Any]:
-    """The file of cars."""
-    return json.loads(DATA.read_text(encoding="utf-8"))
+    def __post_init__(self) -> None:
+        what, scaled = f"car '{self.name}'", self.bounce is not None
+        if not isinstance(self.mounts, dict) or not self.mounts:
+            raise InputError(f"{what}: no mounts; give three that are not in line")
+        if scaled:
+            number(self.bounce, f"{what}: bounce", positive=True)
+            number(self.damping, f"{what}: damping", minimum=0.0)
+        for name, mount in self.mounts.items():
+            fields(
+                mount, ("at", "rates", "angle") if scaled else ("at", "rates", "damping", "angle"), f"mount '{name}'"
+            )
+            Mount(name, mount["at"], mount["rates"], mount.get("damping", (0, 0, 0)), mount["angle"])
+        for part, needed in (("ride", RIDE), ("shell", SHELL)):
+            if getattr(self, part) is not None:
+                fields(getattr(self, part), needed, f"{what}: {part}")
 
 
 def names() -> tuple[str, ...]:
-    """Of all cars."""
-    return tuple(data()["cars"])
+    """Of all cars of the data file."""
+    return tuple(data("cars")["cars"])
 
 
 def car(name: str) -> Car:
-    """A car by its name; ValueError for an unknown one, with all names."""
-    if name not in names():
-        raise InputError(f"car '{name}' is unknown; there are {', '.join(names())}")
-    return Car(name, **data()["cars"][name])
+    """A car by its name, or of a file (.json) with the same fields; ValueError for others."""
+    found, title = record("cars", name), Path(name).stem if is_file(name) else name
+    fields(found, ("title", "mounts", "bounce"), f"car '{title}'", ("damping", "ride", "shell"))
+    return Car(title, **found)
 
 
 def mounts(chosen: Car, engine: Preset, mass: float | None = None) -> list[Mount]:
     """The mounts of a car for an engine; ``mass``: that they carry [kg]; None = of the block."""
+    if chosen.bounce is None:
+        return [Mount(name, m["at"], m["rates"], m["damping"], m["angle"]) for name, m in chosen.mounts.items()]
     block = engine.block
     mass = block.mass if mass is None else number(mass, "mounts: mass", positive=True)
-    frequency = 2 * np.pi * number(chosen.bounce, f"car '{chosen.name}': bounce", positive=True)
+    frequency = 2 * np.pi * chosen.bounce
     raw = [Mount(name, (0, 0, 0), m["rates"], (0, 0, 0), m["angle"]) for name, m in chosen.mounts.items()]
     unit = mass * frequency**2 / sum(mount.stiffness[2, 2] for mount in raw)
     found = []
-    for mount, record in zip(raw, chosen.mounts.values(), strict=True):
-        at = np.array(block.com) + np.array(record["at"]) * np.array(block.box) / 2
+    for mount, own in zip(raw, chosen.mounts.values(), strict=True):
+        at = np.array(block.com) + np.array(own["at"]) * np.array(block.box) / 2
         rates = unit * np.array(mount.rates)
         damping = 2 * chosen.damping / frequency * rates
         found.append(Mount(mount.name, tuple(at), tuple(rates), tuple(damping), mount.angle))

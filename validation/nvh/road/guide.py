@@ -33,7 +33,7 @@ from mbsd3d import (
 )  # fmt: skip
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, vector
-from validation.nvh.held.mounts import data
+from validation.nvh.records import Record, data, fields
 
 LINKS, ROD = 5, 0.012  # of a wheel; radius they are drawn with [m]
 SWING = 0.05  # m^2: inertia of a wheel over its mass
@@ -69,10 +69,17 @@ class Guide:
                 "give links whose lines do not meet or run in parallel"
             )
 
-    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0)) -> list[Distance]:
-        """The links between a body and the upright; ``origin``: of the guide's points [m]."""
+    @cached_property
+    def mirrored(self) -> "Guide":
+        """Of the right wheel."""
+        across = np.array([1.0, -1.0, 1.0])
+        links = {name: across * ends for name, ends in self.links.items()}
+        return Guide(self.kind, across * self.centre, links, across * self.strut)
+
+    def hold(self, body: Body, upright: Body, origin: Point = (0, 0, 0), whose: str = "") -> list[Distance]:
+        """The links between a body and the upright, named with ``whose``; ``origin``: of the guide's points [m]."""
         return [
-            Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name)
+            Distance(body, upright, at_a=np.add(inner, origin), at_b=np.add(outer, origin), name=name + whose)
             for name, (inner, outer) in self.links.items()
         ]
 
@@ -131,10 +138,15 @@ class Guide:
 @cache
 def guide(kind: str, track: float) -> Guide:
     """A guide of the data file, moved outwards to a track [m]; ValueError for an unknown kind."""
-    known = data()["guides"]
+    known = data("cars")["guides"]
     if kind not in known:
-        raise InputError(f"guide '{kind}' is unknown; there are {', '.join(known)}")
-    record = known[kind]
+        raise InputError(f"guide '{kind}' is unknown; there are {', '.join(known)}; or give centre, links and strut")
+    return made(kind, known[kind], track)
+
+
+def made(kind: str, record: Record, track: float) -> Guide:
+    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field."""
+    fields(record, ("centre", "links", "strut"), f"guide '{kind}'")
     out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - record["centre"][1], 0.0])
     centre, strut = np.array(record["centre"]) + out, np.array(record["strut"]) + out
     links = {name: np.array(ends) + out for name, ends in record["links"].items()}

@@ -46,6 +46,11 @@ class Road:
                 f"road: length {self.length:g} m is too short for its waves; give {2 / LONGEST:.0f} m or more"
             )
 
+    @property
+    def title(self) -> str:
+        """In words."""
+        return f"a road of class {self.kind}"
+
     @cached_property
     def waves(self) -> np.ndarray:
         """(k,) n_k within the range of the standard [1/m]."""

@@ -14,9 +14,10 @@ from validation import theory
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.held.mounts import Car
 from validation.nvh.road.comfort import verdict, weight
-from validation.nvh.road.profile import Road
+from validation.nvh.road.measured import Measured, read_road
+from validation.nvh.road.profile import SHORTEST, Road
 from validation.nvh.road.ride import Ride, rms
-from validation.nvh.road.vehicle import KINDS, Vehicle
+from validation.nvh.road.vehicle import GRAVITY, KINDS, Vehicle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,13 +27,21 @@ SPEEDS = np.arange(5.0, 45.1, 2.5)  # m/s
 SHOWN = "ABCD"  # classes of a figure
 HEIGHTS = (-0.06, -0.03, 0.0, 0.03, 0.06)  # m, of a wheel in the table of its guide
 FILM, FRAMES = 4.0, 201  # s and pictures of the animation
+BRAKES = 0.5  # of gravity
 
 
-def ride_of(car: Car, kind: str, road: str, speed: float) -> Ride:
-    """A car over a road; ValueError if nothing is known of its wheels."""
+def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) -> Ride:
+    """A car over a road, of a class or of a file (with a dot in its name); ValueError if nothing is known of its
+    wheels.
+    """
     if car.ride is None:
         raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
-    return Ride(Vehicle(kind, car.ride), Road(road), speed)
+    return Ride(Vehicle(kind, car.ride, linked), read_road(road) if "." in road else Road(road), speed)
+
+
+def rides_of(car: Car, road: str, speed: float) -> list[Ride]:
+    """Quarter, half and whole car, with wheels on slides and on links; the last is the whole car on its links."""
+    return [ride_of(car, kind, road, speed, linked) for linked in (False, True) for kind in KINDS]
 
 
 def quarter_car(ride: Ride) -> np.ndarray:
@@ -44,12 +53,12 @@ def quarter_car(ride: Ride) -> np.ndarray:
 
 
 def comfort(rides: list[Ride]) -> Rows:
-    """Quarter, linked, half and whole car: vibration at the seat, by small motions and in the full motion."""
+    """Vibration at the seat of every car, by small motions and in the full motion."""
     rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
     for ride in rides:
         full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
         numbers = f"{rms(ride.seat):.4f}", f"{ride.weighted:.4f}", f"{full:.4f}", f"{100 * ride.difference:.2g}"
-        rows.append([ride.vehicle.kind, ride.verdict, *numbers, str(ride.vehicle.at_seat.size)])
+        rows.append([ride.vehicle.title, ride.verdict, *numbers, str(ride.vehicle.at_seat.size)])
     return rows
 
 
@@ -61,7 +70,7 @@ def modes(ride: Ride) -> Rows:
         if mode.frequency > 0.0:
             up, (roll, pitch, _) = np.abs(mode.translation[:, 2]), np.abs(mode.rotation[0])
             moved = {"heave": up[0], "roll": roll * r["track"] / 2, "pitch": pitch * r["wheelbase"] / 2}
-            moved |= {f"hop of {body.name}": z for body, z in zip(system.bodies[1:], up[1:], strict=True)}
+            moved |= {f"hop, {body.name.split()[0]}": z for body, z in zip(system.bodies[1:], up[1:], strict=True)}
             name = max(moved, key=moved.__getitem__)
             rows.append([str(len(rows)), name, f"{mode.frequency:.3f}", f"{mode.damping_ratio:.3f}"])
     return rows
@@ -73,9 +82,7 @@ def struts(ride: Ride) -> Rows:
     for corner in ride.vehicle.corners:
         strut, tyre = (ride.run.force(f"{part} of {corner.name}") for part in ("spring", "tyre"))
         travel, force = strut.length - strut.length.mean(), np.linalg.norm(strut.force, axis=1)
-        road = ride.road.height(ride.speed * ride.run.t + corner.x, corner.side)
-        if ride.vehicle.kind == "half":
-            road = (road + ride.road.height(ride.speed * ride.run.t + corner.x, 1)) / 2
+        road = ride.beneath(corner)
         rate = np.gradient(road, ride.run.t, edge_order=2)
         load = tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate
         values = 1e3 * travel.std(), 1e3 * np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), load.std()
@@ -98,10 +105,12 @@ def guides(vehicle: Vehicle) -> Rows:
 
 
 def braking(vehicle: Vehicle) -> str:
-    """Anti-dive and anti-lift in a line."""
-    dive, lift = vehicle.anti
+    """Anti-dive and anti-lift in a line, and what they do to a car under brakes."""
+    (dive, lift), front = vehicle.anti, vehicle.ride["brakes"]
+    linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKES)) for on in (True, False))
     return (
-        f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {vehicle.ride['brakes']:.0%} of braking in front"
+        f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
+        f"{BRAKES * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
     )
 
 
@@ -147,18 +156,47 @@ def figure(ride: Ride) -> "Figure":
     return made
 
 
-def write_page(car: Car, ride: Ride, folder: str | Path) -> Path:
-    """Write ``ride-CAR.html`` and its view into a folder that exists; where the page is."""
-    folder, view = Path(folder), f"ride-{car.name}-view.html"
+def response_figure(rides: list[Ride]) -> "Figure":
+    """Acceleration of the body over that of the road: quarter cars by small motions, and in closed form."""
+    slid, linked = (ride for ride in rides if ride.vehicle.kind == "quarter")
+    f = slid.rates / (2 * np.pi)
+    with new_figure(7.5, 2.8) as (made, look):
+        axes = made.add_subplot()
+        dress(axes, look)
+        for k, (ride, label) in enumerate(((slid, "wheel on a slide"), (linked, "wheel on its links"))):
+            gain = np.abs(ride.seat / (ride.rates**2 * ride.under(ride.vehicle.corners[0])))
+            axes.loglog(f, gain, color=look.colour(k), linewidth=LINE, label=label)
+        few = np.unique(np.geomspace(1, f.size, 25).astype(int) - 1)
+        known = np.abs(quarter_car(slid) / (slid.rates**2 * slid.under(slid.vehicle.corners[0])))
+        axes.loglog(f[few], known[few], "o", color=look.ink, markersize=3, label="closed form")
+        axes.set(xlabel="frequency [Hz]", ylabel="body over road")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(lambda x, _: f"{x:g}")
+        axes.legend(frameon=False, labelcolor=look.ink, loc="lower left")
+    return made
+
+
+def left_out(ride: Ride) -> str:
+    """What of a road from a file does not count; nothing of a class."""
+    if not isinstance(ride.road, Measured):
+        return ""
+    return f"waves below {1e3 / SHORTEST:.0f} mm do not count: {1e3 * ride.road.left_out:.2g} mm rms of the road"
+
+
+def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
+    """Write ``ride-CAR.html`` and its view into a folder that exists, of the last of some rides and the others beside
+    it; where the page is.
+    """
+    folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
     run, end = ride.run, float(ride.run.t[0]) + FILM
     film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
     shown = film.animate(curves=(), traces=(), speed=1.0, title=car.title.split(",")[0]).html
     write_atomically(folder / view, playing(shown).encode())
-    others = [Ride(Vehicle(kind, car.ride), ride.road, ride.speed) for kind in KINDS[:-1]]
     page = page_template("ride.html", TEMPLATES).render(
         car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
-        figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort([*others, ride]), modes=modes(ride),
-        struts=struts(ride), guides=guides(ride.vehicle), braking=braking(ride.vehicle),
+        figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort(rides), modes=modes(ride),
+        struts=struts(ride), guides=guides(ride.vehicle), braking=braking(ride.vehicle), left_out=left_out(ride),
         guide_figure=Markup(inline_svg(guide_figure(ride.vehicle), "guide-")),
+        response=Markup(inline_svg(response_figure(rides), "response-")),
     )  # fmt: skip
     return write_atomically(folder / f"ride-{car.name}.html", page.encode())

@@ -46,12 +46,16 @@ class Ride:
         track = c.mean(axis=0) if self.vehicle.kind == "half" else c[corner.side]
         return track * np.exp(2j * np.pi * self.road.waves * corner.x)
 
+    def pushed(self, corner: Corner) -> np.ndarray:
+        """(k,) phasors of the force by which the road pushes a wheel through its tyre [N]."""
+        return (corner.tyre + 1j * self.rates * corner.tyre_damping) * self.under(corner)
+
     @cached_property
     def heights(self) -> np.ndarray:
         """(k, outputs) phasors of the heights of the vehicle's points [m]."""
         A, B = self.vehicle.equations
         w, n = self.rates, A.shape[0]
-        push = [(x.tyre + 1j * w * x.tyre_damping) * self.under(x) for x in self.vehicle.corners]
+        push = [self.pushed(corner) for corner in self.vehicle.corners]
         systems = 1j * w[:, None, None] * np.eye(n) - A
         found = np.linalg.solve(systems, (np.array(push).T @ B.T)[..., None])[..., 0]
         return found[:, : n // 2]
@@ -75,16 +79,32 @@ class Ride:
     def run(self) -> Solution:
         """The full motion over one length of the road, settled."""
         period = self.road.length / self.speed
-        step = 1.0 / (FINE * self.road.waves[-1] * self.speed)
-        count = int(np.ceil(period / step))
-        step, before = period / count, int(np.ceil(SETTLE / period * count))
-        times = step * np.arange(before + count + 1)
-        turn, loads = np.exp(1j * np.outer(times, self.rates)), []
-        for corner in self.vehicle.corners:
-            phasors = (corner.tyre + 1j * self.rates * corner.tyre_damping) * self.under(corner)
-            loads.append((corner.name, Table(times, (turn @ phasors).real)))
+        count = int(np.ceil(FINE * self.road.waves[-1] * self.road.length))
+        before = int(np.ceil(SETTLE / period * count))
+        times = period / count * np.arange(before + count + 1)
+        turns = np.arange(times.size) % count  # the road repeats itself
+        loads = [
+            (corner.name, (0, 0, Table(times, self.over(self.pushed(corner), count)[turns])), None)
+            for corner in self.vehicle.corners
+        ]
         system = self.vehicle.system(loads)
         return simulate(system, float(times[-1]), output=times[before:], rtol=RTOL)
+
+    def over(self, phasors: np.ndarray, count: int) -> np.ndarray:
+        """(count,) values over a length of the road of the sum of its waves."""
+        lines = np.zeros(count // 2 + 1, dtype=complex)
+        lines[self.numbers] = phasors * count / 2
+        return np.fft.irfft(lines, count)
+
+    def beneath(self, corner: Corner) -> np.ndarray:
+        """(samples,) height of the road under a wheel in the full motion [m]."""
+        turned = self.under(corner) * np.exp(1j * self.rates * self.run.t[0])
+        return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """(k,) of waves on the length of the road."""
+        return np.round(self.road.waves * self.road.length).astype(int)
 
     @cached_property
     def run_seat(self) -> np.ndarray:
@@ -93,8 +113,7 @@ class Ride:
         up = run.acceleration("body")[:, 2] + run.alpha("body") @ (y, -x, 0.0)
         count = up.size - 1
         lines = np.fft.rfft(up[:-1]) * 2 / count
-        index = np.round(self.road.waves * self.road.length).astype(int)
-        return lines[index] * np.exp(-1j * self.rates * run.t[0])
+        return lines[self.numbers] * np.exp(-1j * self.rates * run.t[0])
 
     @property
     def difference(self) -> float:

@@ -1,9 +1,10 @@
-"""A car on its wheels: quarter, linked, half and whole, as mechanisms in space, and their small motions.
+"""A car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
 
-The body heaves, rolls and pitches; wheels slide along the z axis of the body on springs and dampers; tyres are springs
-and dampers to the ground. A road of height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level
-ground: without weight all is measured from the loaded position. A half car has its two sides in one, a quarter car is
-one corner with a body that only heaves; a linked one is a quarter car whose wheel hangs on the links of its axle.
+The body heaves, rolls and pitches; wheels slide along the z axis of the body, or hang on the five links of their axle
+(`Guide`), on springs and dampers; tyres are springs and dampers to the ground and bear no side force. A road of height
+z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level ground: without weight all is measured from
+the loaded position. A half car is the left half of one that does not roll, a quarter car is one corner with a body
+that only heaves.
 """
 
 from collections.abc import Sequence
@@ -28,14 +29,15 @@ from mbsd3d import (
     shapes,
 )  # fmt: skip
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, number
-from validation.nvh.road.guide import SWING, Guide, guide
+from mbsd3d.extend import Measure, matrix, number
+from validation.nvh.road.guide import SWING, Guide, guide, made
 
-KINDS = ("quarter", "linked", "half", "whole")
-CORNERS = KINDS[:2]
+KINDS = ("quarter", "half", "whole")
 HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
-SPOTS = {"quarter": [(0, 0)], "linked": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
+Load = tuple[str, Sequence[Any], Sequence[float] | None]
+GRAVITY = 9.81  # m/s^2: brakes are given as a share of it
+SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
 """Points (x, y) of the body whose heights say how it stands [m]."""
 
 
@@ -56,14 +58,15 @@ class Corner:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """``kind``: "quarter" (front left corner), "linked" (the same on its links), "half" (both sides in one) or "whole";
-    ``ride``: as in the data file.
+    """``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data file;
+    ``linked``: whether wheels hang on the links of their axles or slide along the body's z.
 
     ValueError for an unknown kind, a mass or rate that is not positive, or a negative damping.
     """
 
     kind: str
     ride: dict[str, Any]
+    linked: bool = False
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -75,6 +78,14 @@ class Vehicle:
                 number(value, f"car on wheels: {name}", positive=True)
         for value in (*self.ride["damper"], self.ride["tyre_damping"]):
             number(value, "car on wheels: damping", minimum=0.0)
+        for name in ("front", "brakes"):
+            if not 0.0 < number(self.ride[name], f"car on wheels: {name}") < 1.0:
+                raise InputError(f"car on wheels: {name} {self.ride[name]:g}; give a share between 0 and 1")
+
+    @property
+    def title(self) -> str:
+        """In words."""
+        return f"{self.kind} car{' on links' * self.linked}"
 
     @cached_property
     def corners(self) -> list[Corner]:
@@ -83,20 +94,22 @@ class Vehicle:
         ahead = (1 - r["front"]) * r["wheelbase"], -r["front"] * r["wheelbase"]
         for axle, (end, x) in enumerate(zip(("front", "rear"), ahead, strict=True)):
             values = [r[name][axle] for name in ("unsprung", "spring", "damper", "tyre")] + [r["tyre_damping"]]
-            if self.kind in CORNERS:
+            if self.kind == "quarter":
                 return [Corner("wheel", 0.0, 0.0, 0, *values)]
-            if self.kind == "half":
-                found.append(Corner(f"{end} wheels", x, 0.0, 0, *(2 * value for value in values)))
-                continue
             for side, name in enumerate(("left", "right")):
                 y = (0.5 - side) * r["track"]
                 found.append(Corner(f"{end} {name} wheel", x, y, side, *values))
-        return found
+        return found[::2] if self.kind == "half" else found
+
+    @property
+    def part(self) -> float:
+        """Share of the car that is there."""
+        return {"quarter": self.ride["front"] / 2, "half": 0.5}.get(self.kind, 1.0)
 
     @property
     def mass(self) -> float:
         """Carried by the springs [kg]."""
-        return self.ride["mass"] * (self.ride["front"] / 2 if self.kind in CORNERS else 1.0)
+        return self.ride["mass"] * self.part
 
     @property
     def seat(self) -> tuple[float, float]:
@@ -107,7 +120,8 @@ class Vehicle:
     @cached_property
     def guides(self) -> list[Guide]:
         """Of the front and the rear left wheel."""
-        return [guide(kind, self.ride["track"]) for kind in self.ride["guides"]]
+        track = self.ride["track"]
+        return [made("own", x, track) if isinstance(x, dict) else guide(x, track) for x in self.ride["guides"]]
 
     @property
     def anti(self) -> tuple[float, float]:
@@ -116,14 +130,14 @@ class Vehicle:
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
-    def system(self, loads: Sequence[tuple[str, Any]] = ()) -> System:
-        """The mechanism; ``loads``: (wheel, force upwards [N] or signal)."""
+    def system(self, loads: Sequence[Load] = ()) -> System:
+        """The mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
-        size = (r["wheelbase"], r["track"], 2 * HEIGHT)
-        inertia = (r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"])
+        size = (r["wheelbase"], 0.5 * r["track"], 2 * HEIGHT)
+        inertia = np.array([r["roll_inertia"], r["pitch_inertia"], r["pitch_inertia"]]) * self.part
         body = Body("body", self.mass, inertia, position=(0, 0, HEIGHT + REST), shape=shapes.Box(size))
         joints: list[Any] = [Prismatic(GROUND, body, at=body.position, axis=Z, name="heave")]
-        if self.kind not in CORNERS:
+        if self.kind != "quarter":
             across = (1, 0, 0) if self.kind == "whole" else (0, 0, 1)
             joints = [PointOnLine(GROUND, body, at=body.position, axis=Z, name="heave")]
             joints.append(Perpendicular(GROUND, body, axis_a=across, axis_b=(0, 1, 0), name="no yaw"))
@@ -131,26 +145,44 @@ class Vehicle:
                 joints.append(Perpendicular(GROUND, body, axis_a=(1, 0, 0), axis_b=(0, 1, 0), name="no roll"))
         bodies, forces = [body], []
         for corner in self.corners:
-            at = np.array([corner.x, corner.y, REST])
-            tyre = shapes.Cylinder(REST, 0.2, "y")
-            name = f"spring of {corner.name}"
-            if self.kind == "linked":
-                held, origin = self.guides[0], at - self.guides[0].centre
-                wheel = held.upright(corner.mass, corner.name, origin)
-                joints += held.hold(body, wheel, origin)
-                strut = held.spring(body, wheel, corner.spring, corner.damper, name, origin)
-            else:
-                wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
-                joints.append(Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}"))
-                above = at + (0, 0, HEIGHT)
-                rates = dict(stiffness=corner.spring, damping=corner.damper)
-                strut = SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
+            wheel, hung, strut = self.hung(corner, body)
             bodies.append(wheel)
-            rates, name = dict(stiffness=corner.tyre, damping=corner.tyre_damping), f"tyre of {corner.name}"
-            forces += [strut, SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=name)]
-        named = {body.name: body for body in bodies}
-        forces += [Force(named[name], (0, 0, push), name=f"road under {name}") for name, push in loads]
-        return System(bodies, joints, forces, gravity=(0, 0, 0), name=f"{self.kind} car")
+            joints += hung
+            at, rates = wheel.position, dict(stiffness=corner.tyre, damping=corner.tyre_damping)
+            tyre = SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=f"tyre of {corner.name}")
+            forces += [strut, tyre]
+        named = {part.name: part for part in bodies}
+        forces += [Force(named[name], push, at=at, name=f"load on {name}") for name, push, at in loads]
+        return System(bodies, joints, forces, gravity=(0, 0, 0), name=self.title)
+
+    def hung(self, corner: Corner, body: Body) -> tuple[Body, list[Any], SpringDamper]:
+        """(wheel, what guides it, spring and damper) of a corner."""
+        at, name = np.array([corner.x, corner.y, REST]), f"spring of {corner.name}"
+        if self.linked:
+            held = self.guides[int(corner.x < 0)]
+            held = held.mirrored if corner.side else held
+            origin = at - held.centre
+            wheel = held.upright(corner.mass, corner.name, origin)
+            strut = held.spring(body, wheel, corner.spring, corner.damper, name, origin)
+            return wheel, held.hold(body, wheel, origin, f" of {corner.name}"), strut
+        tyre, above = shapes.Cylinder(REST, 0.2, "y"), at + (0, 0, HEIGHT)
+        wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
+        guided = Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}")
+        rates = dict(stiffness=corner.spring, damping=corner.damper)
+        return wheel, [guided], SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
+
+    def braked(self, share: float) -> float:
+        """Angle by which the body of a half or whole car dives under brakes of a share of gravity [rad].
+
+        The wheels are held by their brakes, forces act where they touch the road, and the body stands still again.
+        """
+        front, force = self.ride["brakes"], -share * GRAVITY * self.mass / len(self.corners) * 2
+        loads = [
+            (corner.name, (force * (front if corner.x > 0 else 1 - front), 0, 0), (corner.x, corner.y, 0.0))
+            for corner in self.corners
+        ]
+        ahead = matrix(self.system(loads).equilibrium().state.q[3:7])[:, 0]
+        return float(-np.arcsin(ahead[2]))
 
     def outputs(self, system: System) -> list[Measure]:
         """Heights of as many points as there are freedoms, then their velocities: of the body, then of the wheels."""
@@ -176,7 +208,7 @@ class Vehicle:
         A = linearize(system, outputs=self.outputs(system)).A
         columns = []
         for corner in self.corners:
-            pushed = accelerations(self.system([(corner.name, 1.0)]))
+            pushed = accelerations(self.system([(corner.name, (0, 0, 1.0), None)]))
             (up,), (turn,) = pushed.acceleration("body"), pushed.alpha("body")
             body = [up[2] + turn[0] * y - turn[1] * x for x, y in SPOTS[self.kind]]
             wheels = [pushed.acceleration(other.name)[0, 2] for other in self.corners]

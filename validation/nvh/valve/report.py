@@ -62,7 +62,7 @@ class Valve:
                 train = Train(self.train.cam, rpm=rpm, pieces=pieces)
                 run = train.free()
                 gap, force = train.gap(run), run.force("contact").force[:, 2]
-                least = f"{train.held().effort('cam').min():.1f}" if pieces == 0 else ""
+                least = f"{train.pushed().min():.1f}" if pieces == 0 else ""
                 open_for = f"{360 * (gap[:-1] > 0).mean():.1f}"
                 table.append(
                     [f"{rpm:.0f}", words, least, f"{force.max():.0f}", open_for, f"{1e3 * max(gap.max(), 0):.3f}"]
@@ -88,7 +88,7 @@ def figure(valve: Valve) -> "Figure":
         for axes in (force, lift):
             dress(axes, look)
         angle = 360 * np.arange(valve.run.t.size) / (valve.run.t.size - 1) - 180
-        force.plot(angle, train.held().effort("cam"), color=look.ink, linewidth=LINE, label="constraint")
+        force.plot(angle, train.pushed(), color=look.ink, linewidth=LINE, label="constraint")
         lift.plot(angle, 1e3 * train.cam.spline(np.radians(angle) % (2 * np.pi)), color=look.ink, linewidth=LINE)
         for k, (run, words) in enumerate(((valve.run, "contact"), (valve.surging, "contact, spring surges"))):
             force.plot(angle, run.force("contact").force[:, 2], color=look.colour(k), linewidth=LINE, label=words)

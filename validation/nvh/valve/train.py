@@ -1,6 +1,6 @@
 """A valve on a turning cam, held down by a spring: as a constraint, and in a contact that can open.
 
-As a constraint the valve follows the lift, and the force of the cam on it is the multiplier: where it would have to
+As a constraint its face stays on the cam, and the force of the cam on it is the multiplier: where it would have to
 pull, the valve floats. Along the angle it is ``a + b w^2``, so that two speeds say from which one on. In the contact
 
     F = k d (1 + c d_dot),   d = s(angle) + base - height,   d > 0 and F > 0
@@ -18,17 +18,16 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    CurveContact,
     CustomForce,
     Force,
     Kinematic,
     Prismatic,
     Ramp,
     Revolute,
-    SlideDriver,
     Solution,
     SpringDamper,
     System,
-    Table,
     arctan2,
     shapes,
     simulate,
@@ -98,12 +97,16 @@ class Train:
         """Of the camshaft [rad/s]."""
         return 2 * np.pi * self.rpm / 60
 
+    @property
+    def outline(self) -> np.ndarray:
+        """(n, 3) points of the cam at the start, its nose down, the last one the first [m]."""
+        return np.column_stack([np.zeros(len(self.cam.outline)), -self.cam.outline])
+
     @cached_property
     def parts(self) -> tuple[list[Body], list, list]:
         """(bodies, joints, forces) without what joins cam and valve: "camshaft", "valve", pieces of the spring."""
         start = self.cam.base + float(self.cam.spline(np.pi))
-        drawn = shapes.Lines(np.column_stack([0 * self.cam.outline[:, :1], self.cam.outline]))
-        shaft = Body("camshaft", 1.0, (1e-3, 1e-3, 1e-3), shape=drawn)
+        shaft = Body("camshaft", 1.0, (1e-3, 1e-3, 1e-3), shape=shapes.Lines(self.outline))
         stem = [shapes.Disc(0.016, 0.003, "z"), shapes.Cylinder(0.004, 0.05, "z", at=(0, 0, 0.025))]
         valve = Body("valve", self.mass, 3 * (1e-4 * self.mass,), position=(0, 0, start), shape=stem)
         bearing = Revolute(GROUND, shaft, at=(0, 0, 0), axis=X, name="cam bearing")
@@ -132,15 +135,18 @@ class Train:
         """A turn with the valve on the cam, base circle to base circle, by kinematics; the spring without mass."""
         bodies, joints, forces = replace(self, pieces=0).parts
         times = 2 * np.pi / self.turn * np.arange(SAMPLES + 1) / SAMPLES
-        lift = self.cam.spline(np.pi + self.turn * times) - self.cam.spline(np.pi)
-        drive = SlideDriver(joints[2], Table(times, lift), name="cam")
-        system = System(bodies, [*joints, drive], forces, gravity=(0, 0, 0))
+        touch = CurveContact(*bodies, self.outline[:-1], at=bodies[1].position, face=Z, name="cam")
+        system = System(bodies, [*joints, touch], forces, gravity=(0, 0, 0))
         return simulate(system, float(times[-1]), method=Kinematic(), output=times)
+
+    def pushed(self) -> np.ndarray:
+        """(samples,) force of the cam on the valve in that turn [N], negative where it would have to pull."""
+        return self.held().reaction("cam").force[:, 2]
 
     def floats_at(self) -> float:
         """Speed of the camshaft [1/min] from which the multiplier would have to pull; inf if none."""
         slow = replace(self, rpm=SLOW * self.rpm)
-        here, there = self.held().effort("cam"), slow.held().effort("cam")
+        here, there = self.pushed(), slow.pushed()
         b = (here - there) / (self.turn**2 - slow.turn**2)
         a = here - b * self.turn**2
         pulled = b < -1e-9 * np.abs(b).max()

@@ -174,7 +174,7 @@ def apart(ours: Any, frame: np.ndarray, theirs: planar.Solution) -> float:
 
 
 GRAVITY = (1.3, -9.6)  # m/s^2, in the plane of the cylinders, along no axis
-SHORT = ("single", "I4", "V8_cross_real")  # Layouts of the short list
+SHORT = ("single", "I4", "V8_cross")  # Layouts of the short list
 PEERED = ("I4", "V6_90_split30")  # Layouts that other engines are asked about; the others have the same parts
 SAMPLES = 33
 

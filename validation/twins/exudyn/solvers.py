@@ -29,7 +29,7 @@ def exudyn() -> Any:
     try:
         version = metadata.version("exudyn")
     except metadata.PackageNotFoundError:
-        raise EngineMissing(f"Exudyn is not installed; pip install 'exudyn>={WANTED}'") from None
+        raise EngineMissing("Exudyn is not installed; pip install 'mbsd3d[validation]'") from None
     check_version(version)
     try:
         import exudyn as module

@@ -74,8 +74,8 @@ def twin(
     >>> bob = Body("bob", mass=1.0, inertia=(0.1, 0.1, 0.02), position=(0.6, 0, -0.8))
     >>> hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
     >>> motion = twin(System([bob], [hinge])).run(1.0, steps=256, samples=4)
-    >>> motion.position[-1, 0].round(6).tolist(), motion.reactions["hinge"].force[-1].round(4).tolist()
-    ([-0.586308, 0.0, -0.810088], [4.3413, 0.0, 6.8901])
+    >>> motion.position[-1, 0, ::2].round(6).tolist(), motion.reactions["hinge"].force[-1, ::2].round(4).tolist()
+    ([-0.586308, -0.810088], [4.3413, 6.8901])
     """
     mujoco = require()
     softness = number(softness, "MuJoCo: softness", positive=True)

@@ -43,7 +43,7 @@ def require() -> Any:
     try:
         import mujoco
     except ImportError as error:
-        raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mujoco-core>=4.0.1'") from None
+        raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mbsd3d[validation]'") from None
     if release(mujoco.__version__) < OLDEST:
         raise EngineMissing(
             f"MuJoCo {mujoco.__version__} integrates orientations at second order with RK4; "

@@ -35,20 +35,71 @@ function valueText(value, scale = 0) {
   return text.replaceAll("-", "\u2212");
 }
 
-// `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
-function makeCurve(curve, lines, times, colours, scale, seek) {
+const BOX = {left: 56, right: 12, top: 6, bottom: 20}; // room for numbers around a plot
+
+const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// Title, names with marks and values, and a canvas; `stroke` sets the line of number i.
+function makeFigure(label, unit, names, colours, hint) {
   const canvas = element("canvas", {className: "plot"});
   canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `${curve.label} in ${curve.unit} over time; drag to scrub`);
+  canvas.setAttribute("aria-label", `${label}${unit ? ` in ${unit}` : ""} over time${hint}`);
   const values = [], legend = element("ul", {className: "key"});
-  curve.lines.forEach((line, i) => {
+  for (const name of names) {
     const value = element("output", {className: "value"});
-    const mark = element("canvas", {className: "mark", width: 44, height: 10});
     values.push(value);
-    legend.append(element("li", {}, mark, element("span", {textContent: line.name}), value));
+    legend.append(element("li", {}, element("canvas", {className: "mark", width: 44, height: 10}), element("span", {textContent: name}), value));
+  }
+  const title = element("b", {textContent: label + (unit ? ` [${unit}]` : "")});
+  const figure = element("figure", {}, element("figcaption", {}, title, legend), canvas);
+  const stroke = (g, i, wide) => {
+    (g.strokeStyle = colours[i % colours.length]), (g.lineWidth = wide);
+    g.setLineDash(DASHES[Math.floor(i / colours.length) % DASHES.length]);
+  };
+  const marks = () => legend.querySelectorAll("canvas").forEach((mark, i) => {
+    const m = mark.getContext("2d");
+    m.clearRect(0, 0, 44, 10), stroke(m, i, 4), m.beginPath(), m.moveTo(0, 5), m.lineTo(44, 5), m.stroke();
   });
-  const unit = curve.unit ? ` [${curve.unit}]` : "";
-  const figure = element("figure", {}, element("figcaption", {}, element("b", {textContent: curve.label + unit}), legend), canvas);
+  return {figure, canvas, values, stroke, marks};
+}
+
+// A canvas as sharp as the screen; its context draws in units of the page.
+function sharp(canvas, width, height) {
+  const ratio = window.devicePixelRatio || 1, g = canvas.getContext("2d");
+  (canvas.width = Math.round(width * ratio)), (canvas.height = Math.round(height * ratio));
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return g;
+}
+
+// Where values low ... high and times first ... last lie on a canvas of the given size, and the lines and numbers there.
+function makeAxes(width, height, low, high, first, last) {
+  const x = (t) => BOX.left + ((t - first) / (last - first || 1)) * (width - BOX.left - BOX.right);
+  const y = (v) => BOX.top + ((high - v) / (high - low)) * (height - BOX.top - BOX.bottom);
+  function draw(g) {
+    g.font = "11px system-ui, sans-serif";
+    (g.fillStyle = ink("--muted")), (g.strokeStyle = ink("--line")), (g.lineWidth = 1), g.setLineDash([]);
+    const up = ticks(low, high, Math.max(3, Math.floor((height - BOX.top - BOX.bottom) / 30)));
+    const along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
+    (g.textAlign = "right"), (g.textBaseline = "middle");
+    for (const v of up.found) {
+      const at = Math.round(y(v)) + 0.5;
+      g.beginPath(), g.moveTo(BOX.left, at), g.lineTo(width - BOX.right, at), g.stroke();
+      g.fillText(tickText(v, up.step), BOX.left - 6, at);
+    }
+    (g.textAlign = "center"), (g.textBaseline = "top");
+    for (const t of along.found) {
+      const at = Math.round(x(t)) + 0.5, text = tickText(t, along.step);
+      g.beginPath(), g.moveTo(at, height - BOX.bottom), g.lineTo(at, height - BOX.bottom + 4), g.stroke();
+      const room = g.measureText(text + " s").width / 2;
+      g.fillText(t === along.found[along.found.length - 1] ? `${text} s` : text, Math.min(at, width - room - 1), height - BOX.bottom + 6);
+    }
+  }
+  return {x, y, draw};
+}
+
+// `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
+function makeCurve(curve, lines, times, colours, scale, seek) {
+  const {figure, canvas, values, stroke, marks} = makeFigure(curve.label, curve.unit, curve.lines.map((line) => line.name), colours, "; drag to scrub");
   let low = Infinity, high = -Infinity;
   for (const v of lines.flatMap((line) => Array.from(line.values))) {
     if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
@@ -58,85 +109,49 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   const air = 0.06 * (high - low);
   (low -= air), (high += air);
   const first = times.first, last = times.first + times.step * (times.count - 1);
-  const box = {left: 56, right: 12, top: 6, bottom: 20};
   const drawn = element("canvas"); // axes and lines, onto which cursor and values come
-  let stale = true;
-
-  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const stroke = (g, i, wide) => {
-    (g.strokeStyle = colours[i % colours.length]), (g.lineWidth = wide);
-    g.setLineDash(DASHES[Math.floor(i / colours.length) % DASHES.length]);
-  };
-  const x = (t) => box.left + ((t - first) / (last - first || 1)) * (canvas.clientWidth - box.left - box.right);
-  const y = (v) => box.top + ((high - v) / (high - low)) * (canvas.clientHeight - box.top - box.bottom);
-
-  function axes(g, width, height) {
-    g.font = "11px system-ui, sans-serif";
-    (g.fillStyle = ink("--muted")), (g.strokeStyle = ink("--line")), (g.lineWidth = 1);
-    const up = ticks(low, high, Math.max(3, Math.floor((height - box.top - box.bottom) / 30)));
-    const along = ticks(first, last, Math.max(2, Math.floor(width / 80)));
-    (g.textAlign = "right"), (g.textBaseline = "middle");
-    for (const v of up.found) {
-      const at = Math.round(y(v)) + 0.5;
-      g.beginPath(), g.moveTo(box.left, at), g.lineTo(width - box.right, at), g.stroke();
-      g.fillText(tickText(v, up.step), box.left - 6, at);
-    }
-    (g.textAlign = "center"), (g.textBaseline = "top");
-    for (const t of along.found) {
-      const at = Math.round(x(t)) + 0.5, text = tickText(t, along.step);
-      g.beginPath(), g.moveTo(at, height - box.bottom), g.lineTo(at, height - box.bottom + 4), g.stroke();
-      const room = g.measureText(text + " s").width / 2;
-      g.fillText(t === along.found[along.found.length - 1] ? `${text} s` : text, Math.min(at, width - room - 1), height - box.bottom + 6);
-    }
-  }
+  let axes = null; // null = to be drawn anew
 
   function background() {
-    const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
-    canvas.width = drawn.width = Math.round(width * ratio);
-    canvas.height = drawn.height = Math.round(height * ratio);
-    canvas.getContext("2d").setTransform(ratio, 0, 0, ratio, 0, 0);
-    const g = drawn.getContext("2d");
-    g.setTransform(ratio, 0, 0, ratio, 0, 0);
-    axes(g, width, height);
+    const width = canvas.clientWidth, height = canvas.clientHeight, g = sharp(drawn, width, height);
+    sharp(canvas, width, height);
+    axes = makeAxes(width, height, low, high, first, last);
+    axes.draw(g);
     lines.forEach((line, i) => {
       stroke(g, i, 1.75);
       g.beginPath();
       let pen = false;
       line.values.forEach((v, k) => {
-        if (Number.isFinite(v)) g[pen ? "lineTo" : "moveTo"](x(first + k * times.step), y(v));
+        if (Number.isFinite(v)) g[pen ? "lineTo" : "moveTo"](axes.x(first + k * times.step), axes.y(v));
         pen = Number.isFinite(v);
       });
       g.stroke();
     });
-    stale = false;
-    legend.querySelectorAll("canvas").forEach((mark, i) => {
-      const m = mark.getContext("2d");
-      m.clearRect(0, 0, 44, 10), stroke(m, i, 4), m.beginPath(), m.moveTo(0, 5), m.lineTo(44, 5), m.stroke();
-    });
+    marks();
   }
 
   function draw(place) {
     if (!canvas.clientWidth) return;
-    if (stale) background();
-    const g = canvas.getContext("2d"), at = x(first + place * times.step);
+    if (axes === null) background();
+    const g = canvas.getContext("2d"), at = axes.x(first + place * times.step);
     g.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
     g.drawImage(drawn, 0, 0, canvas.clientWidth, canvas.clientHeight);
     (g.strokeStyle = ink("--ink")), (g.lineWidth = 1), g.setLineDash([]);
-    g.beginPath(), g.moveTo(at, box.top), g.lineTo(at, canvas.clientHeight - box.bottom), g.stroke();
+    g.beginPath(), g.moveTo(at, BOX.top), g.lineTo(at, canvas.clientHeight - BOX.bottom), g.stroke();
     lines.forEach((line, i) => {
       const v = rowAt(line, place)[0];
       values[i].textContent = valueText(v, scale);
       if (!Number.isFinite(v)) return;
       (g.fillStyle = colours[i % colours.length]), (g.strokeStyle = ink("--paper")), (g.lineWidth = 1.5);
-      g.beginPath(), g.arc(at, y(v), 4, 0, 7), g.fill(), g.stroke();
+      g.beginPath(), g.arc(at, axes.y(v), 4, 0, 7), g.fill(), g.stroke();
     });
   }
 
   const pick = (event) => {
-    const share = (event.offsetX - box.left) / (canvas.clientWidth - box.left - box.right);
+    const share = (event.offsetX - BOX.left) / (canvas.clientWidth - BOX.left - BOX.right);
     seek(first + Math.min(Math.max(share, 0), 1) * (last - first));
   };
   canvas.addEventListener("pointerdown", (event) => (canvas.setPointerCapture(event.pointerId), pick(event)));
   canvas.addEventListener("pointermove", (event) => event.buttons & 1 && pick(event));
-  return {figure, draw, resize: () => (stale = true)};
+  return {figure, draw, resize: () => (axes = null)};
 }

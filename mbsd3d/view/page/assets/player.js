@@ -1,18 +1,10 @@
 // The page: time, controls, switches, legend.
 
-const $ = (id) => document.getElementById(id);
-const data = JSON.parse($("data").textContent);
 const times = data.times, last = times.first + times.step * (times.count - 1);
-const ICONS = {
-  play: "M3 1.5v13l11-6.5z", pause: "M3 2h4v12H3zM9 2h4v12H9z", back: "M2 2h3v12H2zM14 2v12L6 8z", forth: "M11 2h3v12h-3zM2 2v12l8-6z",
-};
 const still = times.count === 1;
-const shown = {};
-let time = times.first, playing = false, dirty = true, waiting = false, speed = data.speed, before = null, scene = null, curves = [], share = 38;
+let time = times.first, playing = false, waiting = false, speed = data.speed, before = null, curves = [];
 
-const icon = (button, name) => (button.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`);
 const placeOf = (t) => (still ? 0 : Math.min(Math.max((t - times.first) / times.step, 0), times.count - 1));
-const say = (text) => (($("message").textContent = text), ($("message").hidden = !text));
 
 // Digits after the point such that a frame's step is seen.
 const digits = still ? 4 : Math.min(9, Math.max(0, Math.ceil(-Math.log10(times.step)) + 1));
@@ -60,12 +52,6 @@ function draw() {
   for (const curve of curves) curve.draw(place);
 }
 
-const resetCamera = () => (scene?.resetCamera(), (dirty = true)); // a followed body may be elsewhere now
-
-function speedText(x) {
-  return x === 1 ? "real time" : `${Number(x.toPrecision(3))} \u00d7`;
-}
-
 function setUpTime() {
   icon($("play"), "play"), icon($("back"), "back"), icon($("forth"), "forth");
   Object.assign($("scrub"), {min: times.first, max: last, step: "any", value: times.first});
@@ -101,52 +87,6 @@ function onKey(event) {
   event.preventDefault(), does();
 }
 
-function makeSwitch(name, on, mark, act) {
-  const tick = element("input", {type: "checkbox", checked: on});
-  tick.addEventListener("change", () => act(tick.checked));
-  $("switches").querySelector("fieldset").append(element("label", {}, tick, ...(mark ? [mark] : []), name));
-  return tick;
-}
-
-function arrowMark(kind) {
-  const mark = element("i", {className: "mark arrow", textContent: kind.heads === 2 ? "\u21a0" : "\u2192"});
-  mark.style.color = kind.colour;
-  mark.setAttribute("aria-hidden", "true");
-  return mark;
-}
-
-// What lies inside bodies makes them transparent when it is first shown; a switch of its own undoes that.
-function makeSwitches() {
-  const through = makeSwitch("see through bodies", false, null, (on) => scene?.seeThrough(on));
-  let asked = false;
-  for (const layer of data.layers) {
-    shown[layer.name] = layer.shown;
-    makeSwitch(layer.name, layer.shown, layer.heads ? arrowMark(layer) : null, (on) => {
-      (shown[layer.name] = on), (dirty = true);
-      scene?.show(layer.nodes, on);
-      if (on && layer.inner && !asked) asked = through.checked || (through.click(), true);
-      makeLegend();
-    });
-  }
-  $("switches").open = window.innerWidth > 1000;
-}
-
-function makeLegend() {
-  const rows = data.arrows.filter((kind) => shown[kind.kind]).map((kind) => {
-    const pale = kind.uncertain ? "; pale: not determined by the joints" : "";
-    return element("p", {}, arrowMark(kind), `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
-  });
-  if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid}`}));
-  $("legend").replaceChildren(...rows);
-}
-
-// Part of the width [%] that the curves take.
-function widen(part) {
-  share = Math.min(Math.max(part, 15), 80);
-  $("page").style.setProperty("--share", `${share}%`);
-  $("divider").setAttribute("aria-valuenow", Math.round(share));
-}
-
 function setUpCurves(lines) {
   if (!data.curves.length) return;
   const colours = data.colours[dark ? "dark" : "light"];
@@ -160,11 +100,7 @@ function setUpCurves(lines) {
   const again = () => (curves.forEach((curve) => curve.resize()), (dirty = true));
   new ResizeObserver(again).observe($("curves"));
   $("show-curves").addEventListener("change", () => $("page").classList.toggle("no-curves", !$("show-curves").checked));
-  const divider = $("divider");
-  divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
-  divider.addEventListener("pointermove", (event) => {
-    if (event.buttons & 1) widen(100 * (1 - event.clientX / window.innerWidth));
-  });
+  setUpDivider();
 }
 
 async function start() {
@@ -181,12 +117,7 @@ async function start() {
   document.addEventListener("visibilitychange", () => (before = null)); // a hidden page stands still
   $("camera").addEventListener("click", resetCamera);
   requestAnimationFrame(tick);
-  const made = makeScene(data, arrays), graphics = document.createElement("canvas").getContext("webgl2");
-  if (!graphics) return say("This browser shows no WebGL, which the 3D scene needs; switch it on or take another one.");
-  graphics.getExtension("WEBGL_lose_context")?.loseContext();
-  if (!(await made.ready(30))) return say("The 3D scene did not start: reload the page, or take another browser.");
-  scene = made;
-  if (dark) scene.darken();
+  if (!(await setUpScene(makeScene(data, arrays)))) return;
   scene.follow(data.followed), resetCamera(), say("");
   document.documentElement.dataset.ready = "yes";
 }

@@ -1,7 +1,8 @@
 // The 3D scene: viser's client draws it, this moves it by the messages a server would send.
 
 function makeScene(data, arrays) {
-  let viewer = null, followed = -1, seen = null; // the body the camera goes along with, and where it was last
+  let viewer = null, followed = -1; // the body the camera goes along with,
+  let seen = null, faced = 0, turning = false; // where it was last and where it headed, and whether the camera turns with it
   const tell = (type, name, content) => viewer.messageQueue.push({type, name, owner: "", ...content});
   const moving = data.moving; // numbers of the bodies that move at all
 
@@ -55,29 +56,44 @@ function makeScene(data, arrays) {
   // True if the client took the last messages, so that slow machines are not flooded.
   const idle = () => viewer !== null && viewer.messageQueue.length === 0;
 
-  function move(place, shown) {
-    const r = rowAt(arrays.r, place), e = quaternionsAt(arrays.e, place);
+  // Bodies, links and camera to a pose.
+  function put(r, e) {
     for (const i of moving) {
       const name = `/bodies/${i}`;
       tell("SetPositionMessage", name, {position: Array.from(r.subarray(3 * i, 3 * i + 3), (x) => x * data.scale)});
       tell("SetOrientationMessage", name, {wxyz: Array.from(e.subarray(4 * i, 4 * i + 4))});
     }
     for (const links of data.links) moveLinks(links, r, e);
+    if (followed >= 0) goAlong(r, e);
+    viewer.requestRender();
+  }
+
+  // Everything to a place between the frames.
+  function move(place, shown) {
+    put(rowAt(arrays.r, place), quaternionsAt(arrays.e, place));
     data.arrows.forEach((kind, i) => {
       const {points, vectors} = arrays.arrows[i];
       if (shown[kind.kind]) lay(kind.node, rowAt(points, place), rowAt(vectors, place), kind.factor);
     });
     growTraces(place);
-    if (followed >= 0) goAlong(r);
-    viewer.requestRender();
   }
 
-  // The camera is shifted by what the followed body has moved; turned and zoomed it stays as it was.
-  function goAlong(r) {
-    const control = viewer.cameraControl, there = placeIn(r);
-    const aim = control.getTarget(there.clone()).add(there).sub(seen ?? there);
-    if (seen !== null) control.moveTo(aim.x, aim.y, aim.z, false);
-    seen = there;
+  // The camera is shifted by what the followed body has moved, and turned by what it has if asked to.
+  function goAlong(r, e) {
+    const control = viewer.cameraControl, there = placeIn(r), way = headingIn(e);
+    if (seen !== null) {
+      const turn = turning ? Math.atan2(Math.sin(way - faced), Math.cos(way - faced)) : 0;
+      const {x, y, z} = control.getTarget(there.clone()).sub(seen), c = Math.cos(turn), s = Math.sin(turn);
+      control.moveTo(there.x + c * x + s * z, there.y + y, there.z + c * z - s * x, false);
+      if (turn) control.rotate(turn, 0, false);
+    }
+    (seen = there), (faced = way);
+  }
+
+  // About the vertical, of the x axis of the followed body.
+  function headingIn(e) {
+    const [w, x, y, z] = e.subarray(4 * followed, 4 * followed + 4);
+    return Math.atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z));
   }
 
   // Of the followed body, in the client's own axes: y is up.
@@ -88,6 +104,17 @@ function makeScene(data, arrays) {
   }
 
   const follow = (body) => ((followed = body), (seen = null));
+  const turnAlong = (on) => (turning = on);
+
+  // Other points of lines, other corners of meshes: the bodies have other shapes now.
+  function reshape(shapes) {
+    for (const [name, shape] of Object.entries(shapes)) {
+      const updates = {};
+      for (const [key, numbers] of Object.entries(shape)) updates[key] = (key === "faces" ? Uint32Array : Float32Array).from(numbers);
+      tell("SceneNodeUpdateMessage", name, {updates});
+    }
+    viewer.requestRender();
+  }
 
   function show(nodes, visible) {
     if (viewer === null) return;
@@ -111,12 +138,13 @@ function makeScene(data, arrays) {
   // The first view; further away on a window that is higher than wide. One from near is that of the first frame.
   function resetCamera() {
     if (viewer === null) return;
-    viewer.resetCameraPose(false), (seen = data.followed >= 0 && followed >= 0 ? placeIn(rowAt(arrays.r, 0)) : null);
+    const near = data.followed >= 0 && followed >= 0;
+    viewer.resetCameraPose(false), (seen = near ? placeIn(rowAt(arrays.r, 0)) : null), (faced = near ? headingIn(rowAt(arrays.e, 0)) : 0);
     const box = document.getElementById("scene").getBoundingClientRect();
     const control = viewer.cameraControl, away = Math.max(1, box.height / Math.max(box.width, 1));
     if (away > 1) control.dollyTo(data.distance * data.scale * away, false);
     viewer.requestRender();
   }
 
-  return {ready, move, idle, show, seeThrough, darken, follow, resetCamera};
+  return {ready, put, move, idle, show, seeThrough, darken, follow, turnAlong, reshape, resetCamera};
 }

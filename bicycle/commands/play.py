@@ -1,0 +1,34 @@
+"""The command that lets you ride."""
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mbsd3d.extend import can_view, port_option, watch
+
+from . import bicycle_argument, tyre_options
+
+if TYPE_CHECKING:
+    from ..parameters import Parameters
+
+
+@click.command()
+@bicycle_argument
+@click.option("--speed", type=float, default=5.0, show_default=True, help="At the start [m/s].")
+@click.option("--assist", type=float, default=0.0, show_default=True, help="Balance assist at the start [N m s/rad].")
+@click.option("--torque", type=float, default=2.0, show_default=True, help="Of your arms at most [N m].")
+@port_option
+@tyre_options
+def play(
+    parameters: "Parameters", speed: float, assist: float, torque: float, port: int, fittings: dict[str, Any]
+) -> None:  # fmt: skip
+    """Ride a bicycle on tyres in the browser: steer by keys, change it while it rides.
+
+    Left and right arrow (or J, L) are the torque of your arms, up and down (I, K) pedal and brake; sliders set speed,
+    balance assist, trail, head angle and the spin of the wheels. Green under the speed: where it stays up by itself.
+    Always on tyres. Ctrl-C ends it. Next: mbsd3d bicycle stability --tyres
+    """
+    can_view(needed=True)
+    from ..rides.play import play as ride
+
+    watch(ride(parameters, speed=speed, assist=assist, torque=torque, port=port, **fittings))

@@ -1,0 +1,212 @@
+"""A bicycle on tyres that is ridden in the browser: torques by keys, and its own numbers by sliders while it rides."""
+
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mbsd3d import Input, State, StateFeedback, measures
+from mbsd3d.errors import InputError, MbsError
+from mbsd3d.extend import Built, Control, Measure, Panel, Play, Seen, number, play_model
+
+from ..linear.tyre_equations import Affine, equations
+from ..model.mechanism import Bicycle
+from ..model.tyres import TYPICAL
+from ..parameters import Parameters
+from .carried import carried, faster
+from .manoeuvres import FALLEN
+from .ride import elevation, ridden
+
+PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
+FADING = 1.0  # [m/s] below which the brake lets go: it is set 60 times a second, and must not turn anything back
+ASSIST = 50.0  # [N m s/rad]
+TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
+LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
+BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
+STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
+SPEED = 3  # place of the control
+Key = tuple[Parameters, float]  # a bicycle and its assist
+PANELS = (
+    Panel("lean and steer", "°", ("lean", "steer")),
+    Panel("speed", "m/s", ("speed",)),
+    Panel("growth of small motions at this speed", "1/s", ("that oscillate", "that do not")),
+    Panel("torque about the steer axis", "N m", ("rider", "assist")),
+)
+
+
+def play(
+    parameters: Parameters,
+    *,
+    speed: float = 5.0,
+    assist: float = 0.0,
+    torque: float = 2.0,
+    dark: bool | None = None,
+    port: int = 0,
+    **fittings: Any,
+) -> Play:
+    """Ride a bicycle on tyres in real time, in a browser on this machine; see `mbsd3d.System.play`.
+
+    Parameters
+    ----------
+    speed : float
+        At the start [m/s].
+    assist : float
+        k of a steer torque T = k lean_rate [N m s/rad], which steers into the fall.
+    torque : float
+        Largest one of the rider about the steer axis [N m].
+    dark, port
+        As for `mbsd3d.System.play`.
+    **fittings
+        ``tyres`` and ``steer_damping`` as in `whipple`; without ``tyres`` `bicycle.TYPICAL` ones.
+
+    Raises
+    ------
+    ValueError
+        For numbers outside their ranges, a head tube that yields, a port in use, or a missing package.
+    """
+    riding, title = Riding(parameters, speed, assist, torque, fittings), f"{parameters.name} on tyres"
+    return play_model(riding, follow="frame", view=BEHIND, hidden="body names", title=title, dark=dark, port=port)
+
+
+class Riding:
+    """A bicycle that is played: its controls, its curves, and how it is made anew."""
+
+    panels = PANELS
+
+    def __init__(
+        self, parameters: Parameters, speed: float, assist: float, torque: float, fittings: Mapping[str, Any]
+    ) -> None:
+        if fittings.get("head_stiffness") is not None:
+            raise InputError("play: a bicycle is ridden with a rigid head tube; leave out head_stiffness (--head)")
+        self.parameters, self.now = parameters, parameters
+        self.fittings = {"tyres": TYPICAL, **fittings}
+        self.controls = controls_of(parameters, speed, assist, torque)
+        self.asked = self.held = speed  # what it starts with, and what it moves with
+        self.wanted: Key = (parameters, assist)
+        self.straight: Straight | None = None
+        self.thread: threading.Thread | None = None
+
+    def built(self, values: Mapping[str, float], state: State | None) -> Built:
+        """The bicycle of these numbers, at its start or going on."""
+        p = changed(self.parameters, values)
+        if state is not None:
+            begun = state if p == self.now else carried(state, self.now, p)
+            if values["speed"] != self.held:
+                begun, self.asked = faster(begun, values["speed"], self.held), values["speed"]
+        system = self.system(p, values["balance assist"], self.asked)
+        self.now, self.wanted = p, (p, values["balance assist"])
+        lean, steer, *_ = seen = measures_of(system)
+        shown = [lean, steer, ("force", "rear tyre"), ("force", "front tyre"), "energy"]
+        return Built(system, system.state() if state is None else begun, seen, shown)
+
+    def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
+        """The bicycle with its rider's torques, straight ahead."""
+        names = {"torque": "steer torque", "drive": "pedal", "brake": "brake"}
+        loads = {load: Input(name) for load, name in names.items()}
+        return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
+
+    def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
+        """Torques; the brake lets go of a wheel that stands, as ABS does, and of a bicycle that stands."""
+        *_, front, x, y = measured
+        brake = values["brake"] * min(float(np.hypot(x, y)) / FADING, 1.0) * (front > 0.0)
+        return {"steer torque": values["steer torque"], "pedal": values["pedal"], "brake": brake}
+
+    def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
+        """Angles, speed, growth of small motions about straight running at this speed, torques."""
+        lean, steer, lean_rate, upward, _, *v = map(float, measured)
+        speed = self.held = float(np.hypot(*v))
+        over = "" if upward > np.pi / 2 - FALLEN else "fallen: reset (R) stands it up again"
+        torques = values["steer torque"], values["balance assist"] * lean_rate
+        now = self.linearised()
+        growth, good = (now.growth(speed), now.ranges) if now else ((np.nan, np.nan), ())
+        curves = [np.degrees(lean), np.degrees(steer), speed, *growth, *torques]
+        return Seen(curves, {"speed": speed}, {"speed": good}, over)
+
+    def linearised(self) -> "Straight | None":
+        """Small motions of the present bicycle; None as long as a thread of its own looks for them."""
+        if self.straight is not None and self.straight.key == self.wanted:
+            return self.straight
+        if self.thread is None or not self.thread.is_alive():
+            self.thread = threading.Thread(target=self.linearise, args=(self.wanted,), daemon=True)
+            self.thread.start()
+        return None
+
+    def linearise(self, key: Key) -> None:
+        """Find the small motions of a bicycle with an assist."""
+        build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
+        try:
+            found = equations(build, key[0])
+        except MbsError:  # it cannot run straight at all speeds: no curve, no range
+            found = None
+        affine, fastest = found if isinstance(found, Affine) else None, self.controls[SPEED].high
+        ranges = [(part.low, min(part.high, fastest)) for part in affine.stable()] if affine else []
+        self.straight = Straight(key, affine, ranges)
+
+
+class Straight(NamedTuple):
+    """Small motions of a bicycle about straight running, at all speeds."""
+
+    key: Key
+    equations: Affine | None  # None where the speed enters otherwise
+    ranges: list[tuple[float, float]]  # in which it stays up by itself [m/s]
+
+    def growth(self, speed: float) -> list[float]:
+        """Fastest [1/s] of the motions that oscillate and of those that do not; NaN where there are none."""
+        if self.equations is None:
+            return [np.nan, np.nan]
+        values = np.linalg.eigvals(self.equations.A(speed))
+        waves = np.abs(values.imag) > STILL
+        return [float(values.real[some].max()) if some.any() else np.nan for some in (waves, ~waves)]
+
+
+def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> list[Control]:
+    """What is changed while riding: torques by keys, the rest by sliders."""
+    torque = number(torque, "play: torque", positive=True)
+    fastest, angle = max(12.0, 2.0 * speed), 90.0 - float(np.degrees(p.lam))
+    made = [
+        Control("steer torque", -torque, torque, 0.0, "N m", (("ArrowLeft", "ArrowRight"), ("j", "l")), springs=True),
+        Control("pedal", 0.0, PEDAL, 0.0, "N m", (("", "ArrowUp"), ("", "i")), springs=True),
+        Control("brake", 0.0, BRAKE, 0.0, "N m", (("", "ArrowDown"), ("", "k")), springs=True),
+        Control("speed", 0.5, fastest, number(speed, "play: speed"), "m/s", builds=True),
+        Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
+        Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),
+        Control("head angle", angle - ANGLE, angle + ANGLE, angle, "°", builds=True),
+        Control("wheel spin", LEAST_SPIN, 100.0, 100.0, "%", builds=True),
+    ]
+    for control in made:
+        if not control.low <= control.value <= control.high:
+            span = f"{control.low:g} ... {control.high:g} {control.unit}"
+            raise InputError(f"play: {control.name} = {control.value:g} is not within {span}")
+    return made
+
+
+def changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
+    """The bicycle with the trail, head angle and spin of the sliders; a slider at its start changes nothing."""
+    spin = values["wheel spin"] / 100.0
+    changes = {"c": values["trail"], "IRyy": spin * p.IRyy, "IFyy": spin * p.IFyy}
+    if values["head angle"] != 90.0 - np.degrees(p.lam):
+        changes["lam"] = float(np.radians(90.0 - values["head angle"]))
+    return replace(p, **changes)
+
+
+def with_assist(system: Bicycle, gain: float) -> Bicycle:
+    """Steer torque k lean_rate between frame and fork."""
+    seen = [measures.lean_rate(system.part("frame"))]
+    feedback = StateFeedback(measures=seen, gains=[-gain], on=system.part("steer", "joints"), name="assist")
+    return replace(system, forces=[*system.forces, feedback])
+
+
+def measures_of(system: Bicycle) -> list[Measure]:
+    """Lean, steer, lean rate, elevation of the frame, rate of the front hub, velocity of the rear hub along x and y."""
+    frame, wheel = system.part("frame"), system.part("rear wheel")
+    steer, hub = (system.part(name, "joints") for name in ("steer", "front hub"))
+    seen = [
+        measures.lean(frame),
+        measures.angle(steer),
+        measures.lean_rate(frame),
+        elevation(system),
+        measures.rate(hub),
+    ]
+    return [*seen, *(measures.velocity(wheel, axis=axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))]

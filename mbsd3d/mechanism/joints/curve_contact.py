@@ -1,0 +1,240 @@
+"""Higher pairs: a point, a roller or a flat face of one body stays on a curve of another."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
+
+from ...base.checks import check_choice, floats, number, vector
+from ...base.directions import unit
+from ...base.errors import InputError
+from ...base.rotations import UNIT
+from ...kernels import kinds
+from ..bodies import Body, Ground
+from ..motion import LoadedMotion
+from ..primitives import ZERO, Coordinate, Primitive
+from .curve import STARTS, Curve
+from .joint import Joint
+
+ALONG = 0.05  # sine of the least angle between a pin and its curve
+PULLED = 1e-9  # of the largest force: rounding
+
+
+@dataclass(frozen=True, eq=False)
+class CurveContact(Joint):
+    """A point, a roller or a flat face of b stays on a curve fixed in a: cams, grooves, rails (2 rows or 1).
+
+    With x(s) the spline of fifth degree through the points, over its length s, and p the point ``at`` of b:
+
+    - a point on a curve in space, 2 rows: ``n_i(s) . (p - x(s)) = 0`` with two directions n_i across the curve;
+    - ``pin=``, 1 row, ``n(s) . (p - x(s)) = radius`` with n at right angles to the curve and to the pin: free are the
+      ways along the curve and along the pin. The roller of a plate cam, or the pin in the groove of a barrel cam;
+    - ``face=``, 1 row, ``n . (p - x(s)) = 0`` with n the normal of a plane of b: a flat follower.
+
+    s is that of the nearest, for a face of the highest point of the curve, found by Newton's method from where it was:
+    `Solution.slide` has it, from 0 at the reference pose, and drivers, springs and friction may act on it.
+
+    The rows hold both ways. A groove does so too; a roller or a face is only pushed, and where `normal_force` is
+    negative a real one would leave the curve: the certificate says so.
+
+    Parameters
+    ----------
+    curve : (n, 3) array_like
+        Points of the curve, world at the reference pose [m]: 8 or more of a closed, 6 or more of an open one.
+    at : (3,) array_like
+        Point of b: on the curve, at the centre of the roller, on the face; world at the reference pose [m].
+    pin : (3,) or (n, 3) array_like, optional
+        Direction of the axis of the pin or roller, fixed in a, or one for each point of the curve.
+    radius : float, optional
+        Of the roller, >= 0 [m]; it rolls on the side of the curve where ``at`` is, with 0, a knife edge, outside of it.
+        None: a pin that both flanks of a groove hold, and the curve is the way of its centre.
+    face : (3,) array_like, optional
+        Normal of a flat face, away from the curve, world at the reference pose; the curve is flat then, and convex.
+    closed : bool
+        The curve ends where it begins; its first point is not repeated.
+
+    Raises
+    ------
+    ValueError
+        For a curve with corners, cusps, gaps or points that coincide; a pin along the curve; a roller that is larger
+        than a hollow of the curve; a face on a curve that is hollow, or not in a plane across the face.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from mbsd3d import GROUND, Body, CurveContact, Prismatic, Revolute, System
+    >>> turn = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+    >>> disc = np.column_stack([0.01 + 0.03 * np.cos(turn), 0.03 * np.sin(turn), 0 * turn])  # 10 mm off its axis
+    >>> cam = Body("cam", 1.0, (1e-3, 1e-3, 1e-3))
+    >>> valve = Body("valve", 0.1, (1e-5, 1e-5, 1e-5), position=(0, 0.03, 0))
+    >>> shaft = Revolute(GROUND, cam, at=(0, 0, 0), axis=(0, 0, 1), name="shaft")
+    >>> guide = Prismatic(GROUND, valve, at=(0, 0.03, 0), axis=(0, 1, 0))
+    >>> face = CurveContact(cam, valve, disc, at=(0, 0.03, 0), face=(0, 1, 0))
+    >>> state = System([cam, valve], [shaft, guide, face]).assemble(angles={"shaft": np.pi / 2})
+    >>> round(float(state.q[8]), 9)  # lifted by the 10 mm
+    0.04
+    """
+
+    a: Body | Ground
+    b: Body | Ground
+    curve: ArrayLike
+    at: ArrayLike = field(kw_only=True)
+    pin: ArrayLike | None = field(default=None, kw_only=True)
+    radius: float | None = field(default=None, kw_only=True)
+    face: ArrayLike | None = field(default=None, kw_only=True)
+    closed: bool = field(default=True, kw_only=True)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        check_choice(self.closed, (True, False), f"{what}: closed")
+        self.set(curve=Curve(self.curve, self.closed, f"{what}: curve").points, at=vector(self.at, f"{what}: at"))
+        if self.face is not None:
+            self.check_face(what)
+        elif self.pin is not None:
+            self.check_pin(what)
+        elif self.radius is not None:
+            raise InputError(f"{what}: a radius without pin=; give the direction of the axis of the roller")
+
+    def check_face(self, what: str) -> None:
+        """A face lies on a convex curve in a plane across it."""
+        if self.pin is not None or self.radius is not None:
+            raise InputError(f"{what}: both face and pin or radius; give face= for a flat one, pin= for a roller")
+        self.set(face=unit(self.face, f"{what}: face"))
+        plane = self.line.normal
+        if plane is None or abs(plane @ self.face) > 1e-6:
+            raise InputError(f"{what}: the curve is not in a plane that holds the normal of the face; give such a one")
+        curved = np.cross(self.line.x(self.line.fine, 1), self.line.x(self.line.fine, 2)) @ plane
+        if not self.line.closed and curved.sum() < 0.0:
+            curved = -curved
+        if curved.min() <= 0.0:
+            k = self.line.point_at(self.line.fine[curved.argmin()])
+            raise InputError(
+                f"{what}: the curve is hollow or straight at point {k}, where a flat face does not touch it; "
+                "give a convex curve, or a roller"
+            )
+
+    def check_pin(self, what: str) -> None:
+        """A pin stands across its curve, and a roller is smaller than what it rolls in."""
+        pin = floats(self.pin, f"{what}: pin", "a direction, or one for each point")
+        if pin.shape not in ((3,), self.curve.shape):
+            raise InputError(f"{what}: pin has shape {pin.shape}; give (3,), or {self.curve.shape} as the curve has")
+        size = np.linalg.norm(pin, axis=-1, keepdims=True)
+        if size.min() < 1e-12:
+            raise InputError(f"{what}: pin has zero length; give a direction")
+        self.set(pin=np.where(np.abs(size - 1.0) < UNIT, pin, pin / size))
+        sine = np.linalg.norm(np.cross(self.line.tangents, self.pin), axis=1)
+        if sine.min() < ALONG:
+            raise InputError(f"{what}: the pin lies along the curve at point {sine.argmin()}; turn it across")
+        if self.radius is None:
+            return
+        self.set(radius=number(self.radius, f"{what}: radius", minimum=0.0))
+        s = self.line.fine
+        room = 1.0 - self.radius * np.einsum("ij,ij->i", self.line.x(s, 2), self.across[0](s))
+        if room.min() <= 0.0:
+            hollow, k = self.radius / (1.0 - room.min()), self.line.point_at(s[room.argmin()])
+            raise InputError(
+                f"{what}: the roller of radius {self.radius:g} m meets a hollow of radius {hollow:.3g} m at point {k} "
+                "and touches it twice; give a smaller roller or a smoother curve"
+            )
+
+    @cached_property
+    def line(self) -> Curve:
+        """The curve, world at the reference pose."""
+        return Curve(self.curve, self.closed, "curve")
+
+    @cached_property
+    def start(self) -> float:
+        """Length along the curve at the reference pose, from its first point on [m]."""
+        return self.line.nearest(self.at) if self.face is None else self.line.highest(self.face)
+
+    @cached_property
+    def across(self) -> list[PPoly]:
+        """Directions n of the rows over the length, world at the reference pose; none of a face."""
+        if self.face is not None:
+            return []
+        if self.pin is None:
+            return [self.line.directions(values) for values in self.line.frame]
+        n = np.cross(self.line.tangents, self.pin)
+        n /= np.linalg.norm(n, axis=1, keepdims=True)
+        return [self.line.directions(n if self.radius is None else self.side(n) * n)]
+
+    def side(self, n: np.ndarray) -> float:
+        """1 or -1: that of the directions n (points, 3) on which the roller is, or which is outside."""
+        here, there = self.line.x(self.start), self.line.directions(n)(self.start)
+        out = (self.at - here) @ there
+        if abs(out) <= 1e-9 * self.line.length:
+            out = (here - self.curve.mean(axis=0)) @ there
+        return 1.0 if out >= 0.0 else -1.0
+
+    @cached_property
+    def axes_of_a(self) -> np.ndarray:
+        """(3, 3) axes of body a at the reference pose as columns, world."""
+        return np.array([self.a.local_axis(x) for x in np.eye(3)])
+
+    @cached_property
+    def way(self) -> Coordinate:
+        """Length along the curve, from 0 at the reference pose."""
+        kind, normal = ("path", ZERO) if self.face is None else ("touch", self.face)
+        numbers = self.line.numbers(self.start, self.axes_of_a, self.a.position, self.across)
+        return Coordinate(kind, self.a, self.b, normal, normal, self.at, self.at, numbers=numbers)
+
+    @property
+    def outline(self) -> np.ndarray:
+        """(k, 3) points of the curve in axes of a, from O [m]: four a piece, to be drawn."""
+        line = self.line.x(np.append(self.line.fine[:: STARTS // 4], self.line.x.x[-1]))
+        return (line - self.a.position) @ self.axes_of_a
+
+    @property
+    def pin_here(self) -> np.ndarray:
+        """Axis of the roller at the reference pose, world."""
+        return self.pin if self.pin.ndim == 1 else self.pin[self.line.point_at(self.start)]
+
+    def slide(self) -> Coordinate:
+        return self.way
+
+    def point(self) -> np.ndarray:
+        return self.at
+
+    def rows(self) -> list[Primitive]:
+        both, points = (self.a, self.b), (self.at, self.at)
+        if self.face is not None:
+            return [Primitive(kinds.ON_FACE, both, points, (ZERO, self.face), coordinates=(self.way,))]
+        values = [(self.radius or 0.0, 1.0 + k) for k in range(len(self.across))]
+        return [Primitive(kinds.ON_CURVE, both, points, values=v, coordinates=(self.way,)) for v in values]
+
+    def contact_normal(self, solution: LoadedMotion) -> np.ndarray:
+        """(samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
+
+        Its angle with the way that b can go is the pressure angle.
+        """
+        if self.face is not None:
+            return solution.body_axis(self.b, self.face)
+        if self.pin is None:
+            raise InputError(f"'{self.name}': a point on a curve in space is held from all sides; ask for its reaction")
+        n = self.across[0](self.start + solution.slide(self))
+        axes = np.stack([solution.body_axis(self.a, x) for x in np.eye(3)], axis=1)
+        return np.einsum("tk,tki->ti", n / np.linalg.norm(n, axis=1, keepdims=True), axes)
+
+    def normal_force(self, solution: LoadedMotion) -> np.ndarray:
+        """(samples,) force of a on b along `contact_normal` [N]; negative where the row pulls."""
+        return np.einsum("ti,ti->t", solution.reaction(self).force, self.contact_normal(solution))
+
+    def lifts_off(self, solution: LoadedMotion) -> float | None:
+        """Time from which a roller or a face would have to be pulled [s], between two samples; None: never."""
+        if self.face is None and self.radius is None:
+            return None
+        force, t = self.normal_force(solution), solution.t
+        pulled = np.flatnonzero(force < -PULLED * np.abs(force).max(initial=0.0))
+        if not pulled.size:
+            return None
+        k = pulled[0]
+        return float(t[0] if k == 0 else np.interp(0.0, force[[k, k - 1]], t[[k, k - 1]]))
+
+    def notes(self, solution: LoadedMotion) -> list[str]:
+        t = self.lifts_off(solution)
+        if t is None:
+            return []
+        least = self.normal_force(solution).min()
+        return [f"'{solution.system.name(self)}' lifts off at t = {t:.6g} s: its row pulls with up to {-least:.4g} N"]

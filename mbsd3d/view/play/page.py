@@ -1,0 +1,87 @@
+"""The page of a ride: the scene at its start, and what its scripts need to move it."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from markupsafe import Markup
+
+from ...base.templates import page_template
+from ...mechanism.mechanism import Mechanism
+from ...run.playable import Built, Control, Playable
+from ..page.content import Content, player_data
+from ..page.html import as_script, asset
+from ..page.recorder import Recording, client_head, printable
+from ..page.stage import Stage
+from ..scene.artist import draw_system
+from ..scene.drawing import poses_of
+from ..scene.frames import Frames
+
+SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
+RIDE = ("strips.js", "ride.js")
+SECONDS = 10.0  # of the model that the live curves show
+SHAPES = ("vertices", "faces", "points")  # of the messages of nodes
+Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
+
+
+class Look(NamedTuple):
+    """How a ride is shown."""
+
+    title: str
+    layers: tuple[str, ...]
+    followed: int = -1  # number of the body that the camera goes along with
+    view: Sequence[float] | None = None  # azimuth and elevation at first [degrees]
+    dark: bool | None = None
+
+
+def ride_page(model: Playable, built: Built, look: Look) -> str:
+    """The whole page."""
+    recording, (r, e) = Recording("play"), poses_of(built.system, built.state)
+    still, drawing = Frames(np.array([built.state.t]), r[None], e[None]), draw_system(built.system)
+    content = Content(drawing, still, [], [], [], 1.0, look.title, look.layers, followed=look.followed)
+    stage = Stage(
+        recording.scene, recording.camera, drawing, still, shown=look.layers, endless=True, view=look.view
+    )  # fmt: skip
+    bodies = built.system.bodies
+    data = player_data(content, stage) | {
+        "moving": [*range(len(bodies))],
+        "bodies": [[i, body.name] for i, body in enumerate(bodies)],
+        "controls": [control_data(control) for control in model.controls],
+        "panels": [panel._asdict() for panel in model.panels],
+        "seconds": SECONDS,
+    }
+    texts = {
+        "style": asset("player.css") + asset("ride.css", __package__),
+        "scene": recording.data(),
+        "client": client_head(),
+        "data": as_script(data),
+        "script": "\n".join([asset(name) for name in SCENE] + [asset(name, __package__) for name in RIDE]),
+        "dark": json.dumps(look.dark),
+    }
+    marked = {name: Markup(text) for name, text in texts.items()}
+    return page_template("ride.html").render(
+        title=printable(look.title), controls=bool(model.controls), **marked
+    )  # fmt: skip
+
+
+def control_data(control: Control) -> dict[str, object]:
+    """What the page knows of a control."""
+    return {
+        "name": control.name, "low": control.low, "high": control.high, "value": control.value, "unit": control.unit,
+        "keys": [list(pair) for pair in control.keys], "springs": control.springs,
+    }  # fmt: skip
+
+
+def shapes_of(system: Mechanism) -> Shapes:
+    """Meshes and lines of the bodies, as the nodes of the scene hold them."""
+    recording = Recording("play")
+    (r, e), drawing = poses_of(system), draw_system(system)
+    Stage(recording.scene, recording.camera, drawing, Frames(np.zeros(1), r[None], e[None]))
+    found = {}
+    for message in recording.recorder.messages.values():
+        props = getattr(message, "props", None)
+        shape = {key: np.ravel(getattr(props, key)).tolist() for key in SHAPES if hasattr(props, key)}
+        if shape and message.name.startswith("/bodies/"):
+            found[message.name] = shape
+    return found

@@ -1,0 +1,249 @@
+"""A model that moves in real time while a browser shows it and changes its inputs."""
+
+import json
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...base.checks import number
+from ...base.checks import shown as shown_text
+from ...base.errors import InputError, MbsError
+from ...mechanism.bodies import Body
+from ...mechanism.mechanism import Mechanism
+from ...plotting.panels import Wanted
+from ...results.body_motion import Poses
+from ...results.run_result import RunResult
+from ...run.playing import PERIOD, Frame, Playing
+from ..page.served import Served
+from ..page.show import animate, check_options, page_layers
+from ..scene.drawing import USUAL, Layers, title_of
+from .page import SECONDS, Look, ride_page, shapes_of
+from .server import Server
+
+if TYPE_CHECKING:
+    from ...api.solution import Solution
+
+PACES = (0.01, 10.0)  # seconds of the model per second
+STEADY = 6  # frames from one look at what seldom changes to the next
+
+
+class Play(Served):
+    """A model that is played in a browser; a context manager that ends it.
+
+    ::
+
+        with system.play({"push": (-5, 5)}) as play:
+            play.open()
+            play.wait()
+        play.solution().plot()
+    """
+
+    kind = "play"
+
+    def __init__(self, playing: Playing, look: Look, port: int, as_solution: Callable[[RunResult], "Solution"]) -> None:
+        super().__init__()
+        self._playing, self._look, self._as_solution = playing, look, as_solution
+        self._controls = {control.name: control for control in playing.model.controls}
+        self._history: deque[list[float | None]] = deque(maxlen=round(SECONDS / PERIOD))
+        self._told, self._count, self._ride, self._saving, self._good = "", 0, 0, False, {}
+        self._drawn, self._shapes = playing.built.system, {}
+        self._drawings = shapes_of(self._drawn) if playing.builds else {}
+        self._pages = {"/": ride_page(playing.model, playing.built, look)}
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="mbsd3d play pages")
+        self._server = Server(port, self._token, self._pages, self._greeting, self._hear, self._leave)
+        self.port = self._server.port
+        playing.start(self._publish)
+
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        return self._playing.slices.t
+
+    @property
+    def late(self) -> int:
+        """Frames since the start or a reset that were ready after the next one was due."""
+        return self._playing.late
+
+    @property
+    def values(self) -> dict[str, float]:
+        """What inputs have now, by name."""
+        return self._playing.now
+
+    def set(self, name: str, value: float) -> None:
+        """Give an input a value, as its slider does.
+
+        Raises
+        ------
+        ValueError
+            If there is no such input here, or the value is not within its range.
+        """
+        if name not in self._controls:
+            have = ", ".join(f"'{x}'" for x in self._controls) or "none"
+            raise InputError(f"play: {shown_text(name)} has no slider; there are {have}")
+        control, value = self._controls[name], number(value, f"play: '{name}'")
+        if not control.low <= value <= control.high:
+            raise InputError(f"play: '{name}' = {value:g} is not within {control.low:g} ... {control.high:g}")
+        self._playing.do(self._playing.set, name, value).result()
+
+    def reset(self) -> None:
+        """Back to the start."""
+        self._playing.do(self._playing.reset).result()
+
+    def solution(self) -> "Solution":
+        """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
+        return self._as_solution(self._playing.do(self._playing.result).result())
+
+    def close(self) -> None:
+        """The model first, then the server."""
+        self._playing.stop()
+        self._worker.shutdown(wait=False, cancel_futures=True)
+        self._server.stop()
+
+    def _publish(self, frame: Frame) -> None:
+        """Send a frame, and news if there are any; in the thread of the model."""
+        curves = np.asarray(frame.seen.curves, float)
+        self._remember(frame.t, curves)
+        self._good = frame.seen.good
+        if (system := self._playing.built.system) is not self._drawn:
+            self._drawn = system
+            self._worker.submit(self._redraw, system)
+        self._count += 1
+        news = self._news() if self._count % STEADY == 0 else ""
+        self._told, news = news or self._told, news if news != self._told else ""
+        head = [frame.t, frame.late, frame.share]
+        self._server.publish(news, np.concatenate([head, curves, frame.poses.ravel()]).astype("<f8").tobytes())
+
+    def _remember(self, t: float, curves: np.ndarray) -> None:
+        """For those who come later."""
+        if self._history and self._history[-1][0] > t:  # it was reset
+            self._history.clear()
+        if not self._history or self._history[-1][0] < t:
+            self._history.append([t, *(x if math.isfinite(x) else None for x in curves.tolist())])
+
+    def _state(self) -> dict[str, object]:
+        """What seldom changes."""
+        playing = self._playing
+        return {
+            "values": playing.values, "held": playing.held, "good": self._good, "shapes": self._shapes,
+            "running": playing.running, "over": playing.over, "pace": playing.pace, "note": playing.note,
+            "since": playing.since, "ride": self._ride, "saving": self._saving,
+        }  # fmt: skip
+
+    def _news(self, **more: object) -> str:
+        """As a text."""
+        return json.dumps(self._state() | more, allow_nan=False)
+
+    def _greeting(self) -> str:
+        """What a browser is told that has just come."""
+        return self._news(history=list(self._history))
+
+    def _hear(self, said: str) -> bool:
+        """What a browser says, in the thread of the server; False if it makes no sense."""
+        playing, do = self._playing, self._playing.do
+        match parsed(said):
+            case {"set": str(name), "to": float(x)} if name in self._controls:
+                do(playing.set, name, self._clipped(name, x))
+            case {"hold": str(name), "to": float(x)} if name in self._controls:
+                do(playing.hold, name, self._clipped(name, x))
+            case {"hold": str(name), "to": None} if name in self._controls:
+                do(playing.hold, name, None)
+            case {"run": bool(on)}:
+                do(playing.run, on)
+            case {"watch": True}:
+                do(playing.watch, True)
+            case {"pace": float(x)} if PACES[0] <= x <= PACES[1]:
+                do(playing.slow, x)
+            case {"do": "reset"}:
+                do(playing.reset)
+            case {"do": "save"} if not self._saving:
+                self._saving = True
+                self._worker.submit(self._save)
+            case _:
+                return False
+        return True
+
+    def _clipped(self, name: str, value: float) -> float:
+        """Within the range of a control."""
+        control = self._controls[name]
+        return min(max(value, control.low), control.high)
+
+    def _leave(self, last: bool) -> None:
+        """A browser has gone: its keys are up; after the last one the model waits for another."""
+        self._playing.do(self._playing.held.clear)
+        if last:
+            self._playing.do(self._playing.watch, False)
+
+    def _redraw(self, system: Mechanism) -> None:
+        """The bodies have other shapes now; those that differ from the page's are told."""
+        if system is self._drawn:  # no newer one waits
+            found = shapes_of(system)
+            self._shapes = {name: shape for name, shape in found.items() if shape != self._drawings.get(name)}
+
+    def _save(self) -> None:
+        """Make a page of the ride, which the browser then asks for."""
+        try:
+            page = ride_so_far(self.solution(), self._playing.built.curves, self._look)
+        except MbsError as error:
+            self._playing.note = f"the ride was not saved: {error}"
+        else:
+            self._pages.pop(f"/ride-{self._ride}.html", None)
+            self._ride += 1
+            self._pages[f"/ride-{self._ride}.html"] = page
+        finally:
+            self._saving = False
+
+
+def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
+    """A page of its own, that needs no server."""
+    follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
+    hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]
+    view = animate(
+        solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
+        title=look.title, dark=look.dark, live=False, follow=follow,
+    )  # fmt: skip
+    return view.html
+
+
+def parsed(said: str) -> object:
+    """JSON with finite numbers, all of them floats; None for anything else."""
+    try:
+        return json.loads(said, parse_int=float, parse_constant=refused)
+    except (ValueError, RecursionError):
+        return None
+
+
+def refused(word: str) -> None:
+    """NaN and Infinity are no numbers here."""
+    raise InputError(f"{word} is not finite")
+
+
+def play(
+    playing: Playing,
+    *,
+    shown: Layers,
+    hidden: Layers,
+    follow: Body | str | None,
+    view: Sequence[float] | None,
+    title: str | None,
+    dark: bool | None,
+    port: int,
+    as_solution: Callable[[RunResult], "Solution"],
+) -> Play:
+    """See `System.play`."""
+    check_options(None, title, dark, False)
+    if type(port) is not int or not 0 <= port <= 65535:
+        raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
+    system = playing.built.system
+    followed = -1 if follow is None else followed_body(system, follow)
+    look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
+    return Play(playing, look, port, as_solution)
+
+
+def followed_body(system: Mechanism, follow: Body | str) -> int:
+    """Its number."""
+    body = system.part(follow)
+    return next(i for i, other in enumerate(system.bodies) if other is body)

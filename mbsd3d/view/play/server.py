@@ -1,0 +1,145 @@
+"""A page and a socket, served on this machine behind the guard: frames go out, what keys and sliders do comes in."""
+
+import asyncio
+import logging
+import os
+import socket
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+
+from ...base.errors import InputError
+from ..page.guard import CLOSING, guarded
+from ..page.served import HOST
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+MESSAGE = 2**12  # bytes that a key or a slider needs at most
+
+
+class Outlet:
+    """What one browser gets next: the newest news and the newest frame, so that a slow one is not flooded."""
+
+    def __init__(self) -> None:
+        self.due, self.news, self.frame = asyncio.Event(), "", b""
+
+    def put(self, news: str = "", frame: bytes = b"") -> None:
+        """Something newer."""
+        self.news, self.frame = news or self.news, frame or self.frame
+        self.due.set()
+
+    async def feed(self, connection: "ServerConnection") -> None:
+        """Send until the connection ends."""
+        from websockets.exceptions import ConnectionClosed
+
+        with suppress(ConnectionClosed):
+            while True:
+                await self.due.wait()
+                self.due.clear()
+                pieces, self.news, self.frame = (self.news, self.frame), "", b""
+                for piece in filter(None, pieces):
+                    await connection.send(piece)
+
+
+class Server:
+    """Serves the files of ``pages`` (path -> content), and at /live the newest of what `publish` is given.
+
+    ``greet()`` is what a browser is told first; ``hear(text)`` takes what it says and returns whether it understood;
+    ``leave(last)`` is called when one has gone.
+    """
+
+    def __init__(
+        self,
+        port: int,
+        token: str,
+        pages: Mapping[str, str],
+        greet: Callable[[], str],
+        hear: Callable[[str], bool],
+        leave: Callable[[bool], None],
+    ) -> None:
+        self.pages, self.greet, self.hear, self.leave = pages, greet, hear, leave
+        self.token, self.outlets = token, set()
+        self.socket = bound(port)
+        self.port = self.socket.getsockname()[1]
+        self.loop, self.server = asyncio.new_event_loop(), None
+        ready = threading.Event()
+        self.thread = threading.Thread(target=self._run, args=(ready,), name="mbsd3d play server", daemon=True)
+        self.thread.start()
+        ready.wait()
+
+    def publish(self, news: str = "", frame: bytes = b"") -> None:
+        """Send to all browsers, from any thread."""
+        self.loop.call_soon_threadsafe(lambda: [outlet.put(news, frame) for outlet in self.outlets])
+
+    def stop(self) -> None:
+        """End all connections and free the port."""
+        self.loop.call_soon_threadsafe(self.server.close)
+        self.thread.join()
+
+    def _run(self, ready: threading.Event) -> None:
+        """The thread: until the server is closed."""
+        asyncio.set_event_loop(self.loop)
+        try:
+            self.loop.run_until_complete(self._serve(ready))
+        finally:
+            self.loop.close()
+
+    async def _serve(self, ready: threading.Event) -> None:
+        from websockets.asyncio.server import serve
+
+        silent = logging.getLogger("mbsd3d play server")
+        silent.addHandler(logging.NullHandler())  # tracebacks of those who hang up
+        silent.propagate = False
+        self.server = await serve(
+            self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE,
+            compression=None, close_timeout=CLOSING, ping_interval=None, logger=silent, server_header=None,
+        )  # fmt: skip
+        ready.set()
+        await self.server.wait_closed()
+
+    def _answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
+        """A file; None = the socket."""
+        path = request.path.partition("?")[0]
+        if path == "/live" and request.headers.get("Upgrade", "").lower() == "websocket":
+            return None
+        if path not in self.pages:
+            return connection.respond(HTTPStatus.NOT_FOUND, "there is no such page\n")
+        response = connection.respond(HTTPStatus.OK, self.pages[path])
+        del response.headers["Content-Type"]
+        response.headers["Content-Type"] = "text/html; charset=utf-8"
+        response.headers["Cache-Control"] = "no-store"
+        response.headers["X-Content-Type-Options"] = "nosniff"
+        return response
+
+    async def _converse(self, connection: "ServerConnection") -> None:
+        """With one browser, until it leaves."""
+        from websockets.exceptions import ConnectionClosed
+
+        await connection.send(self.greet())
+        outlet = Outlet()
+        self.outlets.add(outlet)
+        feed = asyncio.create_task(outlet.feed(connection))
+        try:
+            async for said in connection:
+                if not (isinstance(said, str) and self.hear(said)):
+                    await connection.close(1008, "not understood")
+        except ConnectionClosed:
+            pass  # it hung up
+        finally:
+            self.outlets.discard(outlet)
+            feed.cancel()
+            self.leave(not self.outlets)
+
+
+def bound(port: int) -> socket.socket:
+    """A socket at a port of this machine, 0 = any that is free; ValueError if it cannot be had."""
+    try:
+        return socket.create_server((HOST, port))
+    except OSError as error:
+        raise InputError(
+            f"play: port {port} cannot be used: {os.strerror(error.errno)}; give another one, or 0 for any that is free"
+        ) from error

@@ -1,0 +1,87 @@
+"""The site of docs/ builds without a warning and without network, and its search answers the forty questions."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import quote
+
+import pytest
+from browser import launch, visit
+
+pytestmark = pytest.mark.slow
+
+DOCS = Path(__file__).parents[2] / "docs"
+QUERIES = (  # what a newcomer may type for each of the questions of docs/questions.md
+    "install extras",
+    "reference pose",
+    "quaternion velocity",
+    "inertia centre of mass",
+    "choose joint",
+    "closed loop Denavit",
+    "contact rolling",
+    "prescribe motion",
+    "inverse dynamics",
+    "spring damper friction",
+    "force table signal",
+    "gear tooth bearing life",
+    "tyre rider",
+    "without mass",
+    "spins freely",
+    "own force",
+    "own joint",
+    "own method integrator",
+    "certificate error",
+    "engine mounts car",
+    "redundant",
+    "bearing force redundant",
+    "stiff",
+    "cannot close",
+    "assemble angle start",
+    "event stop",
+    "controller step",
+    "frequencies modes",
+    "equilibrium preload",
+    "sweep ledger",
+    "reaction axes",
+    "measure distance lean",
+    "dataframe csv",
+    "film Blender",
+    "save load file",
+    "MJCF URDF",
+    "compare MuJoCo",
+    "performance times",
+    "equations function",
+    "bicycle stable",
+)
+SHOWN = 5  # results that one looks at
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", str(DOCS), str(folder)]
+    made = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert made.returncode == 0, made.stderr
+    return folder
+
+
+def answers():
+    """The pages that answer each question."""
+    rows = re.findall(r"^\| \d+ \| .* \| (.*) \|$", (DOCS / "questions.md").read_text(encoding="utf-8"), re.MULTILINE)
+    return [re.findall(r"\(([\w/]+)\.md\)", row) for row in rows]
+
+
+def test_search_finds_the_answers(site):
+    lost = []
+    with launch() as browser, visit(browser, site / "search.html") as seen:
+        for query, pages in zip(QUERIES, answers(), strict=True):
+            seen.page.goto(f"{(site / 'search.html').as_uri()}?q={quote(query)}")
+            seen.wait("document.querySelector('#search-results p.search-summary')?.innerText.match(/found|did not/)")
+            found = seen.run("[...document.querySelectorAll('ul.search a')].map(a => a.getAttribute('href'))")
+            found = [re.sub(r"\.html.*", "", address) for address in found]
+            best = [page for page in dict.fromkeys(found) if page != "questions"][:SHOWN]
+            if not set(pages) & set(best):
+                lost.append((query, pages, best))
+        assert not seen.refused
+    assert not lost, "\n".join(map(str, lost))

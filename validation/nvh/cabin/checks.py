@@ -1,0 +1,63 @@
+"""Shells that theory or the general model knows; quantity -> (computed, exact), as `held.checks`."""
+
+import numpy as np
+
+from mbsd3d import Body, Bushing, System, linearize
+from validation import theory
+from validation.nvh.cabin.plate import plate_modes
+from validation.nvh.cabin.seat import Cabin
+from validation.nvh.cabin.shell import ModalShell
+from validation.nvh.engine import presets
+from validation.nvh.engine.loads import Source
+from validation.nvh.held import mounts
+from validation.nvh.held.checks import Pairs
+from validation.nvh.held.powertrain import equivalent
+from validation.nvh.held.response import Map, OnMounts, shift, six_freedoms
+
+
+def free_plate(ratio: float = 2.3) -> Pairs:
+    """A plate with Poisson's ratio 0 bends as a beam."""
+    found, known = plate_modes(ratio, 1.0, 0.0)[0] * ratio**2, theory.bending_roots(2) ** 2
+    return {"bending of a free plate": (np.array([found[np.abs(found - x).argmin()] for x in known]), known)}
+
+
+def held_in(car: str, engine: str) -> OnMounts:
+    """An engine on the mounts of a car, not rolled by a mean torque."""
+    body = equivalent(presets.preset(engine))
+    return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
+
+
+def rigid_shell(car: str, engine: str, rpm: float = 1700.0) -> Pairs:
+    """A shell without elastic modes is a body of the general model."""
+    held = held_in(car, engine)
+    cabin = Cabin(mounts.car(car), held)
+    answer = held.answer(Source(presets.preset(engine), 0.7), [rpm])
+    shapes = [shape for rate, shape in zip(cabin.shell.rates, cabin.shell.shapes, strict=True) if rate == 0.0]
+    # a frozen dataclass caches what it computes in its dictionary: there is the shell
+    cabin.__dict__["shell"] = ModalShell(np.zeros(len(shapes)), np.zeros(len(shapes)), shapes)
+    return {"seat of a rigid shell": (cabin.seat(answer)[0], of_bodies(cabin, answer))}
+
+
+def of_bodies(cabin: Cabin, answer: Map) -> np.ndarray:
+    """(n, 3) phasors of the seat's acceleration: shell, powertrain and spinning rotor as bodies on bushings."""
+    r, R, held = cabin.car.shell, cabin.axes, cabin.held
+    m, rate = r["mass"], 2 * np.pi * answer.rpm[0] / 60
+    bent = m * r["length"] ** 2 / 12
+    shell = Body("shell", m, R.T @ np.diag([r["roll_inertia"], bent, bent]) @ R, com=-R.T @ r["engine"])
+    apart = held.body.system(lambda body: [], rate)
+    powertrain, rotor = apart.bodies
+    forces = [
+        Bushing(shell, powertrain, at=x.at, stiffness=x.rates, damping=x.damping, axes=x.axes) for x in held.placed
+    ]
+    both = System([powertrain, rotor, shell], apart.joints, [*forces, *apart.forces], gravity=(0, 0, 0))
+    A = linearize(both, outputs=six_freedoms(powertrain) + six_freedoms(shell)).A
+    order = np.r_[0:6, 12:18, 6:12, 18:24]  # displacements of both, then rates of both
+    A, B = A[np.ix_(order, order)], np.zeros((24, 6))
+    B[12:18] = np.linalg.inv(held.mass)
+    to_seat = shift(np.array(R.T @ (np.array(r["seat"]) - r["engine"])))[:3]
+    found = np.zeros((answer.orders.size, 3), dtype=complex)
+    for k, W in enumerate(answer.orders * rate):
+        if k:
+            x = np.linalg.solve(1j * W * np.eye(24) - A, B @ answer.load[0, k])
+            found[k] = -(W**2) * R @ to_seat @ x[6:12]
+    return found
