@@ -33,6 +33,12 @@ class Course:
     slalom: float = 0.0  # [m]
     period: float = 8.0  # [s]
 
+    def __post_init__(self) -> None:
+        for name in ("lane", "at", "slalom"):
+            number(getattr(self, name), f"course: {name}")
+        for name in ("within", "period"):
+            number(getattr(self, name), f"course: {name}", positive=True)
+
     def __call__(self, t: np.ndarray) -> np.ndarray:
         """y_c [m] at times [s]."""
         change = 0.5 * self.lane * (1.0 + np.tanh(2.0 * (t - self.at) / self.within))

@@ -58,8 +58,8 @@ class TyreTurn:
 
     @property
     def radius(self) -> float:
-        """Of the way of the rear hub [m]."""
-        return float(np.hypot(self.speed, self.x[3]) / abs(self.x[4]))
+        """Of the way of the rear hub [m]; infinite straight ahead."""
+        return float(np.hypot(self.speed, self.x[3]) / abs(self.x[4])) if self.x[4] else np.inf
 
     @property
     def steer_torque(self) -> float:
@@ -78,6 +78,8 @@ class TyreTurn:
 
     def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
         """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
+        if t_end is None and not self.yaw_rate:
+            raise InputError(f"bicycle '{self.parameters.name}': this turn goes straight and never ends; give t_end")
         end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
         return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
 

@@ -218,6 +218,12 @@ def test_steady_turns_of_an_independent_program(row):
 
 
 @pytest.mark.slow
+def test_a_turn_straight_ahead():
+    straight = turns_on_tyres.turn(P, BRUSH, speed=5.0, lean=0.0)
+    assert straight.radius > 1e9 and straight.steer == pytest.approx(0.0, abs=1e-12)
+    assert straight.saturation < 1e-9 and straight.steer_torque == pytest.approx(0.0, abs=1e-9)
+
+
 @pytest.mark.slow
 def test_turns_end_at_the_limit_of_grip(tmp_path):
     """And the bicycle rides the whole circle there."""

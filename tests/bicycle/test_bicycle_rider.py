@@ -131,6 +131,16 @@ def test_a_rider_who_falls():
     assert grip.event.name == "fallen" and grip.t[-1] == grip.event.t < 12.0
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [{"within": 0.0}, {"period": -1.0}, {"lane": np.nan}, {"slalom": "wide"}],
+    ids=lambda wrong: next(iter(wrong)),
+)
+def test_impossible_courses_are_refused(wrong):
+    with pytest.raises(ValueError, match=f"course: {next(iter(wrong))}"):
+        course.Course(**wrong)
+
+
 def test_a_course_keeps_the_steer_damper():
     p = named("Sharp1971")
     system = course.ridden(p, 10.0, course.Course(), rider.gains_of(p, 10.0), **fittings(p))

@@ -5,6 +5,7 @@ import pytest
 from models import across, direction, random_body, random_inertia
 from test_loads import EXAMPLES as FORCES
 
+from bicycle import TYPICAL, Meijaard2007, whipple
 from mbsd3d import GROUND, Body, GearMesh, Prismatic, Revolute, System, simulate
 from mbsd3d.base.rotations import matrix
 from validation import cases
@@ -121,6 +122,15 @@ def test_reference_case(name):
     errors = [case_error(name, steps) for steps in (4000, 8000)]
     # the top turns by 0.04 rad a step: error 5e-3 m at 1 m
     assert 1.8 < np.log2(errors[0] / errors[1]) < 2.2 and errors[1] < 1e-2
+
+
+def test_a_bicycle_on_tyres():
+    """Nine freedoms and four deflections, leaning into a curve; the law of the tyres is that of bristles in a patch."""
+    on = {**TYPICAL, "twisting": 0.004, "standing_damping": 0.3, "nominal_load": 400.0, "grip_sensitivity": 0.1}
+    system = whipple(Meijaard2007(), 5.0, lean=0.1, steer=0.05, lean_rate=0.2, tyres=on)
+    state = simulate(system, 0.2, state=system.state(), rtol=1e-11, output=2).final
+    made, _ = judge(system, state, state.t + 0.05, solver="index2")
+    check_start(system, state, made)
 
 
 @pytest.mark.slow

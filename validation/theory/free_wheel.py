@@ -58,7 +58,7 @@ def rotation(e: np.ndarray) -> np.ndarray:
 
 def lowest(w: Rubber, axle: np.ndarray) -> np.ndarray:
     """From the hub to the lowest point of the circle of tube centres, by its angle on it."""
-    a = np.cross(axle, [1.0, 0.0, 0.0])
+    a = np.cross(axle, np.eye(3)[np.argmin(np.abs(axle))])
     a /= np.linalg.norm(a)
     b = np.cross(axle, a)
     angle = np.arctan2(-b[2], -a[2])
