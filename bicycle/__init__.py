@@ -14,7 +14,7 @@ _MODULES = {
     "stability": "linear.stability", "sensitivity": "linear.sensitivity", "why": "linear.why",
     "frequency": "linear.frequency", "ride": "rides.ride", "circles": "turns.circles", "compare": "pages.compare",
     "tyres": "model.tyres", "on_tyres": "linear.on_tyres", "rider": "riders.rider", "assist": "riders.assist",
-    "course": "rides.course", "handling": "riders.handling", "playing": "rides.play",
+    "course": "rides.course", "handling": "riders.handling", "play": "rides.play",
 }  # fmt: skip
 _HOME = {
     "Meijaard2007": "parameters",

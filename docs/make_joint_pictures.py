@@ -17,6 +17,8 @@ SHAFT = (0.0, -0.5, np.sqrt(0.75))  # of the constant-velocity joint, 30 degrees
 BARE = (*NAMES, "traces", "ground grid")
 EGG = shapes.Ellipsoid((0.2, 0.14, 0.14), colour="#d5731d")
 TURNING = {"omega": (0.5, 0.9, 0.7)}
+TURN = 2 * np.pi * np.arange(40) / 40
+RING = np.column_stack([0.28 * np.cos(TURN) - 0.28, 0.26 * np.sin(TURN), 0.1 - 0.1 * np.cos(2 * TURN)])
 JOINTS = {
     "Spherical": (lambda a, b: m.Spherical(a, b, at=HERE), TURNING),
     "Revolute": (lambda a, b: m.Revolute(a, b, at=HERE, axis=Y), {"omega": (0, 1.0, 0)}),
@@ -46,6 +48,10 @@ JOINTS = {
     "ConstantVelocity": (
         lambda a, b: m.ConstantVelocity(a, b, at=HERE, axis_a=Z, axis_b=SHAFT),
         {"omega": (0.5, 0.4 * (1 + SHAFT[2]), -0.4 * SHAFT[1])},
+    ),
+    "CurveContact": (
+        lambda a, b: m.CurveContact(a, b, RING, at=HERE, name="wire"),
+        {"velocity": (0, 0.45, 0), "omega": (0.2, 0.2, 0.6)},
     ),
     "Rolling": (
         lambda a, b: m.Rolling(a, b, EGG, plane=((0, 0, -0.1), Z)),

@@ -22,6 +22,12 @@ def build(length=1.0):
     return m.System([bob], [m.Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")])
 
 
+def played(**given):
+    """A ride that is over at once."""
+    sled = m.Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+    m.System([sled], forces=[m.Force(sled, (m.Input("push"), 0, 19.62))]).play(**given).stop()
+
+
 def last(solution):
     """Of a sweep."""
     return {"x": solution.t[-1]}
@@ -74,6 +80,10 @@ def questions(folder):
         SYSTEM.picture,
         {"state": None, "shown": (), "hidden": ("joints",), "view": (30, 20), "size": (3, 2), "dark": True},
     )
+    yield played, {
+        "inputs": {"push": (-5, 5)}, "state": None, "curves": (), "method": m.RK4(0.01), "rtol": 1e-6, "as_built": 1e-3,
+        "shown": (), "hidden": ("joints",), "follow": "sled", "view": (30, 20), "title": "x", "dark": True, "port": 0,
+    }  # fmt: skip
     yield BAR.local_point, {"point": (0, 0, 0)}
     yield BAR.local_axis, {"axis": (0, 0, 1)}
 

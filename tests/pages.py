@@ -34,6 +34,18 @@ OUTSIDE = """() => {
   }
   return outside;
 }"""
+# Smooth edges and shadows that follow are half of what is drawn in software.
+PLAIN_EDGES = """{
+  const made = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return made.call(this, kind, {...options, antialias: false});
+  };
+}"""
+RESTING_SHADOWS = """() => {
+  let top = __viserMutable.nodeRefFromName["/ready"];
+  while (top.parent) top = top.parent;
+  top.traverse((node) => { if (node.shadow) node.shadow.autoUpdate = false; });
+}"""
 
 
 @contextmanager
@@ -47,11 +59,21 @@ def opened(browser, path, **options):
 
 
 @contextmanager
+def many_pages(browser, blank):
+    """A small window for many pages in turn: what is drawn in software takes its time by the pixel."""
+    blank.write_text("<!doctype html><link rel=icon href=data:,>")
+    with visit(browser, blank, width=480, height=300) as seen:
+        seen.page.add_init_script(PLAIN_EDGES)
+        yield seen
+
+
+@contextmanager
 def shown(seen, path):
-    """Another page in a window that is open already, which saves the start of a browser; as `opened`."""
+    """Another page in such a window, which saves the start of a browser; as `opened`, but shadows stay."""
     seen.errors.clear(), seen.refused.clear(), seen.failed.clear()
     seen.page.goto(f"{path.resolve().as_uri()}?fixedDpr=1")
     seen.wait(READY)
+    seen.run(RESTING_SHADOWS)
     seen.run(SETTLED)
     yield seen
     assert seen.complaints == []

@@ -3,15 +3,15 @@
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from mbsd3d import Input, State, StateFeedback, measures
-from mbsd3d.errors import InputError
+from mbsd3d.errors import InputError, MbsError
 from mbsd3d.extend import Built, Control, Measure, Panel, Play, Seen, number, play_model
 
-from ..linear.tyre_equations import Affine, SpeedBySpeed, equations
+from ..linear.tyre_equations import Affine, equations
 from ..model.mechanism import Bicycle
 from ..model.tyres import TYPICAL
 from ..parameters import Parameters
@@ -20,15 +20,13 @@ from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 
 PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
-FADING = (
-    4.0  # [rad/s] of the front wheel below which the brake lets go: it is set 60 times a second, and must not turn back
-)
+FADING = 1.0  # [m/s] below which the brake lets go: it is set 60 times a second, and must not turn anything back
 ASSIST = 50.0  # [N m s/rad]
 TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
 LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
-SPEEDS = np.linspace(0.0, 15.0, 151)  # [m/s] between which the stable range is sought
 BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
 STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
+SPEED = 3  # place of the control
 Key = tuple[Parameters, float]  # a bicycle and its assist
 PANELS = (
     Panel("lean and steer", "°", ("lean", "steer")),
@@ -99,7 +97,9 @@ class Riding:
                 begun, self.asked = faster(begun, values["speed"], self.held), values["speed"]
         system = self.system(p, values["balance assist"], self.asked)
         self.now, self.wanted = p, (p, values["balance assist"])
-        return Built(system, system.state() if state is None else begun, measures_of(system))
+        lean, steer, *_ = seen = measures_of(system)
+        shown = [lean, steer, ("force", "rear tyre"), ("force", "front tyre"), "energy"]
+        return Built(system, system.state() if state is None else begun, seen, shown)
 
     def system(self, p: Parameters, assist: float, speed: float) -> Bicycle:
         """The bicycle with its rider's torques, straight ahead."""
@@ -108,8 +108,9 @@ class Riding:
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Torques; the brake holds against the rolling wheel."""
-        brake = values["brake"] * float(np.clip(measured[FRONT] / FADING, -1.0, 1.0))
+        """Torques; the brake lets go of a wheel that stands, as ABS does, and of a bicycle that stands."""
+        *_, front, x, y = measured
+        brake = values["brake"] * min(float(np.hypot(x, y)) / FADING, 1.0) * (front > 0.0)
         return {"steer torque": values["steer torque"], "pedal": values["pedal"], "brake": brake}
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
@@ -120,9 +121,8 @@ class Riding:
         torques = values["steer torque"], values["balance assist"] * lean_rate
         now = self.linearised()
         growth, good = (now.growth(speed), now.ranges) if now else ((np.nan, np.nan), ())
-        return Seen(
-            [np.degrees(lean), np.degrees(steer), speed, *growth, *torques], {"speed": speed}, {"speed": good}, over
-        )
+        curves = [np.degrees(lean), np.degrees(steer), speed, *growth, *torques]
+        return Seen(curves, {"speed": speed}, {"speed": good}, over)
 
     def linearised(self) -> "Straight | None":
         """Small motions of the present bicycle; None as long as a thread of its own looks for them."""
@@ -136,23 +136,26 @@ class Riding:
     def linearise(self, key: Key) -> None:
         """Find the small motions of a bicycle with an assist."""
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
-        self.straight = Straight(key, equations(build, key[0]))
+        try:
+            found = equations(build, key[0])
+        except MbsError:  # it cannot run straight at all speeds: no curve, no range
+            found = None
+        affine, fastest = found if isinstance(found, Affine) else None, self.controls[SPEED].high
+        ranges = [(part.low, min(part.high, fastest)) for part in affine.stable()] if affine else []
+        self.straight = Straight(key, affine, ranges)
 
 
-class Straight:
-    """Small motions about straight running at all speeds."""
+class Straight(NamedTuple):
+    """Small motions of a bicycle about straight running, at all speeds."""
 
-    def __init__(self, key: Key, equations: Affine | SpeedBySpeed) -> None:
-        self.key, self.equations = key, equations
-        growth = np.array([np.linalg.eigvals(equations.A(v)).real.max() for v in SPEEDS.tolist()])
-        turns = np.flatnonzero(np.diff(np.signbit(growth)))
-        shares = growth[turns] / (growth[turns] - growth[turns + 1])
-        edges = [SPEEDS[0], *(SPEEDS[turns] + shares * np.diff(SPEEDS)[turns]), SPEEDS[-1]]
-        pairs = [(float(low), float(high)) for low, high in zip(edges, edges[1:], strict=False)]
-        self.ranges = [pair for pair in pairs if np.interp(np.mean(pair), SPEEDS, growth) < 0.0]
+    key: Key
+    equations: Affine | None  # None where the speed enters otherwise
+    ranges: list[tuple[float, float]]  # in which it stays up by itself [m/s]
 
     def growth(self, speed: float) -> list[float]:
         """Fastest [1/s] of the motions that oscillate and of those that do not; NaN where there are none."""
+        if self.equations is None:
+            return [np.nan, np.nan]
         values = np.linalg.eigvals(self.equations.A(speed))
         waves = np.abs(values.imag) > STILL
         return [float(values.real[some].max()) if some.any() else np.nan for some in (waves, ~waves)]
@@ -174,9 +177,8 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     ]
     for control in made:
         if not control.low <= control.value <= control.high:
-            raise InputError(
-                f"play: {control.name} = {control.value:g} is not within {control.low:g} ... {control.high:g}"
-            )
+            span = f"{control.low:g} ... {control.high:g} {control.unit}"
+            raise InputError(f"play: {control.name} = {control.value:g} is not within {span}")
     return made
 
 
@@ -194,9 +196,6 @@ def with_assist(system: Bicycle, gain: float) -> Bicycle:
     seen = [measures.lean_rate(system.part("frame"))]
     feedback = StateFeedback(measures=seen, gains=[-gain], on=system.part("steer", "joints"), name="assist")
     return replace(system, forces=[*system.forces, feedback])
-
-
-FRONT = 4  # place of the rate of the front hub in:
 
 
 def measures_of(system: Bicycle) -> list[Measure]:

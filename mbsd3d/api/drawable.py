@@ -158,8 +158,10 @@ class Drawable:
         ...     play.wait()
         """
         from ..run.playable import plain
+        from ..run.simulation import check_state
         from .playing import play_model
 
+        check_state(state, "play")
         model = plain(self, state or self.state(as_built=as_built), inputs, curves)
         return play_model(
             model, method=method, rtol=rtol, as_built=as_built, shown=shown, hidden=hidden, follow=follow, view=view,

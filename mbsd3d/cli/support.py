@@ -3,7 +3,7 @@
 import signal
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -165,7 +165,7 @@ def watch(view: "Served") -> None:
     """Print the address of what is served, open a browser if possible, and wait for Ctrl-C."""
     if Heartbeat.on is not None:
         Heartbeat.on.end()
-    with view:
+    with view, suppress(KeyboardInterrupt):
         click.echo(f"{view.url}  (Ctrl-C ends it)")
         if view.can_open():
             view.open()

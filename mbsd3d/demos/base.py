@@ -61,7 +61,7 @@ class Outcome:
     rows: tuple[Row, ...]
     drawn: Callable[[], "Figure"]
     solutions: Mapping[str, "Solution"]
-    notes: tuple[str, ...] = ()
+    noted: Callable[[], tuple[str, ...]] = tuple
     views: Mapping[str, Show] = field(default_factory=dict)
     parameters: Mapping[str, object] = field(default_factory=dict)
 
@@ -69,6 +69,11 @@ class Outcome:
     def figure(self) -> "Figure":
         """Drawn when it is first asked for."""
         return self.drawn()
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """Lines to print below."""
+        return self.noted()
 
     @cached_property
     def quantities(self) -> dict[str, Row]:

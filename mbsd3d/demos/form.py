@@ -46,15 +46,18 @@ class Against(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What was computed: quantities by name, runs to be shown (the first one moves on the page), curves."""
+    """What was computed: quantities by name, runs to be shown (the first one moves on the page), curves.
+
+    Curves and notes that take their time are functions, called when somebody wants to see them.
+    """
 
     values: Numbers
     solutions: Sequence[Solution] = ()
-    curves: Sequence[Drawn] = ()
+    curves: Sequence[Drawn] | Callable[[], Sequence[Drawn]] = ()
     views: Mapping[str, Show] = field(
         default_factory=dict
     )  # beside that of the first run, by what they add to its name
-    notes: Sequence[str] = ()
+    notes: Sequence[str] | Callable[[], Sequence[str]] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,20 +177,24 @@ class Demo:
         solutions = dict(zip(stems, found.solutions, strict=False))
         views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
         views |= {f"{stem}_{name}": view for name, view in found.views.items()}
-        notes = (*found.notes, f"without {self.ablation.term}: {self.ablation.then}")
         drawn = partial(self.figure, values, found, without)
-        return Outcome(rows, drawn, solutions, notes, views, values)
+
+        def noted() -> tuple[str, ...]:
+            return (*wanted(found.notes), f"without {self.ablation.term}: {self.ablation.then}")
+
+        return Outcome(rows, drawn, solutions, noted, views, values)
 
     def figure(self, values: Mapping[str, object], found: Measured, without: str | None) -> object:
         """Curves with theory and ablation, and the first quantity over a parameter."""
         try:
-            other = self.computed(*self.without(None if without else self.ablation.term, values)).curves
+            ablated = self.computed(*self.without(None if without else self.ablation.term, values))
+            other = wanted(ablated.curves)
         except ValueError:
             other = ()  # some mechanisms do not run without what they need
         label = "all terms" if without else f"without {self.ablation.term}"
         panels = [
             Panel(curve, other[k] if k < len(other) and not same(curve, other[k]) else None, label)
-            for k, curve in enumerate(found.curves)
+            for k, curve in enumerate(wanted(found.curves))
         ]
         if self.against and not without:
             panels.append(self.panel_against(values, found))
@@ -222,6 +229,11 @@ class Builder(NamedTuple):
     def theory(self) -> Numbers:
         """What theory says of the parameters."""
         return self.demo.expected(self.values)
+
+
+def wanted(given: Sequence | Callable[[], Sequence]) -> Sequence:
+    """What is given, or what it computes."""
+    return given() if callable(given) else given
 
 
 def plain(value: object) -> object:

@@ -16,7 +16,7 @@ def listed(name: str, names: Sequence[str]) -> str:
     near = [lower[found] for found in difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)]
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
     guess = list(dict.fromkeys(near + inside))[:3]
-    there = f"there are {', '.join(names)}" if len(names) <= 60 else "see the list"
+    there = f"there are {', '.join(names)}" if len(names) <= 60 else "see the whole list: mbsd3d demo"
     return f"did you mean {' or '.join(guess)}? ({there})" if guess else there
 
 

@@ -122,13 +122,14 @@ class GearMesh(Coupling):
     Parameters
     ----------
     hinge_a, hinge_b : Revolute, Cylindrical or Screw
-        Hinges of the gears. Axes may be parallel (external or internal mesh), meet (bevel) or cross.
+        Hinges of the gears. Axes may be parallel (external or internal mesh), meet (bevel) or cross (screws, hypoid).
     at : (3,) array_like
-        Pitch point, world at the reference pose [m]; it stays where it is in the carrier.
+        Pitch point, world at the reference pose [m]; it stays where it is in the carrier. In the plane of the axes, or
+        where they cross anywhere: on their common perpendicular for screws, elsewhere for hypoid gears.
     pressure_angle : float
         Normal pressure angle [rad], 0 <= angle < pi/2; default 20 degrees.
     helix_angle : float
-        Helix angle of gear a [rad], > 0 right-handed; of bevel gears the spiral angle.
+        Helix angle of gear a [rad], > 0 right-handed; of bevel and hypoid gears the spiral angle.
     flank : 1 or -1
         The flanks that touch: those that push gear b forwards or backwards. The row holds both ways; where
         `normal_force` is negative the other flanks touch, and the radial force has the wrong sense.

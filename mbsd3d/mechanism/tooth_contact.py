@@ -1,8 +1,9 @@
-"""Geometry of a tooth contact at a pitch point: parallel axes, intersecting axes (bevel), crossed axes.
+"""Geometry of a tooth contact at a pitch point: parallel axes, intersecting axes (bevel), crossed axes, hypoid gears.
 
 Gear i turns about the line (p_i, u_i); d_i leads from it to the pitch point P at right angles, r_i = |d_i|. The pitch
-surfaces touch in P; their common tangent plane is spanned by the pitch velocity t = u x d / r of gear a and by their
-common element g (along the axes, or from the apex of the cones to P); e is its normal, away from the axis of gear a.
+surfaces touch in P; their common tangent plane is spanned by the pitch velocity t = u x d / r of gear a and by its
+element g (along the axis, or from the apex of its cone to P); e is its normal, away from the axis of gear a. Of hypoid
+gears each has a cone of its own: the plane holds the velocities of both, e = t_a x t_b, and g = e x t meets the axis.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ from ..base.errors import InputError
 
 ALIGNED = 1e-6
 """Sine of the angle below which given directions count as one, and part of a length below which it counts as zero."""
+SKEW = 1e-2
+"""Least sine of the angle between the velocities of hypoid gears in the pitch plane, which they must determine."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,34 @@ def pitch_frame(a: Axle, b: Axle, at: np.ndarray, what: str) -> tuple[np.ndarray
         g = at - apex(a, b)  # bevel gears: all in one plane
         g /= np.linalg.norm(g)
     else:
-        raise InputError(
-            f"{what}: at = {at.tolist()} is not a pitch point of these axes: it must lie in their common plane, "
-            "or on their common perpendicular where they cross"
-        )
+        g = np.cross(common_normal(a, b, t, t_b, at, what), t)
     if abs(g @ a.axis) < ALIGNED:
         raise InputError(f"{what}: gear a is a flat crown wheel; give the hinge of the pinion as hinge_a")
     g = g * np.sign(g @ a.axis)
     e = np.cross(t, g)
     return t, e * np.sign(e @ arms[0]), g
+
+
+def common_normal(a: Axle, b: Axle, t_a: np.ndarray, t_b: np.ndarray, at: np.ndarray, what: str) -> np.ndarray:
+    """e = t_a x t_b / |t_a x t_b|: the normal of the pitch plane of hypoid gears.
+
+    ValueError for axes that are parallel or meet, and where the velocities are too nearly parallel to say which plane.
+    """
+    across, normal = np.cross(a.axis, b.axis), np.cross(t_a, t_b)
+    sine = np.linalg.norm(across)
+    apart = abs((b.point - a.point) @ across) / sine if sine > ALIGNED else 0.0
+    if apart < ALIGNED * np.linalg.norm(a.arm(at)):
+        raise InputError(
+            f"{what}: at = {at.tolist()} is not a pitch point of these axes: they "
+            f"{'meet' if sine > ALIGNED else 'are parallel'}, so it must lie in their common plane; only axes that "
+            "cross may have it elsewhere"
+        )
+    if np.linalg.norm(normal) < SKEW:
+        raise InputError(
+            f"{what}: at = {at.tolist()}: both gears move there in nearly one direction, so the pitch plane of these "
+            "hypoid gears is not certain; move it, or let the axes meet"
+        )
+    return normal / np.linalg.norm(normal)
 
 
 def line_of_action(

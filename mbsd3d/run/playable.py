@@ -53,6 +53,7 @@ class Built(NamedTuple):
     system: Mechanism
     state: State
     measures: Sequence[Measure]
+    curves: Sequence[Measure | str | tuple] | None = None  # of the page of a ride, as `Solution.animate` takes them
 
 
 class Seen(NamedTuple):
@@ -102,7 +103,7 @@ class Plain:
         object.__setattr__(self, "panels", tuple(panels))
 
     def built(self, values: Mapping[str, float], state: State | None) -> Built:
-        return Built(self.system, state or self.start, self.measures)
+        return Built(self.system, state or self.start, self.measures, [*self.measures, "energy"])
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
         return values

@@ -321,7 +321,7 @@ def expect_one_line(result, message):
         (("run", "model.py", "--t-end", 1, "--out", "model.py"), "--out 'model.py' is a file; give a folder"),
         (("run", "model.py", "--t-end", 1, "--out", "model.py/x"), "cannot be written: Not a directory"),
         (("demo", "cardan", "--out", "model.py"), "--out 'model.py' is a file; give a folder"),
-        (("demo", "unknown"), "there is no demo 'unknown'; there are "),
+        (("demo", "unknown"), "there is no demo 'unknown'; see the whole list: mbsd3d demo"),
         (("demo", "falling_dog"), "there is no demo 'falling_dog'; did you mean falling_cat?"),
         (("demo", "stewart", "--set", "yaw=3"), "no parameter 'yaw'; did you mean yaw_deg?"),
         (("demo", "stewart", "--set", "yaw_deg"), "'yaw_deg' is not NAME=VALUE; write e.g. --set Omega=30"),

@@ -7,11 +7,14 @@ from types import ModuleType
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from pages import OUTSIDE, covered, differing, many_pages, scene, seek, shown
 
-from mbsd3d import Body, System
+from mbsd3d import Body, System, accelerations
 from mbsd3d.demos.discovery import walk
 from mbsd3d.demos.form import Ablation, Curve, Demo, Measured, Quantity
 from mbsd3d.demos.report import write
+
+PLACES = np.linspace(0.3, 1.0, 3)  # of a motion; of the first a picture is taken, as the end may be the start
 
 
 def demos_of(package: ModuleType) -> pytest.MarkDecorator:
@@ -24,6 +27,12 @@ def demos_of(package: ModuleType) -> pytest.MarkDecorator:
 def outcome(demo: Demo):
     """What a demo gives with its own parameters, computed once."""
     return demo.run()
+
+
+@cache
+def written(demo: Demo, folder):
+    """Its files, written once."""
+    return {path.name: path for path in write(demo, outcome(demo), folder)}
 
 
 def small(name, module="plugin_demos"):
@@ -69,39 +78,74 @@ def test_other_parameters_meet_their_theory(demo, seed):
 
 @pytest.mark.slow
 def test_every_parameter_drives_the_mechanism(demo):
-    """A number that changes neither what is computed nor the motion is none."""
-    changed, here = demo.varied(np.random.default_rng(3)), outcome(demo)
+    """A number that changes neither the mechanism at its start, nor its motion, nor what is computed is none."""
+    changed, here = demo.varied(np.random.default_rng(3)), at_start(demo, demo.parameters)
     for name, value in changed.items():
         if value == demo.parameters[name]:
             value = value + 1 if isinstance(value, int | float) else None  # a count, a zero; words have their own tests
-        try:
-            there = demo.run(**{name: value})
-        except ValueError:
-            continue  # the assumptions of the formula end: that is said, and the parameter is in use
-        moved = any(row.computed != there.quantities[row.name].computed for row in here.rows)
-        assert moved or differs(here, there), name
+        assert at_start(demo, {**demo.parameters, name: value}) != here or runs_otherwise(demo, {name: value}), name
 
 
-def differs(here, there):
-    """Whether two outcomes have other motions or systems."""
+def at_start(demo, values):
+    """Masses, state and accelerations at the start, or None where there are none."""
+    try:
+        system = demo.call(demo.mechanism, values)
+        now = accelerations(system)
+    except (ValueError, TypeError):
+        return None  # said by `run` in words
+    moving = [np.concatenate([now.acceleration(body)[0], now.alpha(body)[0]]).tolist() for body in system.bodies]
+    return masses(system), now.arrays["state"].tolist(), moving
+
+
+def runs_otherwise(demo, changes):
+    """Whether numbers or motions differ from those of the demo's own parameters."""
+    try:
+        there = demo.run(**changes)
+    except ValueError:
+        return True  # the assumptions of the formula end: that is said, and the parameter is in use
+    here = outcome(demo)
     runs = zip(here.solutions.values(), there.solutions.values(), strict=True)
-    return any(
-        a.t.shape != b.t.shape or not np.array_equal(a.arrays["state"], b.arrays["state"]) or masses(a) != masses(b)
-        for a, b in runs
+    return any(row.computed != there.quantities[row.name].computed for row in here.rows) or any(
+        a.t.shape != b.t.shape or not np.array_equal(a.arrays["state"], b.arrays["state"]) for a, b in runs
     )
 
 
-def masses(run):
-    return [(body.mass, *body.inertia.ravel(), *body.com) for body in run.system.bodies]
+def masses(system):
+    return [[body.mass, *body.inertia.ravel(), *body.com] for body in system.bodies]
 
 
 @pytest.mark.slow
-def test_figure_and_files(demo, tmp_path):
+def test_figure_and_files(demo, folder):
     found = outcome(demo)
     assert isinstance(found.figure, Figure) and found.figure.axes
     for axes in found.figure.axes:
         labels = [text for text in (axes.get_xlabel(), axes.get_ylabel()) if text]  # rows of a table name themselves
         assert labels and all("[" in label and label.endswith("]") for label in labels), labels
-    written = {path.name: path.stat().st_size for path in write(demo, found, tmp_path)}
-    assert written[f"{demo.name}.png"] > 10_000 and written[f"{demo.name}.svg"] > 5_000
-    assert all(written[f"{view}.html"] > 100_000 for view in found.views)
+    sizes = {name: path.stat().st_size for name, path in written(demo, folder).items()}
+    assert sizes[f"{demo.name}.png"] > 10_000 and sizes[f"{demo.name}.svg"] > 5_000
+    assert all(sizes[f"{view}.html"] > 100_000 for view in found.views)
+
+
+@pytest.fixture(scope="module")
+def window(chromium, folder):
+    """One for the pages of all demos of a family."""
+    with many_pages(chromium, folder / "blank.html") as seen:
+        yield seen
+
+
+@pytest.mark.slow
+def test_it_is_seen_moving(demo, window, folder):
+    """Its pages are drawn, move, keep within the picture, and complain of nothing."""
+    for view, (run, _) in outcome(demo).views.items():
+        ground = f"/bodies/{len(run.system.bodies)}"
+        with shown(window, written(demo, folder)[f"{view}.html"]) as seen:
+            times = seen.run("mbsd3d.data.times")
+            first, moves = scene(seen), "nothing moves" in demo.alone
+            assert covered(first)[0] > 0.03
+            for share in PLACES:
+                seek(seen, times["first"] + share * times["step"] * (times["count"] - 1))
+                outside = [name for name in seen.run(OUTSIDE) if name.count("/") > 2]
+                # where the camera goes along, ground and paths run out of the picture
+                assert [name for name in outside if not name.startswith(("/traces", f"{ground}/"))] == []
+                moves = moves or differing(first, scene(seen)) > 0.001 * first[..., 0].size
+            assert moves

@@ -159,7 +159,8 @@ def small_outcome():
     """An outcome with one row that fails."""
     figure = Figure(layout="constrained")
     figure.subplots().plot([0, 1], [0, 1])
-    return Outcome((Row("length", 1.0, 1.0, 1e-9, "m"), Row("ratio", 2.0, 1.0, 1e-9)), lambda: figure, {}, ("a note",))
+    rows = Row("length", 1.0, 1.0, 1e-9, "m"), Row("ratio", 2.0, 1.0, 1e-9)
+    return Outcome(rows, lambda: figure, {}, lambda: ("a note",))
 
 
 def test_the_table_shows_units_errors_and_failures():

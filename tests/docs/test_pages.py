@@ -4,6 +4,7 @@ import inspect
 import json
 import re
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 from runpy import run_path
@@ -63,6 +64,14 @@ def test_blocks_that_are_not_run_say_so():
         assert name in {*PEERS, *NEVER_RUN} or not blocks(page, "py"), name
         for before in re.split(r"^```py\n", text, flags=re.MULTILINE)[:-1]:
             assert re.search(r"\*(Not run|Run once|As above)[^`]*$", before[-400:]), name
+
+
+def test_sizes_of_the_installation_are_those_of_the_packages():
+    found = json.loads((DOCS / "packages.json").read_text(encoding="utf-8"))
+    said = re.findall(r"pip install .*: (\d+) MB$", PAGES["start/install.md"].read_text(encoding="utf-8"), re.MULTILINE)
+    assert list(map(int, said)) == list(found["MB"].values())
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert found["dependencies"] == project["dependencies"], "measure again: .ci/packages"
 
 
 def test_slow_pages_exist():

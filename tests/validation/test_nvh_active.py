@@ -147,7 +147,8 @@ def test_inclined_mounts_and_undamped_ones_are_refused():
 
 
 @pytest.mark.slow
-def test_the_command_shows_an_active_mount():
-    found = CliRunner().invoke(nvh, ["inline_4", "--active"])
+def test_the_command_shows_an_active_mount(tmp_path):
+    found = CliRunner().invoke(nvh, ["inline_4", "--active", "--page", str(tmp_path)])
     assert found.exit_code == 0, found.output
     assert "feed-forward" in found.output and "stable up to" in found.output
+    assert (tmp_path / "inline_4-compact.html").read_text(encoding="utf-8").count("<svg") == 8

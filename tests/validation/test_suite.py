@@ -119,7 +119,8 @@ def test_bicycles_follow_lagrange_and_a_heavier_one_does_not():
 def test_a_free_wheel_agrees_and_one_of_other_grip_does_not(monkeypatch):
     found, made = examine(tyres.trials(quick=True)[0])
     assert found.verdict == AGREES and len(found.of(THEORY)) == 3
-    monkeypatch.setattr(tyres, "WHEEL", replace(tyres.WHEEL, mu=1.001 * tyres.WHEEL.mu))
+    other = replace(tyres.RUBBER, mu=1.001 * tyres.RUBBER.mu)
+    monkeypatch.setattr(tyres, "WHEEL", replace(tyres.WHEEL, tyre=other))
     assert {finding.verdict for finding in tyres.written_out(made)} == {DIFFERS}
 
 

@@ -8,7 +8,7 @@ from mbsd3d.errors import InputError
 from validation.benchmark import speed as benchmark
 from validation.benchmark.precision import Climb, Point, Row, save
 from validation.benchmark.problems import PROBLEMS
-from validation.benchmark.texts import FEW, MEASURED, ROOT, TEXTS, measured, renewed, speed, times
+from validation.benchmark.texts import FEW, MEASURED, ROOT, TEXTS, kernels, measured, renewed, speed, times
 
 DATA = json.loads((ROOT / MEASURED).read_text(encoding="utf-8"))
 
@@ -22,6 +22,13 @@ def test_a_new_time_changes_both_texts():
     changed = {**DATA, "ms": {**DATA["ms"], "RSSR": ["1.61", "72", ">370"]}}
     assert all("| RSSR | 1.61 | 72 | > 370 |" in text for text in renewed(ROOT, changed).values())
     assert all(text != path.read_text(encoding="utf-8") for path, text in renewed(ROOT, changed).items())
+
+
+def test_older_times_say_so():
+    for of_now in (True, False):
+        data = {**DATA, "kernels": kernels() if of_now else "of before"}
+        texts = renewed(ROOT, data).values()
+        assert all(("The kernels have changed since." in " ".join(text.split())) != of_now for text in texts)
 
 
 def test_problems_exist():

@@ -18,7 +18,7 @@ from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import DARK, LIGHT, paler
 from mbsd3d.mechanism.shapes import Box, Sphere
 from mbsd3d.plotting.plots import save_figure
-from mbsd3d.view.picture.painter import Painter, new_sheet
+from mbsd3d.view.picture.painter import Mosaic, Painter, new_sheet
 from mbsd3d.view.picture.shading import Solids, outlines, pointers_of, split_strokes, split_triangles
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import Camera, frame_camera, lens_of, round_down, turned, window
@@ -241,7 +241,8 @@ def test_several_moments_in_one_picture(solution):
 
 def polygons(figure: Figure) -> int:
     """Painted triangles and strokes."""
-    return max(len(c.get_paths()) for c in figure.axes[0].collections if isinstance(c, PolyCollection))
+    plain = [len(c.get_paths()) for c in figure.axes[0].collections if isinstance(c, PolyCollection)]
+    return max(plain + [len(c.triangles) for c in figure.axes[0].get_children() if isinstance(c, Mosaic)])
 
 
 @pytest.mark.slow

@@ -1,9 +1,11 @@
 """``python -m validation.benchmark.texts [FOLDER]`` renews the times in README.md and docs/performance.md.
 
 All figures stand in docs/measured.json, with date, machine and the kernels they belong to; the texts hold tables made
-of it between two marks. With the folder of a new measurement, docs/measured.json is renewed first.
+of it between two marks, and say so if the kernels have changed since. With the folder of a new measurement,
+docs/measured.json is renewed first.
 """
 
+import hashlib
 import json
 import re
 import sys
@@ -13,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import CACHE, write_atomically
+from mbsd3d.extend import compiled_sources, write_atomically
 from validation.benchmark.candidates import ENGINES
 from validation.benchmark.cli import DATA, SPEED
 from validation.benchmark.precision import load
@@ -57,13 +59,19 @@ def measured(folder: Path) -> dict[str, Any]:
     found |= {"long": growing["chain"], "growth": {name: exponent(costs) for name, costs in growing.items()}}
     ms = {row.name: [milliseconds(row.reached(engine, MIDDLE)) for engine in ENGINES] for row in rows}
     machine = json.loads((folder / DATA).read_text(encoding="utf-8"))["machine"].split("; load")[0]
-    when = {"date": date.today().isoformat(), "machine": machine, "kernels": CACHE.name, "note": ""}
+    when = {"date": date.today().isoformat(), "machine": machine, "kernels": kernels(), "note": ""}
     return {**when, "ms": ms, "speed": found}
 
 
+def kernels() -> str:
+    """Digest of the code that is timed."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in compiled_sources())).hexdigest()[:16]
+
+
 def where(data: dict[str, Any]) -> list[str]:
-    """When and on what."""
-    return textwrap.wrap(f"Measured {data['date']} on {data['machine']}.", 120)
+    """When and on what, and whether the code is older than that."""
+    since = "" if data["kernels"] == kernels() else " The kernels have changed since."
+    return textwrap.wrap(f"Measured {data['date']} on {data['machine']}.{since}", 120)
 
 
 def note(data: dict[str, Any]) -> list[str]:

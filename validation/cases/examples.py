@@ -190,8 +190,8 @@ EXAMPLES: dict[type, Factory] = {
 NOT_ON_GROUND = (mbsd3d.RollingDisc, mbsd3d.Rolling, mbsd3d.PositionDriver)  # Joints whose body b must be a moving body
 
 
-TREE = [cls for cls in JOINTS if cls in GEOMETRY or cls in VELOCITY]
-"""Joints between two bodies that a second formulation can judge."""
+TREE = [cls for cls in JOINTS if (cls in GEOMETRY or cls in VELOCITY) and cls is not mbsd3d.CurveContact]
+"""Joints between two bodies that a second formulation can judge; contacts on curves have trials of their own."""
 CLOSING = (mbsd3d.Distance, mbsd3d.PointOnPlane, mbsd3d.Perpendicular, mbsd3d.PointOnLine, mbsd3d.Spherical)
 HINGES = (mbsd3d.Revolute, mbsd3d.Cylindrical, mbsd3d.Screw)
 

@@ -126,8 +126,8 @@ def in_car(
     if active:
         from validation.nvh.active.report import ActiveMount
 
-        of_mount = ActiveMount(study).rows
-        show("active mount", of_mount)
+        of_mount = ActiveMount(study)
+        show("active mount", of_mount.rows)
     if study.cabin is not None:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])

@@ -6,7 +6,6 @@ import numpy as np
 
 from bicycle.output import new_figure
 from mbsd3d.extend import LINE, THIN, dress
-from validation.engine_balance import gas, phasor
 from validation.engine_balance.pages.portrait import upright
 from validation.nvh.held.response import Map
 from validation.nvh.study import Study, Sweep
@@ -148,9 +147,7 @@ def seat_lines(study: Study) -> "Figure":
 def working_cycle(study: Study) -> "Figure":
     """Pressure over volume and over the crank angle; torque of gas and inertia over the crank angle."""
     angle, cycle = np.linspace(0.0, 4 * np.pi, 1441), study.source.cycle
-    engine = study.preset.engine(study.rpm)
-    inertia = phasor.block_load(engine, 24, dyno=True).torque
-    turning = -np.real(np.exp(1j * np.outer(angle, np.arange(inertia.size))) @ inertia)
+    gases, turning = study.source.over_the_cycle(study.rpm, angle)
     with new_figure(7.5, 5.0 if cycle else 2.6) as (made, look):
         axes = made.subplot_mosaic([["volume", "pressure"], ["torque", "torque"]] if cycle else [["torque"]])
         for part in axes.values():
@@ -161,7 +158,6 @@ def working_cycle(study: Study) -> "Figure":
             axes["volume"].set(xlabel="volume of a cylinder [l]", ylabel="pressure [bar]")
             axes["pressure"].plot(np.degrees(psi), p / 1e5, color=look.colour(0), linewidth=LINE)
             axes["pressure"].set(xlabel="crank angle from firing [degrees]", xticks=range(-180, 541, 180))
-            gases = gas.torque(engine, cycle.force, angle)
             axes["torque"].plot(np.degrees(angle), gases, color=look.colour(1), linewidth=LINE, label="gas")
             axes["torque"].plot(np.degrees(angle), gases + turning, color=look.ink, linewidth=LINE, label="both")
         axes["torque"].plot(np.degrees(angle), turning, color=look.colour(0), linewidth=LINE, label="inertia")

@@ -9,6 +9,8 @@ from markupsafe import Markup
 from mbsd3d.extend import digits, inline_svg, page_template, write_atomically
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh import figures, tables
+from validation.nvh.active.report import ActiveMount
+from validation.nvh.active.report import figure as active_figure
 from validation.nvh.study import AGREES, Study, Sweep
 
 PERIOD = 4.0  # s that a cycle takes to watch
@@ -18,11 +20,11 @@ ROWS = 13  # of the table of a sweep
 def write_page(
     study: Study,
     folder: str | Path,
-    active: tables.Rows | None = None,
+    active: ActiveMount | None = None,
     swept: Sweep | None = None,
     sound: str | Path | None = None,
 ) -> Path:
-    """Write ``ENGINE-CAR.html`` and its view into a folder that exists: with a table of an active mount, full motions
+    """Write ``ENGINE-CAR.html`` and its view into a folder that exists: with an active mount, full motions
     over the speed and a sound if given; where the page is.
     """
     folder, name = Path(folder), f"{study.preset.name}-{study.car.name}"
@@ -42,6 +44,8 @@ def write_page(
     }  # fmt: skip
     if study.source.fitted:
         shown_tables |= {"faults": tables.faults(study), "heights": tables.heights(study)}
+    if active is not None:
+        drawn["active"] = active_figure(active)
     if swept is not None:
         shown_tables["sweep"] = tables.sweep(swept, ROWS)
     if study.cabin is not None:

@@ -1,6 +1,7 @@
 """Tables of a study as rows of text, header first, for the command line and for the page."""
 
 import numpy as np
+from scipy.integrate import cumulative_simpson
 
 from validation.engine_balance.pages.portrait import upright
 from validation.nvh.cabin.seat import rms
@@ -209,10 +210,9 @@ def seat_rail(study: Study) -> str:
 
 def ripple(study: Study) -> str:
     """Range of the torque that gas and inertia give to an even crank, and how unevenly a free one would turn."""
-    load, angle = study.source.at(study.rpm), np.linspace(0.0, 4 * np.pi, 2881)
-    waves = np.exp(1j * np.outer(angle, load.orders))
-    torque = -np.real(waves @ load.torque)
-    energy = np.real(waves[:, 1:] @ (1j * load.torque[1:] / load.orders[1:]))  # integral over the angle, turned round
+    angle = np.linspace(0.0, 4 * np.pi, 2881)
+    torque = sum(study.source.over_the_cycle(study.rpm, angle))
+    energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
     uneven = np.ptp(energy) / (study.body.rotor * study.preset.engine(study.rpm).rate ** 2)
     return f"{torque.min():.0f} to {torque.max():.0f} N m; alone it would turn unevenly by {100 * uneven:.2g} %"
 

@@ -1,3 +1,3 @@
 """What forgotten terms break."""
 
-PLACE = 8
+PLACE = 11

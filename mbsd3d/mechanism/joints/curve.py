@@ -54,11 +54,10 @@ class Curve:
 
     def check_corners(self, along: np.ndarray) -> None:
         """ValueError for a curve that turns sharply; ``along``: directions of its chords."""
-        before = along if not self.closed else np.roll(along, 1, axis=0)
-        pairs = zip(before, along, strict=True) if self.closed else zip(along, along[1:], strict=False)
-        turns = np.array([np.arctan2(np.linalg.norm(np.cross(x, y)), x @ y) for x, y in pairs])
+        before, after = (np.roll(along, 1, axis=0), along) if self.closed else (along[:-1], along[1:])
+        turns = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
         if turns.max() > SHARPEST:
-            k = int(turns.argmax()) + (0 if self.closed else 1)
+            k = int(turns.argmax()) + (not self.closed)
             raise InputError(
                 f"{self.what}: a corner or a cusp at point {k}, a turn of {np.degrees(turns.max()):.0f} degrees; "
                 "round it, give more points, or, for the outline of a cam, a larger base circle or a smaller roller"

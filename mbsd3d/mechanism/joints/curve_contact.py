@@ -34,7 +34,7 @@ class CurveContact(Joint):
     - ``face=``, 1 row, ``n . (p - x(s)) = 0`` with n the normal of a plane of b: a flat follower.
 
     s is that of the nearest, for a face of the highest point of the curve, found by Newton's method from where it was:
-    `Solution.slide` has it, from 0 at the reference pose, and drivers and springs may act on it, but for a face.
+    `Solution.slide` has it, from 0 at the reference pose, and drivers, springs and friction may act on it.
 
     The rows hold both ways. A groove does so too; a roller or a face is only pushed, and where `normal_force` is
     negative a real one would leave the curve: the certificate says so.
@@ -204,7 +204,7 @@ class CurveContact(Joint):
         values = [(self.radius or 0.0, 1.0 + k) for k in range(len(self.across))]
         return [Primitive(kinds.ON_CURVE, both, points, values=v, coordinates=(self.way,)) for v in values]
 
-    def normal(self, solution: LoadedMotion) -> np.ndarray:
+    def contact_normal(self, solution: LoadedMotion) -> np.ndarray:
         """(samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
 
         Its angle with the way that b can go is the pressure angle.
@@ -218,8 +218,8 @@ class CurveContact(Joint):
         return np.einsum("tk,tki->ti", n / np.linalg.norm(n, axis=1, keepdims=True), axes)
 
     def normal_force(self, solution: LoadedMotion) -> np.ndarray:
-        """(samples,) force of a on b along `normal` [N]; negative where the row pulls."""
-        return np.einsum("ti,ti->t", solution.reaction(self).force, self.normal(solution))
+        """(samples,) force of a on b along `contact_normal` [N]; negative where the row pulls."""
+        return np.einsum("ti,ti->t", solution.reaction(self).force, self.contact_normal(solution))
 
     def lifts_off(self, solution: LoadedMotion) -> float | None:
         """Time from which a roller or a face would have to be pulled [s], between two samples; None: never."""

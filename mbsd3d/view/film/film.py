@@ -34,13 +34,15 @@ def export_gif(motion: Poses, path: str | Path, *, fps: float, **options: object
     path = ready_path(path, ".gif")
     film = FilmFrames(motion, fps=fps, usual=GIF_USUAL, **options)
     probes = np.unique(np.linspace(0, len(film) - 1, PROBES).astype(int))
-    sample = Image.fromarray(np.concatenate([film.frame(k) for k in probes]))
+    painted = {k: film.frame(k) for k in probes.tolist()}
+    sample = Image.fromarray(np.concatenate(list(painted.values())))
     palette = sample.quantize(TONES, method=Image.Quantize.MEDIANCUT).getpalette()
     tones = with_paper(np.reshape(palette[: 3 * TONES], (-1, 3)).astype(np.uint8), film.sheet.paper)
     ends = np.rint(np.arange(len(film) + 1) * 100.0 / film.fps).astype(int)  # GIF counts in 1/100 s
     with Progress(f"making {path.name}", 0, len(film)) as bar:
         images = []
-        for k, frame in enumerate(film):
+        for k in range(len(film)):
+            frame = painted[k] if k in painted else film.frame(k)
             images.append(Image.fromarray(nearest_tones(frame, tones)))
             images[-1].putpalette(tones.ravel().tolist())
             bar.update(k + 1)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ...base.checks import number
+from ...base.checks import shown as shown_text
 from ...base.errors import InputError
 from ...base.paths import ready_path
 from ...base.progress import Progress
@@ -114,11 +115,11 @@ def check_options(path: str | Path | None, title: str | None, dark: bool | None,
     if path is not None:
         ready_path(path, ".html")
     if not (title is None or isinstance(title, str)):
-        raise InputError(f"title = {title!r}; give a text, or None")
+        raise InputError(f"title = {shown_text(title)}; give a text, or None")
     if dark is not None and not isinstance(dark, bool | np.bool_):
-        raise InputError(f"dark = {dark!r}; give True, False, or None for what the reader's system prefers")
+        raise InputError(f"dark = {shown_text(dark)}; give True, False, or None for what the reader's system prefers")
     if not isinstance(live, bool | np.bool_):
-        raise InputError(f"live = {live!r}; give True for a server on this machine, or False")
+        raise InputError(f"live = {shown_text(live)}; give True for a server on this machine, or False")
 
 
 def deliver(content: Content, path: str | Path | None, dark: bool | None, live: bool, user: str) -> View | LiveView:

@@ -6,10 +6,13 @@ Everything is split into small triangles and strokes, which are painted from far
 from collections.abc import Collection, Sequence
 
 import numpy as np
+from matplotlib.artist import Artist, allow_rasterization
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.transforms import IdentityTransform
 
 from ...base.rotations import matrix
 from ...base.style import LIGHT, Theme, channels
@@ -22,7 +25,7 @@ POINT = 72.0  # points per inch
 FINE = 0.045  # longest triangle or stroke, of the size of what is seen
 PEN, LINK, AXIS, PATH = 0.7, 1.6, 1.0, 1.3  # line widths [points]
 SIZE, GAP = 9.0, 7.0  # of the letters of names, and from a name to its point [points]
-MANY = 3000  # more triangles and strokes than this go into a vector file as an image
+MANY = 3000  # more triangles and strokes than this are painted as an image, also in a vector file
 
 
 def tone(colour: str) -> np.ndarray:
@@ -34,6 +37,32 @@ def shadow_on(sheet: Theme) -> np.ndarray:
     """The colour of shadows on a paper."""
     paper = tone(sheet.paper)
     return paper * (0.93 if paper.mean() > 0.5 else 0.6)
+
+
+class Mosaic(Artist):
+    """Many plain triangles and bars (k, 4, 2), one after the other; an image, four times as fast as paths.
+
+    Agg widens each by half a pixel, so no seam shows.
+    """
+
+    zorder = 3
+
+    def __init__(self, polygons: np.ndarray, fill: np.ndarray, bars: np.ndarray) -> None:
+        super().__init__()
+        halves = np.stack([polygons[:, :3], polygons[:, [0, 2, 3]]], axis=1)
+        kept = np.stack([np.ones_like(bars), bars], axis=1)  # the second half of a triangle is empty
+        self.triangles = halves[kept]
+        self.colours = np.ones((len(self.triangles), 3, 4))
+        self.colours[..., :3] = np.repeat(fill, 1 + bars, axis=0)[:, None]
+        self.set_rasterized(True)
+
+    @allow_rasterization
+    def draw(self, renderer: RendererBase) -> None:
+        """By one call for all."""
+        gc = renderer.new_gc()
+        corners = self.axes.transData.transform(self.triangles.reshape(-1, 2)).reshape(-1, 3, 2)
+        renderer.draw_gouraud_triangles(gc, corners, self.colours, IdentityTransform())
+        gc.restore()
 
 
 class Painter:
@@ -132,11 +161,14 @@ class Painter:
         """From far to near."""
         depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
         order = np.argsort(-depth, kind="stable")
+        pen = items.width[order] > 0.0
         polygons = outlines(self.on_paper(items.corners[order]), items.width[order])
         fill = items.fill[order]
+        if len(order) > MANY:
+            axes.add_artist(Mosaic(polygons, fill, pen))
+            return
         drawn = PolyCollection(polygons, facecolors=fill, edgecolors=fill, linewidths=SEAM, joinstyle="round", zorder=3)
-        drawn.set_antialiased(items.width[order] > 0.0)  # the paper must not shine through between triangles
-        drawn.set_rasterized(len(order) > MANY)
+        drawn.set_antialiased(pen)  # the paper must not shine through between triangles
         axes.add_collection(drawn, autolim=False)
 
     def paint_ground(self, axes: Axes, shadows: np.ndarray) -> None:

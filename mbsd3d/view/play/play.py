@@ -13,12 +13,13 @@ from ...base.checks import shown as shown_text
 from ...base.errors import InputError, MbsError
 from ...mechanism.bodies import Body
 from ...mechanism.mechanism import Mechanism
+from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 from ...run.playing import PERIOD, Frame, Playing
 from ..page.served import Served
 from ..page.show import animate, check_options, page_layers
-from ..scene.drawing import Layers, title_of
+from ..scene.drawing import USUAL, Layers, title_of
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
 
@@ -183,7 +184,7 @@ class Play(Served):
     def _save(self) -> None:
         """Make a page of the ride, which the browser then asks for."""
         try:
-            page = ride_so_far(self.solution(), self._look)
+            page = ride_so_far(self.solution(), self._playing.built.curves, self._look)
         except MbsError as error:
             self._playing.note = f"the ride was not saved: {error}"
         else:
@@ -194,12 +195,13 @@ class Play(Served):
             self._saving = False
 
 
-def ride_so_far(solution: Poses, look: Look) -> str:
+def ride_so_far(solution: Poses, curves: Wanted | None, look: Look) -> str:
     """A page of its own, that needs no server."""
     follow = solution.system.bodies[look.followed] if look.followed >= 0 else None
+    hidden = [layer for layer in (*USUAL, "body names") if layer not in look.layers]
     view = animate(
-        solution, None, curves=None, traces=None, shown=(), hidden=(), frames=None, speed=None, title=look.title,
-        dark=look.dark, live=False, follow=follow,
+        solution, None, curves=curves, traces=None, shown=look.layers, hidden=hidden, frames=None, speed=None,
+        title=look.title, dark=look.dark, live=False, follow=follow,
     )  # fmt: skip
     return view.html
 

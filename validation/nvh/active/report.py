@@ -2,19 +2,26 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bicycle.output import new_figure
 from mbsd3d import Body, Mode, System, linearize
 from mbsd3d.errors import InputError
+from mbsd3d.extend import LINE, dress
 from validation.nvh.active.cancel import Cancel
 from validation.nvh.active.skyhook import Skyhook, limit, on_mounts
 from validation.nvh.held.mounts import bushings
 from validation.nvh.held.rigid_modes import mass_matrix
 from validation.nvh.study import Study
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 RATE = 2000.0  # samples a second
 SHARE, LASTS = 0.2, 1.0  # step over its limit; s of the run
+SHOWN = 120  # samples of a figure at either end
 HOOK = 0.1  # gain of the skyhook over its limit
 
 
@@ -46,10 +53,14 @@ class ActiveMount:
         return self.cancel.run(self.steps[0], int(LASTS * RATE))
 
     @cached_property
+    def known(self) -> np.ndarray:
+        """(samples,) the same by the poles [N]."""
+        return self.cancel.predicted(self.steps[0], self.force.size)
+
+    @property
     def difference(self) -> float:
         """Of general model and poles, over the force at the start."""
-        known = self.cancel.predicted(self.steps[0], self.force.size)
-        return float(np.abs(self.force - known).max() / abs(self.cancel.force))
+        return float(np.abs(self.force - self.known).max() / abs(self.cancel.force))
 
     @cached_property
     def hook(self) -> tuple[float, float, float]:
@@ -79,6 +90,23 @@ class ActiveMount:
             ["poles and general model", f"differ by {self.difference:.2%}"],
             ["skyhook", f"stable up to {gain:.4g} N s/m; {HOOK:.0%} of it damps by {after:.3f}, not {before:.3f}"],
         ]
+
+
+def figure(found: ActiveMount) -> "Figure":
+    """Force at the car from the start of the controller on: general model, sample by sample, and its linear loop."""
+    ends = (slice(0, SHOWN), slice(found.force.size - SHOWN, None))
+    t = 1e3 * np.arange(found.force.size) / RATE
+    with new_figure(7.5, 2.8) as (made, look):
+        for axes, part, title in zip(made.subplots(1, 2), ends, ("first", "last"), strict=True):
+            dress(axes, look)
+            axes.plot(t[part], found.known[part], color=look.colour(0), linewidth=LINE, label="linear loop")
+            axes.plot(t[part], found.force[part], ".", color=look.ink, markersize=3, label="general model")
+            axes.set(xlabel="time [ms]", ylabel="force at the car [N]" if title == "first" else "")
+            axes.set_title(f"{title} {1e3 * SHOWN / RATE:g} ms", loc="left")
+            axes.ticklabel_format(axis="y", style="plain", useOffset=False)
+        made.legend(*axes.get_legend_handles_labels(), frameon=False, labelcolor=look.ink, ncols=2,
+                    loc="outside lower right")  # fmt: skip
+    return made
 
 
 def lifting(system: System, body: Body, at: tuple[float, float, float]) -> Mode:

@@ -93,6 +93,14 @@ class Source:
             self.inertia.orders, self.inertia.force * share, moment, self.inertia.torque * share - self.gas_torque
         )
 
+    def over_the_cycle(self, rpm: float, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(torque of the gas, of the inertia) on a crank that turns evenly, at its angles [rad], all orders [N m]."""
+        engine = self.preset.engine(rpm)
+        waves = phasor.block_load(engine, 3 * ORDERS, dyno=True).torque
+        inertia = -np.real(np.exp(1j * np.outer(angle, np.arange(waves.size))) @ waves)
+        none = self.cycle is None
+        return np.zeros_like(angle) if none else engine_gas.torque(engine, self.cycle.force, angle), inertia
+
     @property
     def mean_torque(self) -> float:
         """Indicated, at the crank [N m]."""

@@ -163,6 +163,34 @@ def mesh(k: Motion, j: Any) -> list[Series]:
     return [dot(k.axis(carrier, j.direction()), k.slip(j.a, j.b, k.point(carrier, j.at)))]
 
 
+def along(curve: Callable, s: Series, order: int = 0) -> Series:
+    """A piecewise polynomial or its derivative at s."""
+    value, rate, bend = (curve(s.x0[..., 0], order + n) for n in range(3))
+    return Series(value, rate * s.x1, rate * s.x2 + 0.5 * bend * s.x1**2)
+
+
+def seen_from(k: Motion, body: Any, x: Series) -> Series:
+    """A vector in axes of a body, as it points where the body is at the reference pose."""
+    return sum((dot(k.axis(body, e), x) * e for e in np.eye(3)), series(np.zeros(3)))
+
+
+def beside_curve(k: Motion, j: Any) -> list[Series]:
+    """Off the nearest point of a curve along its normals, or under a face: s by Newton's method on series."""
+    p = seen_from(k, j.a, k.point(j.b, j.at) - k.origin(j.a)) + j.a.position
+    e, weight = (p, 1.0) if j.face is None else (seen_from(k, j.a, k.axis(j.b, j.face)), 0.0)
+    known = p.x0.reshape(-1, 3)[0] if weight else e.x0.reshape(-1, 3)[0]
+    start = j.line.nearest(known) if weight else j.line.highest(known)
+    s = series(np.full((*p.x1.shape[:-1], 1), start))
+    tangent, bend = j.line.x(start, 1), j.line.x(start, 2)
+    slope = bend @ (known - weight * j.line.x(start)) - weight * tangent @ tangent
+    for _ in range(2):  # one order a step
+        s = s - dot(along(j.line.x, s, 1), e - along(j.line.x, s) * weight) * (1.0 / slope)
+    off = p - along(j.line.x, s)
+    if weight == 0.0:
+        return [dot(e, off)]
+    return [dot(along(n, s), off) - (j.radius or 0.0) for n in j.across]
+
+
 GEOMETRY: dict[type, Callable] = {
     mbsd3d.Spherical: lambda k, j: [k.gap(j)],
     mbsd3d.Revolute: lambda k, j: [k.gap(j), k.parallel(j, j.axis, j.axis_b)],
@@ -177,6 +205,7 @@ GEOMETRY: dict[type, Callable] = {
     mbsd3d.Parallel: lambda k, j: [k.parallel(j, j.axis, j.axis_b)],
     mbsd3d.Perpendicular: lambda k, j: [dot(k.axis(j.a, j.axis_a), k.axis(j.b, j.axis_b))],
     mbsd3d.ConstantVelocity: lambda k, j: [k.gap(j), constant_velocity(k, j)],
+    mbsd3d.CurveContact: beside_curve,
     mbsd3d.Screw: lambda k, j: [
         *GEOMETRY[mbsd3d.Cylindrical](k, j),
         k.slide(j) - k.turn(j, j.axis) * (j.pitch / (2 * np.pi)),

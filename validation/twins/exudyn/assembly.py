@@ -43,6 +43,11 @@ class Assembly:
         self.zero_node = self.mbs.AddNode(self.items.NodePointGround())
         self.zero = self.mbs.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=self.zero_node, coordinate=0))
 
+    @property
+    def width(self) -> int:
+        """Coordinates of the bodies; behind them are those whose velocities are own states of forces."""
+        return len(self.system.bodies) * (3 + ROTATIONS[self.rotation])
+
     def add_body(self, k: int, body: Any) -> int:
         """A rigid body with its weight."""
         q, v = self.state.q.reshape(-1, 7)[k], self.state.v.reshape(-1, 6)[k]
@@ -120,7 +125,7 @@ class Assembly:
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """(n, bodies, 3) positions of O and (n, bodies, 4) Exudyn's rotations from coordinates (n, all)."""
-        x = q.reshape(len(q), len(self.system.bodies), -1)
+        x = q[:, : self.width].reshape(len(q), len(self.system.bodies), -1)
         position = x[..., :3] + [body.position for body in self.system.bodies]
         if self.rotation == "rotation vector":
             return position, exponential(x[..., 3:])
@@ -137,12 +142,12 @@ class Assembly:
 
     def velocities(self, e: Array, u: Array) -> Array:
         """(n, bodies, 6): (r_dot, w) from rotations (n, bodies, 4) and Exudyn's velocities (n, all)."""
-        u = u.reshape(*e.shape[:2], -1)
+        u = u[:, : self.width].reshape(*e.shape[:2], -1)
         return np.concatenate([u[..., :3], (self.spin(e) @ u[..., 3:, None])[..., 0]], axis=-1)
 
     def wrenches(self, e: Array, g: Array) -> Array:
         """(bodies, 6): force and moment about O in world axes from Exudyn's generalised forces (all,)."""
-        g = g.reshape(len(e), -1)
+        g = g[: self.width].reshape(len(e), -1)
         return np.concatenate([g[:, :3], (self.unspin(e).swapaxes(1, 2) @ g[:, 3:, None])[..., 0]], axis=1)
 
     def rates(self, e: Array) -> Array:
@@ -200,8 +205,8 @@ class Equations:
 
     def moved(self, h: float) -> Array:
         """Coordinates of the start moved by its velocities for a time h."""
-        k = len(self.model.system.bodies)
-        q, u = self.q.reshape(k, -1).copy(), self.u.reshape(k, -1)
+        k, width = len(self.model.system.bodies), self.model.width
+        q, u = self.q[:width].reshape(k, -1).copy(), self.u[:width].reshape(k, -1)
         q[:, :3] += h * u[:, :3]
         e = self.model.poses(self.q[None])[1][0]
         if self.model.rotation == "rotation vector":
@@ -209,7 +214,7 @@ class Equations:
         else:  # the sphere's own great circle
             rate = np.linalg.norm(u[:, 3:], axis=1, keepdims=True)
             q[:, 3:] = np.cos(h * rate) * e + h * np.sinc(h * rate / np.pi) * u[:, 3:] - (1.0, 0.0, 0.0, 0.0)
-        return q.ravel()
+        return np.concatenate([q.ravel(), self.q[width:]])
 
     def bias(self) -> Array:
         """J u_dot of the rows at the start: -J_dot u and what prescribed motions add."""
@@ -243,7 +248,8 @@ class Equations:
     def accelerations(self) -> Array:
         """(bodies, 6): d/dt (r_dot, w) at the start."""
         e = self.model.poses(self.q[None])[1][0]
-        return (self.model.rates(e) @ self.change()[0]).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
+        change = self.change()[0][: self.model.width]
+        return (self.model.rates(e) @ change).reshape(-1, 6)  # the change of the map adds A (W x W) = 0
 
     def begin_with_accelerations(self) -> Array:
         """Let every run start from them; the multipliers that belong to them.

@@ -86,7 +86,8 @@ class BodyTwin:
     def kinetic(self) -> Kinetic:
         """Mass matrix at the start, and the map from Exudyn's velocities."""
         equations = self.equations()
-        return Kinetic(equations.mass_matrix(), self.model.rates(self.model.poses(equations.q[None])[1][0]))
+        M, own = equations.mass_matrix(), self.model.width
+        return Kinetic(M[:own, :own], self.model.rates(self.model.poses(equations.q[None])[1][0]))
 
     def accelerations(self) -> Array:
         """(bodies, 6) at the start, from Exudyn's M, f, J; see `equations`."""

@@ -163,6 +163,25 @@ def add_rolling(model: Assembly, joint: Joint, what: str) -> None:
     model.connect(joint, disc)
 
 
+def add_rolling_surface(model: Assembly, joint: Joint, what: str) -> None:
+    """All three components of the velocity at the lowest point of a rounded ellipsoid."""
+    form = joint.outline
+
+    def contact(a: Pose, b: Pose, mbs: Any) -> tuple[Array, Array]:
+        return deepest(b, form, a.axis(joint.plane[1])), np.eye(3)
+
+    add_contact(model, joint, contact, 3)
+
+
+def deepest(b: Any, form: Any, n: Array) -> Array:
+    """Where a surface of b reaches farthest against n: half axes r stretch a sphere, on it -r u'n / |r u'n|."""
+    axes = b.R @ form.axes
+    stretched = form.radii * (axes.T @ n)
+    length = np.linalg.norm(stretched)
+    inner = axes @ (form.radii * stretched) / length if length else np.zeros(3)
+    return b.point(form.centre) - inner - form.tube * n
+
+
 def add_mesh(model: Assembly, joint: Joint, what: str) -> None:
     """Teeth: the gears do not move on each other along the line of action at the pitch point of the carrier."""
     carrier, n = joint.support(), joint.direction()

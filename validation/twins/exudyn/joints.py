@@ -21,10 +21,12 @@ from validation.twins.exudyn.couplings import (
     add_knife_edge,
     add_mesh,
     add_rolling,
+    add_rolling_surface,
     couple,
     follow,
     hinge_coordinate,
 )
+from validation.twins.exudyn.surfaces import add_contact, add_tyre
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
@@ -116,6 +118,8 @@ FORCES: dict[type, Add] = {
     mbsd3d.JointFriction: add_friction,
     mbsd3d.AeroDrag: add_drag,
     mbsd3d.Bushing: add_bushing,  # from the ground only
+    mbsd3d.Contact: add_contact,  # these two by functions of Python
+    mbsd3d.Tyre: add_tyre,
 }
 """Force class -> what adds its elements."""
 
@@ -219,6 +223,7 @@ JOINTS: dict[type, Add] = {  # of a GenericJoint: which of three shifts and thre
     mbsd3d.Screw: add_screw,
     **COUPLINGS,
     mbsd3d.RollingDisc: add_rolling,  # a rounded rim with its rows in Python
+    mbsd3d.Rolling: add_rolling_surface,
     mbsd3d.GearMesh: add_mesh,
     mbsd3d.KnifeEdge: add_knife_edge,
 }

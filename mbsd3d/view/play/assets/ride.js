@@ -6,7 +6,7 @@ const HEAD = 3; // numbers before the curves: time, late frames, share of the pa
 const count = data.moving.length;
 const controls = new Map(); // name -> {set(value)}
 const pressed = new Map(); // key -> what its release does
-let socket = null, frame = null, last = null, drawn = null, state = {running: true, pace: 1}, told = "", strips = [], shapes = "{}", ride = null, pictures = 0;
+let socket = null, frame = null, last = null, drawn = null, state = {running: true, pace: 1}, told = "", strips = [], shapes = "{}", ride = null, drew = 0;
 
 const tell = (message) => socket?.readyState === WebSocket.OPEN && socket.send(JSON.stringify(message));
 const numberText = (x) => Number(x.toPrecision(3)).toString().replace("-", "\u2212");
@@ -103,14 +103,14 @@ function onFrame(numbers) {
 }
 
 // One picture, of the newest frame.
-function tick() {
+function tick(now) {
   requestAnimationFrame(tick);
   if (frame === null || (scene !== null && !scene.idle())) return;
   const [t, late, share] = frame;
   $("time").textContent = `t = ${t.toFixed(2)} s`;
   $("pace").textContent = !state.running ? (state.over ? "over" : "paused") : share < 0.98 ? `${Math.round(100 * share)} % of ${speedText(state.pace)}` : speedText(state.pace);
   $("late").textContent = `late frames: ${late}`;
-  if (pictures++ % 3 === 0) strips.forEach((strip) => strip.draw());
+  if (now - drew > 45) strips.forEach((strip) => strip.draw()), (drew = now); // the scene needs the time more
   if (scene === null) return void (frame = null);
   const r = new Float64Array(3 * count + 3), e = new Float64Array(4 * count + 4);
   e[4 * count] = 1; // the ground comes last

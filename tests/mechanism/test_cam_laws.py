@@ -93,7 +93,7 @@ def test_cams_lift_push_and_turn_as_their_laws_say(law, follower):
     assert found == pytest.approx(s, abs=1e-5 * LIFT)
     along = MASS * dds * OMEGA**2 + PRELOAD + RATE * s
     tilt = 0 * s if follower == "face" else cams.pressure_angle(s, ds, PITCH)
-    normal = contact.normal(run) @ FRAME
+    normal = contact.contact_normal(run) @ FRAME
     assert normal[good, 2] == pytest.approx(np.cos(tilt)[good], abs=1e-6)
     assert normal[good, 1] == pytest.approx(-np.sin(tilt)[good], abs=1e-5)
     force, size = contact.normal_force(run), along.max()

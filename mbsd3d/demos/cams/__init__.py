@@ -1,0 +1,3 @@
+"""Cams and grooves."""
+
+PLACE = 8

@@ -1,0 +1,3 @@
+"""A car at the limit of its tyres."""
+
+PLACE = 10

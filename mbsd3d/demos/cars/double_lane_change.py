@@ -1,0 +1,161 @@
+"""A driver takes a car into the other lane and back: he steers at a point that runs ahead of him on the course."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from mbsd3d import Pulse, System, linearize, measures, simulate
+
+from ..figure import Line
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from .car import WHEELS, Car
+from .driver import closed, followed
+from .linear import Y
+
+AHEAD, LANE = 45.0, (30.0, 25.0, 25.0)  # m before it, over, in the other lane, and back
+SMALL, TIGHT = 1e-4, 1e-12  # m of course: what is of second order has no say; tolerance of the run
+SAMPLES = 601
+FASTER = 1.4  # the second run
+LOST = 0.5  # distance of the point ahead, over the first one, of a car that has turned away
+
+
+def course_of(width, v, preview):
+    """(where the point is to the left, over time; its times of change)."""
+    start = AHEAD / v - preview
+    rise, stay, fall = (x / v for x in LANE)
+    breaks = [start, start + rise, start + rise + stay, start + rise + stay + fall]
+    step = Pulse(width, start=start, edge=rise)
+    return step - Pulse(width, start=breaks[2], edge=fall), breaks
+
+
+def mechanism(*, ms=1400.0, h=0.55, a=1.2, b=1.5, v=22.0, width=3.5, preview=0.7, lag=0.05) -> System:
+    """Car at v, a course to the left by width [m]; the driver sees ``preview`` [s] ahead and lags by ``lag`` [s]."""
+    require(v > 0.0 and preview > 0.0, f"demo 'double_lane_change': v = {v:g} m/s, preview = {preview:g} s; give > 0")
+    require(
+        preview * v < AHEAD,
+        f"demo 'double_lane_change': the point starts on the course; give preview < {AHEAD / v:g} s",
+    )
+    return followed(Car(ms=ms, h=h, a=a, b=b), v, course_of(width, v, preview)[0], preview, lag)
+
+
+def highest(t, x):
+    """Largest value of a curve, between its samples too."""
+    curve = CubicSpline(t, x)
+    return float(curve(curve.derivative().roots(extrapolate=False)).max())
+
+
+def features(t, y, slow):
+    """Farthest to the left and then to the right, per width, and the slowest swing of car and driver."""
+    left = int(np.argmax(y))
+    return {
+        "left_share": highest(t, y),
+        "right_share": highest(t[left:], -y[left:]),
+        "damping_1_s": float(-slow.real),
+        "frequency_rad_s": float(abs(slow.imag)),
+    }
+
+
+def by_hand(c, v, preview, lag, t):
+    """(way to the left per width, slowest eigenvalue) of `closed`."""
+    small, (course, breaks) = closed(c, v, preview, lag), course_of(SMALL, v, preview)
+    s = np.linalg.eigvals(small.A)
+    return small.respond(course, t, breaks)[0][:, Y] / SMALL, s[np.argmin(np.abs(s))]
+
+
+def times_of(v):
+    """Over the course and 40 m beyond."""
+    return np.linspace(0.0, (AHEAD + sum(LANE) + 40.0) / v, SAMPLES)
+
+
+def theory(*, ms, h, a, b, v, preview, lag):
+    """Small motions: `closed`."""
+    t = times_of(v)
+    return features(t, *by_hand(Car(ms=ms, h=h, a=a, b=b), v, preview, lag, t))
+
+
+def slowest(found):
+    """Eigenvalue of the slowest mode that moves the car aside."""
+    aside = [mode.eigenvalue for mode in found.modes if abs(mode.translation[0, 1]) > abs(mode.translation[0, 0])]
+    return min((s for s in aside if s != 0.0), key=abs)
+
+
+def measure(build, terms, *, ms, h, a, b, v, preview, lag, width) -> Measured:
+    """A very narrow course, its small motions, the course asked for, and the same faster."""
+
+    def driven(v, **changes):
+        system = build(v=v, **changes)
+        turned = measures.offset(system.part("chassis"), system.part("point"), along=(1, 0, 0)) < LOST * preview * v
+        return simulate(system, times_of(v)[-1], output=times_of(v), rtol=1e-6, stop_when=turned, **terms)
+
+    t = times_of(v)
+    small = simulate(build(width=SMALL), t[-1], output=t, rtol=TIGHT, **terms)
+    y = small.position("chassis")[:, 1] / SMALL
+    values = features(t, y, slowest(linearize(build(width=0.0), **terms)))
+    known = by_hand(Car(ms=ms, h=h, a=a, b=b), v, preview, lag, t)[0]
+    runs = {speed: driven(speed) for speed in (v, FASTER * v)}
+    notes = [said(run, speed, preview, width) for speed, run in runs.items()]
+    return Measured(values, [*runs.values()], curves(t, y, known, runs, preview, width), notes=notes)
+
+
+def ways(run):
+    """(n,) ahead and (n,) to the left [m]."""
+    return run.position("chassis")[:, :2].T
+
+
+def said(run, v, preview, width):
+    """How near the car stays, or when it spins."""
+    x, y = ways(run)
+    away = np.abs(y - course_of(width, v, preview)[0](x / v - preview)).max()
+    used = np.array([run.force(f"{name} tyre").saturation for name in WHEELS]).max()
+    end = f"and turns away after {x[-1]:.0f} m" if run.certificate.stopped_by else "and comes to the end"
+    return f"at {v:.3g} m/s: up to {away:.2f} m off the course, {100.0 * used:.0f} % of the grip of a tyre, {end}"
+
+
+def curves(t, y, known, runs, preview, width):
+    """The narrow course, the wide one at both speeds, and how the driver steers."""
+    (v, run), (fast, other) = runs.items()
+    x = ways(run)[0]
+    course = course_of(width, v, preview)[0](x / v - preview)
+    steer = {speed: np.degrees(one.angle("front left slide")) for speed, one in runs.items()}
+    name, second = (f"{speed:.3g} m/s" for speed in runs)
+    return [
+        Curve("way to the left over the width, narrow [-]", v * t, y, (v * t, known), "way ahead [m]", name=name),
+        Curve(
+            "way to the left [m]", x, ways(run)[1], along="way ahead [m]", name=name,
+            more=[Line(second, *ways(other)[::-1]), Line("course", course)],
+        ),
+        Curve(
+            "steer [deg]", x, steer[v], along="way ahead [m]", name=name,
+            more=[Line(second, steer[fast], ways(other)[0])],
+        ),
+    ]  # fmt: skip
+
+
+demo = Demo(
+    __name__,
+    title="A double lane change",
+    question="How does a driver bring a car into the other lane and back, and why does he lose it a little faster?",
+    why="He looks at a point of the course ahead and steers the circle that leads through it; that is all he needs. "
+    "But his hands lag behind his eyes, and a fast car lags behind its steer, so that it swings about the course, "
+    "ever more weakly damped the faster it is. On the way back the tyres are asked for more than they have, the "
+    "tail comes round, and steering at the point no longer helps.",
+    equation="steer = 2 (L + K v^2) e/s^2: the circle through a point s ahead and e to the side",
+    source="ISO 3888-1 (double lane change); Milliken, Milliken, Race Car Vehicle Dynamics",
+    quantities={
+        "left_share": Quantity("farthest to the left, over the width", "", relative=1e-5),
+        "right_share": Quantity("farthest to the right afterwards, over the width", "", relative=1e-4),
+        "damping_1_s": Quantity("damping of the slowest swing of car and driver", "1/s", relative=1e-7),
+        "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-7),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
+    alone="no other engine has this tyre",
+    show={
+        "curves": [("angle", "front left slide"), ("force", "front right tyre")],
+        "traces": ["chassis", "point"],
+        "hidden": ["joints", "joint names", "body names"],
+        "follow": "chassis",
+    },
+    ranges={"a": (1.1, 1.2), "v": (19.0, 24.0)},
+)  # fmt: skip

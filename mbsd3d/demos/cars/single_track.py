@@ -1,0 +1,163 @@
+"""A car as a single track, both tyres of an axle in one: its eigenvalues, yaw gain and characteristic speed."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mbsd3d import (
+    GROUND,
+    AngleDriver,
+    Body,
+    Planar,
+    Pulse,
+    Revolute,
+    System,
+    Tyre,
+    accelerations,
+    linearize,
+    measures,
+    rotation,
+    simulate,
+)
+
+from ..figure import Line
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from .car import KINGPIN, G
+
+R, STIFF = 0.3, 1e6  # m; N/m of the tyres' springs, which carry the weight
+SMALL = 1e-6  # rad of steer
+SOFT = {"longitudinal": 1e-12, "relaxation_x": 1e9}  # the wheels are locked, and what is ahead does not hold them
+VISIBLE, STEER = 0.1, 0.01  # m of relaxation and rad of steer in the run that is shown
+FASTEST = 100.0  # m/s of the curves
+SETTLED = 1e-5  # what is not steady in a run that slows down by that
+
+
+def mechanism(
+    *, m=1600.0, Iz=3600.0, a=1.4, b=1.6, Cf=60e3, Cr=60e3, v=20.0, relaxation=1e-8, steer=0.0, step=0.0
+) -> System:  # fmt: skip
+    """Body m [kg], Iz [kg m^2] at v, on two linear tyres, Cf [N/rad] a ahead and Cr b behind.
+
+    ``relaxation`` [m]: the tyres' forces follow their slip after this way; ``steer``, ``step`` [rad]: at the start, and
+    what is added within 0.1 s.
+    """
+    require(v > 0.0, f"demo 'single_track': v = {v:g} m/s; give a speed ahead")
+    up, body = (0, 0, 1), Body("car", m, (0.5 * Iz, 0.5 * Iz, Iz), position=(0, 0, R), velocity=(v, 0, 0))
+    knuckle = Body("knuckle", 0.0, (0, 0, 0), position=(a, 0, R), orientation=rotation("z", steer), shape=KINGPIN)
+    hinge = Revolute(body, knuckle, at=(a, 0, R), axis=up, name="kingpin")
+    turn = AngleDriver(hinge, Pulse(step, start=0.2, edge=0.1), name="steering")
+    tyres = []
+    for name, on, x, C, other in (("front", knuckle, a, Cf, b), ("rear", body, -b, Cr, a)):
+        N = m * G * other / (a + b)
+        numbers = {"cornering": C / N, "mu": None, "relaxation": relaxation, "stiffness": STIFF, "name": name, **SOFT}
+        tyres.append(Tyre(GROUND, on, axis=on.axes[:, 1], radius=R + N / STIFF, centre=(x, 0, R), **numbers))
+    return System([body, knuckle], [Planar(GROUND, body, at=(0, 0, R), normal=up), hinge, turn], tyres)
+
+
+def theory(*, m, Iz, a, b, Cf, Cr, v):
+    """x = (speed to the left, yaw rate); K is the understeer gradient, and the gain v/(L + K v^2) peaks at V."""
+    L = a + b
+    K = m * (b * Cr - a * Cf) / (L * Cf * Cr)
+    require(K > 0.0, "demo 'single_track': it oversteers and has no characteristic speed; give b Cr > a Cf")
+    A = -np.array([
+        [(Cf + Cr) / (m * v), v + (a * Cf - b * Cr) / (m * v)],
+        [(a * Cf - b * Cr) / (Iz * v), (a * a * Cf + b * b * Cr) / (Iz * v)],
+    ])  # fmt: skip
+    s = max(np.linalg.eigvals(A), key=lambda s: (s.imag, s.real))
+    return {
+        "damping_1_s": float(-s.real),
+        "frequency_rad_s": float(s.imag),
+        "yaw_gain_1_s": v / (L + K * v * v),
+        "characteristic_m_s": np.sqrt(L / K),
+    }
+
+
+def small_motions(system, v, terms):
+    """(4, 4) of speed to the left over the car, yaw rate and the deflections of both tyres."""
+    body, forces = system.part("car"), system.forces
+    seen = [measures.velocity(body, axis=(0, 1, 0)), measures.heading_rate(body)]
+    seen += [*(measures.state(tyre, "lateral") for tyre in forces), measures.heading(body)]
+    A = linearize(system, outputs=seen, tolerance=SETTLED, **terms).A
+    turned = np.eye(5)
+    turned[0, 4] = v  # over the ground it has that of the heading too
+    return np.linalg.solve(turned, A @ turned)[:4, :4]
+
+
+def response(build, v, terms):
+    """(eigenvalue of the car [1/s], yaw rate over steer [1/s]) at a speed [m/s].
+
+    Where nothing changes A x = -B steer; B is what a little steer starts. The deflections of the tyres have large
+    eigenvalues, those of the car are the two small ones.
+    """
+    A, start = small_motions(build(v=v), v, terms), accelerations(build(v=v, steer=SMALL), **terms)
+    rates = [start.acceleration("car")[0, 1], start.alpha("car")[0, 2]]
+    rates += [start.force(name).state_rates["lateral"][0] for name in ("front", "rear")]
+    s = np.linalg.eigvals(A)
+    slow = max(s[np.argsort(np.abs(s))[:2]], key=lambda s: (s.imag, s.real))
+    return slow, float(np.linalg.solve(A, rates)[1] / -SMALL)
+
+
+def measure(build, terms, *, a, b, v) -> Measured:
+    """Eigenvalue and yaw gain at v, the speed at which a circle wants twice the steer L/R, and a step of the steer."""
+
+    def more_steer(v):
+        return v / response(build, v, terms)[1] - 2.0 * (a + b)
+
+    slow, gain = response(build, v, terms)
+    guess = v / np.sqrt(v / gain / (a + b) - 1.0)
+    values = {
+        "damping_1_s": float(-slow.real),
+        "frequency_rad_s": float(slow.imag),
+        "yaw_gain_1_s": gain,
+        "characteristic_m_s": float(brentq(more_steer, 0.9 * guess, 1.1 * guess, xtol=1e-8)),
+    }
+    run = simulate(build(relaxation=VISIBLE, step=STEER), 3.0, output=301, **terms)
+    return Measured(values, [run], curves(build, terms, values["characteristic_m_s"]))
+
+
+def curves(build, terms, characteristic):
+    """Yaw gain and eigenvalues over the speed, up to twice the characteristic one where that is in reach."""
+    speeds = np.geomspace(0.1, 1.0, 12) * min(2.0 * characteristic, FASTEST)
+    found = [response(build, v, terms) for v in speeds]
+    known = [build.demo.call(theory, {**build.values, "v": v}) for v in speeds]
+    lines = {
+        "damping": ("damping_1_s", [-s.real for s, _ in found]),
+        "frequency": ("frequency_rad_s", [s.imag for s, _ in found]),
+    }
+    dots = {name: (speeds, [one[key] for one in known]) for name, (key, _) in lines.items()}
+    (first, (_, y)), (other, (_, z)) = lines.items()
+    gains = [gain for _, gain in found], [one["yaw_gain_1_s"] for one in known]
+    along = "speed [m/s]"
+    return [
+        Curve("yaw rate over steer [1/s]", speeds, gains[0], (speeds, gains[1]), along),
+        Curve("rate [1/s]", speeds, y, dots[first], along, name=first, more=[Line(other, z, None, dots[other])]),
+    ]
+
+
+demo = Demo(
+    __name__,
+    title="The car as a single track",
+    question="Why does a car answer its steering wheel most at one speed, and less when it is faster?",
+    why="A turn wants a side force of each axle, and that a slip angle of its tyres. If the front axle has to slip "
+    "more, the car understeers: the faster it is the more of the steer goes into slip, and from the "
+    "characteristic speed on, where a circle wants twice the steer, the yaw rate falls. The same slip damps the "
+    "car, and ever less the faster it is: the slips are sideways speeds over the speed ahead.",
+    equation="yaw rate/steer = v/(L + K v^2), K = m (b C_r - a C_f)/(L C_f C_r), V = sqrt(L/K)",
+    source="Riekert, Schunck 1940; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 5",
+    quantities={
+        "damping_1_s": Quantity("damping of the swing between sideslip and yaw", "1/s", relative=1e-6),
+        "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-6),
+        "yaw_gain_1_s": Quantity("yaw rate over steer", "1/s", relative=1e-9),
+        "characteristic_m_s": Quantity("characteristic speed", "m/s", relative=1e-7),
+    },
+    mechanism=mechanism,
+    theory=theory,
+    measure=measure,
+    ablation=Ablation(
+        "understeer",
+        "with the centre of mass all but in the middle both axles slip alike, the yaw rate grows with the speed, and "
+        "the characteristic speed is out of reach",
+        {"a": 1.4999, "b": 1.5001},
+    ),
+    alone="no other engine has this tyre",
+    show={"curves": [("force", "front"), ("force", "rear")], "hidden": ["joints", "joint names"], "follow": "car"},
+    ranges={"a": (1.3, 1.4), "Cf": (50e3, 58e3), "relaxation": None, "steer": None, "step": None},
+)  # fmt: skip

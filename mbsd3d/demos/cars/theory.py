@@ -1,0 +1,134 @@
+"""What is known of a car in a steady circle without its mechanism: closed forms, and four tyres under a rigid body.
+
+The closed forms hold where the lateral acceleration is small. The trim holds up to the limit, but for what the lean of
+the wheels and the geometry of a large roll do: some parts in a thousand.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import approx_fprime, root
+
+from .car import WHEELS, Car, G
+
+PLACES = np.array([*WHEELS.values()])  # (4, 2) ahead 1, behind -1; left 1, right -1
+FRONT, SIDE = PLACES[:, 0] > 0, PLACES[:, 1]
+STEP, MOST = 0.1, 100  # of the slip at which a tyre would be used up if it were linear; trims to the limit
+SMALL = 1e-7  # of the unknowns, for derivatives
+
+
+def axle_stiffnesses(c: Car) -> np.ndarray:
+    """(2,) front and rear [N m/rad] over the roll of the car: springs and bar, in series with the tyres."""
+    half = 0.5 * c.track**2
+    ends = ((c.kf, c.bar_f), (c.kr, c.bar_r))
+    return np.array([1.0 / (1.0 / (k * half + bar) + 1.0 / (c.kt * half)) for k, bar in ends])
+
+
+def roll_gradient(c: Car, spin: float = 1.0) -> float:
+    """Roll over lateral acceleration [rad s^2/m].
+
+    (ms h + 4 mw r + 4 Iw/r)/(K - (ms h + 4 mw r) g): the wheels lean with the car but for what springs and bars give,
+    and their spin v/r is carried round, Iw v/r times v/R each. ``spin``: share of that which is counted.
+    """
+    height = c.ms * c.h + 4.0 * c.mw * c.r
+    return float((height + 4.0 * spin * c.Iw / c.r) / (axle_stiffnesses(c).sum() - height * G))
+
+
+def textbook_roll_gradient(c: Car) -> float:
+    """The same in textbooks, ms h/(K - ms h g): the wheels neither lean nor spin."""
+    return float(c.ms * c.h / (axle_stiffnesses(c).sum() - c.ms * c.h * G))
+
+
+def transfers(c: Car, spin: float = 1.0) -> np.ndarray:
+    """(2,) load that goes from left to right, front and rear, over lateral acceleration [kg]."""
+    return axle_stiffnesses(c) * roll_gradient(c, spin) / c.track
+
+
+def understeer_gradient(c: Car) -> float:
+    """Steer over lateral acceleration, beyond wheelbase over radius [rad s^2/m]."""
+    return sum(sign * c.load(name) / c.stiffness(name) for name, sign in (("front left", 1), ("rear left", -1))) / G
+
+
+@dataclass(frozen=True)
+class Trim:
+    """Four tyres under a rigid body in a circle at a steady speed; arrays in the order of `WHEELS`."""
+
+    acceleration: float  # [m/s^2]
+    steer: float  # [rad]
+    slip_angles: np.ndarray  # (4,) [rad]
+    loads: np.ndarray  # (4,) [N]
+    used: np.ndarray  # (4,) of the grip
+
+
+def tyre_forces(c: Car, loads: np.ndarray, slips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """((4, 2) forces ahead and to the left of brush tyres at theoretical slips, shares of the grip that they use)."""
+    over = loads / c.nominal_load - 1.0
+    C = np.array([c.longitudinal, c.cornering]) * (1.0 - c.less_stiffness * over)[:, None]
+    grip = c.mu * (1.0 - c.less_grip * over)
+    pull = C * slips
+    s = np.linalg.norm(pull, axis=1) / grip
+    used = 1.0 - (1.0 - np.minimum(s, 3.0) / 3.0) ** 3
+    return pull * (loads * used / np.maximum(s, 1e-300))[:, None], used
+
+
+class Planar:
+    """Equations of a trim; unknowns: speed to the left, steer, drive, slips of the driven wheels, acceleration."""
+
+    def __init__(self, c: Car, speed: float) -> None:
+        self.c, self.v = c, speed
+        self.m, self.height = c.ms + 4.0 * c.mw, c.ms * c.h + 4.0 * c.mw * c.r
+        self.static = np.array([c.load(name) for name in WHEELS])
+        self.over = transfers(c)[np.where(FRONT, 0, 1)]
+        self.at = np.array([c.place(name)[:2] for name in WHEELS])
+
+    def parts(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """(slip angles, loads, forces in axes of the car, shares of the grip used)."""
+        c, (left, steer, _, *driven, a) = self.c, x
+        turn = a / self.v
+        loads = self.static - SIDE * self.over * a + PLACES[:, 0] * self.height * turn * left / (2.0 * c.wheelbase)
+        toe = np.where(FRONT, steer, 0.0)
+        velocity = np.stack([self.v - turn * self.at[:, 1], left + turn * self.at[:, 0]], axis=1)
+        cos, sin = np.cos(toe), np.sin(toe)
+        along, across = cos * velocity[:, 0] + sin * velocity[:, 1], cos * velocity[:, 1] - sin * velocity[:, 0]
+        angles = -np.arctan2(across, along)
+        ahead = np.array([0.0, 0.0, *driven])
+        slips = np.stack([ahead, np.tan(angles)], axis=1)
+        pulls, used = tyre_forces(c, loads, slips)
+        forces = np.stack([cos * pulls[:, 0] - sin * pulls[:, 1], sin * pulls[:, 0] + cos * pulls[:, 1]], axis=1)
+        return angles, loads, forces, used
+
+    def left_over(self, x: np.ndarray) -> np.ndarray:
+        """(5,) of the forces over those of a circle [m/s^2], and of the two halves of the drive."""
+        _, _, forces, _ = self.parts(x)
+        turn = x[5] / self.v
+        wanted = self.m * np.array([-turn * x[0], x[5]])
+        moment = self.at[:, 0] @ forces[:, 1] - self.at[:, 1] @ forces[:, 0]
+        moment -= 2.0 * self.c.mw * (self.c.a - self.c.b) * x[5]  # the wheels' masses
+        over = forces.sum(axis=0) - wanted
+        return np.array([*over, moment / self.c.wheelbase, *(forces[2:, 0] - 0.5 * x[2])]) / self.m
+
+    def trim(self, x: np.ndarray) -> Trim:
+        """Of unknowns that solve the equations."""
+        angles, loads, _, used = self.parts(x)
+        return Trim(float(x[5]), float(x[1]), angles, loads, used)
+
+
+def trims(c: Car, speed: float) -> list[Trim]:
+    """Trims at a speed [m/s] whose slip angles, front and rear added up, rise on to the largest acceleration.
+
+    They end where the acceleration falls, or where the inner driven wheel spins and there are no more of them.
+    """
+    planar, found, last = Planar(c, speed), [], np.zeros(6)
+    x = np.array([-0.5 * speed, 0.5, 0.0, 0.0, 0.0, 0.5 * c.cornering * G]) * STEP * c.mu / c.cornering
+    for slip in np.arange(1, MOST) * STEP * c.mu / c.cornering:
+
+        def left(x: np.ndarray, slip: float = slip) -> np.ndarray:
+            both = x[1] - (2.0 * x[0] + (c.a - c.b) * x[5] / speed) / speed
+            return np.append(planar.left_over(x), both - slip)
+
+        solved = root(left, x, jac=lambda x: approx_fprime(x, left, SMALL), tol=1e-12)  # noqa: B023
+        if not np.abs(solved.fun).max() < 1e-9 or solved.x[5] < last[5]:
+            break
+        x, last = 2.0 * solved.x - last, solved.x
+        found.append(planar.trim(last))
+    return found

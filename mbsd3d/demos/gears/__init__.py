@@ -1,0 +1,3 @@
+"""Teeth in space."""
+
+PLACE = 7

@@ -1,0 +1,8 @@
+"""A car at the limit of its tyres: every demo of the family."""
+
+from family_checks import *  # noqa: F403
+from family_checks import demos_of
+
+from mbsd3d.demos import cars
+
+pytestmark = demos_of(cars)
