@@ -18,7 +18,7 @@ NAMES = {
     "base.quaternions": ("H", "conjugate", "exponential", "logarithm", "multiply", "skew"),
     "base.rotations": ("as_quaternion", "matrix", "quaternion_from_matrix"),
     # files, progress, small dense algebra on one thread
-    "base.paths": ("package_version", "with_suffix", "write_atomically"),
+    "base.paths": ("as_path", "package_version", "read_text", "with_suffix", "write_atomically"),
     "base.progress": ("Progress",),
     "base.concurrency": ("on_one_thread", "one_thread"),
     "sweeps.executors": ("closing", "outcomes"),

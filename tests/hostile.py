@@ -13,6 +13,7 @@ import mbsd3d
 from mbsd3d import GROUND, measures
 from mbsd3d.errors import MbsError
 
+COUNT = 10_000  # models that are tried
 ROOT = Path(__file__).parents[1]
 OURS = tuple(str(ROOT / name) for name in ("mbsd3d", "bicycle", "validation"))
 METHODS = "/mbsd3d/integrators/"  # compiled with the kernels: their few errors are plain ones

@@ -18,6 +18,7 @@ from mbsd3d.sweeps.experiment import Experiment, Outcome
 from mbsd3d.sweeps.grids import make_grid
 from mbsd3d.sweeps.ledger import Ledger, identity
 
+COUNT = 10_000  # files that are tried
 NUMBERS = ("1e400", "-1e400", "nan", "inf", "1e308", "5e-324", "-0.0", "1e60", "9" * 400, "0x10", "1_000", "1,5", "")
 TEXTS = (
     "",

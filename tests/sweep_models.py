@@ -85,6 +85,7 @@ def counted(torque, inertia):
 LOCAL = 1e-6  # the rtol of RUN: steps err by a tenth of it, and there are few
 GRID = {"torque": [1.0, 2.0, 2.4, 3.1], "inertia": [0.2, 0.4, 0.7]}
 LONG = {"torque": np.linspace(1.0, 2.0, 40).tolist(), "inertia": np.linspace(0.2, 0.9, 4).tolist()}  # 160 cells
+KILLED, MOMENTS = ("threads", "processes", "distributed"), 20  # sweeps that are killed, each at so many moments
 
 
 def cluster():

@@ -1,6 +1,7 @@
 """``mbsd3d validate``: a model of the user's, or every case, against other engines and closed forms."""
 
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -117,9 +118,14 @@ def validate_all(
         click.echo("\n".join(f"{trial.name:{width}}  {trial.title}" for trial in found))
         return
     everything, folder, budget = chosen(found, names), ready_folder(out), BUDGETS[quick]
-    suite = Suite(everything, store(folder, fresh, budget=budget), quick, budget)
+    with closing(store(folder, fresh, budget=budget)) as kept:
+        judge(Suite(everything, kept, quick, budget), folder)
+
+
+def judge(suite: "Suite", folder: Path) -> None:
+    """Run a suite and say how it ended."""
     if suite.records:
-        kept = f"{len(suite.records)} of {len(everything)} cases are in {suite.store.path}"
+        kept = f"{len(suite.records)} of {len(suite.trials)} cases are in {suite.store.path}"
         click.echo(f"mbsd3d: {kept}; --fresh forgets them", err=True)
     try:
         suite.run()

@@ -138,8 +138,11 @@ class Parameters:
         missing = [key for key in SYMBOLS if key not in values]
         if unknown:
             raise InputError(f"'{path}': {', '.join(map(str, unknown))} unknown; the symbols are {' '.join(MEANING)}")
+        if 2 * len(missing) > len(SYMBOLS):
+            found, symbols = len(SYMBOLS) - len(missing), " ".join(SYMBOLS)
+            raise InputError(f"'{path}': holds {found} of the {len(SYMBOLS)} numbers of a bicycle; give {symbols}")
         if missing:
-            raise InputError(f"'{path}': {', '.join(missing)} missing; a bicycle needs all of {' '.join(SYMBOLS)}")
+            raise InputError(f"'{path}': {', '.join(missing)} missing; a bicycle needs {len(SYMBOLS)} numbers")
         return cls(**values, name=Path(path).stem, unphysical=unphysical)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import as_path, read_text
 
 Numbers = dict[str, float]
 FORMATS = (".txt", ".yml", ".yaml")
@@ -42,18 +43,12 @@ def read_values(path: str | Path) -> tuple[Numbers, Numbers]:
     Raises
     ------
     ValueError
-        Naming the file and the line or entry: a symbol given twice, or not a number.
+        Naming the file and the line or entry: a symbol given twice, or not a number; a file that cannot be read.
     """
-    path = Path(path)
+    path = as_path(path, "bicycle.txt")
     if not is_file(path):
         raise InputError(f"'{path}': parameter files end in .txt, .yml or .yaml")
-    if path.stat().st_size > LARGEST[path.suffix.lower()]:
-        most = LARGEST[path.suffix.lower()]
-        raise InputError(f"'{path}': larger than {most} bytes; give a parameter file of BicycleParameters")
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin with a mark
-    except UnicodeDecodeError:
-        raise InputError(f"'{path}': not a text file; give a parameter file of BicycleParameters") from None
+    text = read_text(path, LARGEST[path.suffix.lower()], "parameter")
     entries = text_entries if path.suffix.lower() == ".txt" else yaml_entries
     values, deviations = entries(path, text)
     values.pop("v", None)

@@ -151,7 +151,10 @@ def test_files_of_other_editors_and_programs(tmp_path):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("a.txt", lines("rF"), "'.*a.txt': rF missing"),
+        ("a.txt", lines("rF"), "'.*a.txt': rF missing; a bicycle needs 26 numbers"),
+        ("a.txt", "w = 1.02", "'.*a.txt': holds 1 of the 26 numbers of a bicycle; give w c lam g rR mR IRxx"),
+        ("a.txt", "# none\n", "'.*a.txt': holds 0 of the 26 numbers of a bicycle; give w c lam"),
+        ("a.txt", "", "'.*a.txt' is empty; give a parameter file"),
         ("a.txt", lines(rf=0.3), "rf unknown"),
         ("a.txt", lines() + "\nw = 1", "line 27: w is given twice"),
         ("a.txt", lines(w="wide"), "line 1: w = ''wide'' is not a number"),

@@ -399,7 +399,7 @@ def deep_signal(path, form):
 
 HOSTILE = {
     "deep signal": (deep_signal, "is nested too deep"),
-    "200 MB of nesting": (huge, "has 200000000 bytes; a model of this kind has at most"),
+    "200 MB of nesting": (huge, "has 200000000 bytes; a model file has at most"),
     "nesting": (text("[" * 900_000), "is nested too deep"),
     "closed nesting": (text("[" * 450_000 + "]" * 450_000), "is nested too deep"),
     "objects": (text('{"a":' * 150_000), "nested too deep|line 1"),

@@ -7,7 +7,7 @@ import hostile_files
 import pytest
 from watchdog import TooLong, watched
 
-MODELS, FILES, BLOCKS = 10_000, 10_000, 20
+BLOCKS = 20
 
 
 @pytest.mark.slow
@@ -15,7 +15,7 @@ MODELS, FILES, BLOCKS = 10_000, 10_000, 20
 def test_models_run_or_are_refused(block):
     """``hostile.ask(seed)`` is the model of a message below."""
     wrong, ran = [], 0
-    count = MODELS // BLOCKS
+    count = hostile.COUNT // BLOCKS
     for seed in range(block * count, (block + 1) * count):
         try:
             with warnings.catch_warnings(), watched(f"model {seed}"):
@@ -36,7 +36,7 @@ def test_models_run_or_are_refused(block):
 def test_files_are_read_or_refused(tmp_path, block):
     """``hostile_files.broken(seed, samples)`` is the file of a message below."""
     samples, wrong, refused = hostile_files.Samples(tmp_path), [], 0
-    count = FILES // BLOCKS
+    count = hostile_files.COUNT // BLOCKS
     for seed in range(block * count, (block + 1) * count):
         kind = "file"
         try:

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_models import LONG, RUN, counted, speed
+from sweep_models import KILLED, LONG, MOMENTS, RUN, counted, speed
 
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
 END = 15.0  # s: workers end at once, one that is still importing after that, which takes seconds on a busy machine
-MOMENTS = 20
 CELLS = 160
 
 
@@ -68,7 +67,7 @@ def undisturbed(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads processes from /proc")
-@pytest.mark.parametrize("executor", ["threads", "processes", "distributed"])
+@pytest.mark.parametrize("executor", KILLED)
 @pytest.mark.parametrize("moment", range(MOMENTS))
 def test_a_killed_sweep_leaves_no_process_and_loses_nothing(tmp_path, monkeypatch, undisturbed, executor, moment):
     ledger, mark = tmp_path / "sweep.db", tmp_path / "mark"

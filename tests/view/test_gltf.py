@@ -80,7 +80,8 @@ class File:
         return x[:3]
 
     def check(self):
-        """What the specification asks of accessors, meshes and animations."""
+        """What the specification asks of the whole, of accessors, meshes and animations."""
+        self.check_whole()
         for i, accessor in enumerate(self.document["accessors"]):
             values = self.array(i)
             assert np.isfinite(values).all()
@@ -100,6 +101,39 @@ class File:
                     assert np.allclose(np.linalg.norm(values, axis=1), 1.0, atol=4 * SINGLE)
                     assert ((values[1:] * values[:-1]).sum(axis=1) > 0.0).all()
         return self
+
+    def check_whole(self):
+        """Rules of the Khronos validator on nodes, references and extensions."""
+        document = self.document
+        assert document["asset"]["version"] == "2.0" and len(document["buffers"]) == 1
+        children = [child for node in self.nodes for child in node.get("children", ())]
+        assert len(children) == len(set(children))  # one parent each
+        (roots,) = [scene["nodes"] for scene in document["scenes"]]
+        assert sorted([*roots, *children]) == list(range(len(self.nodes)))  # a tree that holds all, and nothing twice
+        for node in self.nodes:
+            assert "matrix" not in node  # it would rule out animation
+            assert abs(np.linalg.norm(node.get("rotation", (0, 0, 0, 1))) - 1.0) < 4 * SINGLE
+        for animation in document.get("animations", ()):
+            targets = [(channel["target"]["node"], channel["target"]["path"]) for channel in animation["channels"]]
+            assert len(targets) == len(set(targets))
+        parts = [part for mesh in document["meshes"] for part in mesh["primitives"]]
+        samplers = [sampler for animation in document.get("animations", ()) for sampler in animation["samplers"]]
+        corners = {part["indices"] for part in parts if "indices" in part}
+        points = {index for part in parts for index in part["attributes"].values()}
+        clocks = {sampler[end] for sampler in samplers for end in ("input", "output")}
+        views = [{document["accessors"][i]["bufferView"] for i in which} for which in (corners, points, clocks)]
+        assert not (views[0] & views[1] or views[0] & views[2] or views[1] & views[2])  # one use each
+        assert corners | points | clocks == set(range(len(document["accessors"])))  # nothing is left over
+        assert set.union(*views) == set(range(len(document["bufferViews"])))
+        assert {part["material"] for part in parts} == set(range(len(document["materials"])))
+        assert {node["mesh"] for node in self.nodes if "mesh" in node} == set(range(len(document["meshes"])))
+        for i in corners:  # the largest number of a type would begin a new strip
+            assert self.array(i).max() < np.iinfo(np.dtype(COMPONENT[document["accessors"][i]["componentType"]])).max
+        used = set(document.get("extensionsUsed", ()))
+        found = {
+            name for place in (document, *self.nodes, *document["materials"]) for name in place.get("extensions", ())
+        }
+        assert used == found and set(document.get("extensionsRequired", ())) <= used
 
     def check_primitive(self, part):
         points = part["attributes"]["POSITION"]

@@ -7,11 +7,16 @@ vertices, indices and the arrays of the animation.
 from collections.abc import Callable, Hashable
 
 import numpy as np
-import pygltflib
 
+from ...base.errors import InputError
 from ...base.style import channels, linear
 from ...mechanism.shapes import Mesh
 from ..scene.meshes import Skin, skin
+
+try:
+    import pygltflib
+except ImportError:
+    pygltflib = None
 
 GLTF_FLOAT, GLTF_SHORT, GLTF_INT = 5126, 5123, 5125
 COMPONENTS = {"<f4": GLTF_FLOAT, "<u2": GLTF_SHORT, "<u4": GLTF_INT}
@@ -35,6 +40,8 @@ class Asset:
     """The parts so far."""
 
     def __init__(self, about: dict[str, str | float], generator: str) -> None:
+        if pygltflib is None:
+            raise InputError("export_glb needs pygltflib; install it: pip install 'mbsd3d[view]'")
         self.gltf = pygltflib.GLTF2(scene=0, scenes=[pygltflib.Scene()])
         self.gltf.asset = pygltflib.Asset(generator=generator, extras=about)
         self.animation = pygltflib.Animation(name="motion")
