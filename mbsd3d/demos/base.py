@@ -1,15 +1,17 @@
 """What a demo gives: rows of computed numbers beside theory, a figure, runs and views."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from matplotlib.figure import Figure
 
+from .figure import Panel, figure_of
+
+if TYPE_CHECKING:
     from ..api.solution import Solution
 
 
@@ -56,19 +58,25 @@ class Show(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a demo gives: the table, a figure, runs and views by the names of their files, and lines to print below."""
+    """What a demo gives: the table, panels, runs and views by the names of their files, and lines to print below."""
 
     rows: tuple[Row, ...]
-    drawn: Callable[[], "Figure"]
+    drawn: Callable[[], Sequence[Panel]]
     solutions: Mapping[str, "Solution"]
     noted: Callable[[], tuple[str, ...]] = tuple
     views: Mapping[str, Show] = field(default_factory=dict)
     parameters: Mapping[str, object] = field(default_factory=dict)
+    title: str = ""
 
     @cached_property
-    def figure(self) -> "Figure":
-        """Drawn when it is first asked for."""
+    def panels(self) -> Sequence[Panel]:
+        """What the figure shows, computed when it is first asked for."""
         return self.drawn()
+
+    @cached_property
+    def figure(self) -> Figure:
+        """The panels side by side."""
+        return figure_of(self.title, self.panels)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

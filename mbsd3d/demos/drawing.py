@@ -26,7 +26,8 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
             axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
             if not in_space:
                 dress(axes[-1])
-        figure.suptitle(title, fontsize=13, fontweight="bold")
+        if title:
+            figure.suptitle(title, fontsize=13, fontweight="bold")
     return figure, axes
 
 

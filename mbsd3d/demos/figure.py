@@ -169,7 +169,6 @@ class Panel(NamedTuple):
 
 def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     """Panels side by side."""
-    panels = panels[:MOST]
     titles = [getattr(panel.drawn, "title", "") for panel in panels]
     solid = [isinstance(panel.drawn, Path) for panel in panels]
     widths = [1.5 if isinstance(panel.drawn, Table) else 1.0 for panel in panels]

@@ -13,7 +13,7 @@ from ..api.solution import Solution
 from ..api.system import System
 from ..base.errors import InputError
 from .base import Outcome, Row, Show
-from .figure import Curve, Drawn, Panel, Points, figure_of, same
+from .figure import MOST, Curve, Drawn, Panel, Points, same
 from .parameters import checked, listed
 
 SWITCHES = ("gyroscopic", "centripetal", "gamma")
@@ -144,8 +144,15 @@ class Demo:
         return self.call(self.measure, values, Builder(self, values), terms)
 
     def expected(self, values: Mapping[str, object]) -> Numbers:
-        """What theory says."""
-        return self.call(self.theory, values)
+        """What theory says; a ValueError where it says nothing."""
+        try:
+            with np.errstate(all="ignore"):
+                found = self.call(self.theory, values)
+        except ArithmeticError:
+            found = dict.fromkeys(self.quantities, np.nan)
+        lost = ", ".join(key for key, value in found.items() if np.isnan(value))
+        require(not lost, f"demo '{self.name}': theory has no {lost} for these parameters; stay nearer to the defaults")
+        return found
 
     def without(self, term: str | None, values: Mapping[str, object]) -> tuple[dict, dict]:
         """Parameters and switches of an ablation; a term is a switch, or that of the demo."""
@@ -177,14 +184,14 @@ class Demo:
         solutions = dict(zip(stems, found.solutions, strict=False))
         views = {stem: Show(found.solutions[0], {"hidden": ["joint names"], **self.show})} if found.solutions else {}
         views |= {f"{stem}_{name}": view for name, view in found.views.items()}
-        drawn = partial(self.figure, values, found, without)
+        drawn = partial(self.panels, values, found, without)
 
         def noted() -> tuple[str, ...]:
             return (*wanted(found.notes), f"without {self.ablation.term}: {self.ablation.then}")
 
-        return Outcome(rows, drawn, solutions, noted, views, values)
+        return Outcome(rows, drawn, solutions, noted, views, values, self.title)
 
-    def figure(self, values: Mapping[str, object], found: Measured, without: str | None) -> object:
+    def panels(self, values: Mapping[str, object], found: Measured, without: str | None) -> list[Panel]:
         """Curves with theory and ablation, and the first quantity over a parameter."""
         try:
             ablated = self.computed(*self.without(None if without else self.ablation.term, values))
@@ -198,7 +205,7 @@ class Demo:
         ]
         if self.against and not without:
             panels.append(self.panel_against(values, found))
-        return figure_of(self.title, panels)
+        return panels[:MOST]
 
     def panel_against(self, values: Mapping[str, object], found: Measured) -> Panel:
         """The first quantity over a parameter."""

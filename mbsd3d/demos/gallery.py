@@ -20,6 +20,7 @@ from ..report.mathml import mathml
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
 from .discovery import discover
+from .figure import figure_of
 from .form import Demo
 from .report import to_json
 
@@ -47,7 +48,7 @@ def page(name: str, folder: Path) -> bool:
     texts = {label: getattr(demo, label) for label in ("question", "why", "source")}
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
-        rows=[cells(row) for row in outcome.rows], figure=inline_svg(outcome.figure, f"{name}-"),
+        rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
         players=[found for found in players if found[1]], parameters=outcome.parameters, notes=outcome.notes,
         code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
@@ -73,6 +74,11 @@ def front(names: Iterable[str], folder: Path) -> Path:
         title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
     )
     return write_atomically(folder / "index.html", html.encode("utf-8"))
+
+
+def drawn(outcome: Outcome, name: str) -> list[str]:
+    """Each panel as a figure of its own, so that a narrow page sets them below each other."""
+    return [inline_svg(figure_of("", [panel]), f"{name}-{k}-") for k, panel in enumerate(outcome.panels)]
 
 
 def without(demo: Demo) -> tuple[str, Outcome] | None:

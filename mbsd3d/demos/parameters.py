@@ -9,6 +9,8 @@ import numpy as np
 from ..base.checks import number
 from ..base.errors import InputError
 
+FEW = 20  # names that are listed beside a guess
+
 
 def listed(name: str, names: Sequence[str]) -> str:
     """What to say instead of an unknown name: the nearest ones, and all if they are few."""
@@ -16,8 +18,10 @@ def listed(name: str, names: Sequence[str]) -> str:
     near = [lower[found] for found in difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)]
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
     guess = list(dict.fromkeys(near + inside))[:3]
-    there = f"there are {', '.join(names)}" if len(names) <= 60 else "see the whole list: mbsd3d demo"
-    return f"did you mean {' or '.join(guess)}? ({there})" if guess else there
+    there = f"there are {', '.join(names)}" if len(names) <= FEW else "see the whole list: mbsd3d demo"
+    if guess:
+        return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= FEW else "")
+    return there
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:
@@ -65,7 +69,7 @@ def like(default: object, value: object, what: str) -> object:
         return {**default, **{key: like(default[key], item, f"{what}.{key}") for key, item in value.items()}}
     if isinstance(default, list | tuple):
         return like_list(default, value, what)
-    if isinstance(value, str):
+    if isinstance(value, str | bool):
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
     if isinstance(default, int):
@@ -79,10 +83,10 @@ def like_list(default: Sequence, value: object, what: str) -> list:
     """Numbers in the shape of the default."""
     shape = np.shape(default)
     try:
-        found = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        found = np.array(np.nan)
-    if found.shape != shape or not np.isfinite(found).all():
+        found = np.asarray(value)
+    except ValueError:  # lists of several lengths
+        found = np.asarray(None)
+    if found.dtype.kind not in "iuf" or found.shape != shape or not np.isfinite(found).all():
         size = " x ".join(map(str, shape))
         raise InputError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
-    return found.tolist()
+    return found.astype(float).tolist()

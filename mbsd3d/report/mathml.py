@@ -3,7 +3,7 @@
 ``A W^2 cos(tilt) - C w_3 W + m g l = 0``: a space multiplies, digits behind a letter and ``_`` lower, ``^`` raises,
 ``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas, words stand upright.
 ``a b / c d`` divides the whole product by all that follows, ``a/b`` without spaces its neighbours only; formulas with a
-semicolon between them stand below each other.
+semicolon between them stand below each other. A line may break before a sign that is in no bracket.
 """
 
 import re
@@ -24,8 +24,8 @@ THIN = '<mspace width=".2em"></mspace>'
 
 
 def mathml(text: str) -> str:
-    """One ``<math>`` element for each formula of a text; ValueError where a bracket stays open."""
-    return "".join(f'<math display="block">{Reader(line).formula()}</math>' for line in text.split(";"))
+    """One paragraph for each formula of a text; ValueError where a bracket stays open."""
+    return "".join(f"<p>{Reader(line).formula()}</p>" for line in text.split(";"))
 
 
 class Reader:
@@ -46,15 +46,27 @@ class Reader:
         return self.pieces.pop()[1]
 
     def formula(self) -> str:
-        """The whole of it."""
-        return self.sequence("")
+        """The whole of it, a ``<math>`` element a term: browsers break lines between these only."""
+        terms = [term.replace("<mo>", '<mo form="infix">', k > 0) for k, term in enumerate(self.terms(""))]
+        return " ".join(f'<math displaystyle="true">{term}</math>' for term in terms)
 
     def sequence(self, closing: str) -> str:
         """Products and the signs between them, as far as a closing bracket or the end."""
-        parts = []
+        return "".join(self.terms(closing))
+
+    def terms(self, closing: str) -> list[str]:
+        """Products, each with the signs before it; a comma belongs to what it ends."""
+        terms, open_ = [""], False  # whether a product follows the signs of the last term
         while self.coming[1] not in ("", closing):
-            parts.append(sign(self.take()) if self.coming[1] in ENDS else self.product(closing))
-        return "".join(parts)
+            if self.coming[1] not in ENDS:
+                terms[-1] += self.product(closing)
+                open_ = True
+            elif open_ and self.coming[1] not in ",:":
+                terms.append(sign(self.take()))
+                open_ = False
+            else:
+                terms[-1] += sign(self.take())
+        return terms
 
     def product(self, closing: str) -> str:
         """Factors; a slash between spaces divides all of them by all that follow."""

@@ -326,6 +326,8 @@ def expect_one_line(result, message):
         (("demo", "stewart", "--set", "yaw=3"), "no parameter 'yaw'; did you mean yaw_deg?"),
         (("demo", "stewart", "--set", "yaw_deg"), "'yaw_deg' is not NAME=VALUE; write e.g. --set Omega=30"),
         (("demo", "stewart", "--set", "yaw_deg=[1]"), "yaw_deg: expected a number"),
+        (("demo", "stewart", "--set", "yaw_deg=true"), "yaw_deg = True is not a number"),
+        (("demo", "dual_spin", "--set", 'I=["1","2","3"]'), "give 3 finite numbers"),
         (("demo", "stewart", "--set", "yaw_deg=90"), "the six legs leave the platform loose"),
         (("demo", "dual_spin", "--set", "I=[1,2]"), "give 3 finite numbers"),
         (("demo", "stewart", "--without", "giroscopic"), "no term 'giroscopic'; did you mean gyroscopic?"),

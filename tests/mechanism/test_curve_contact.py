@@ -26,6 +26,7 @@ from mbsd3d import (
 from mbsd3d.base.rotations import matrix
 from mbsd3d.equations.at_state import coordinate_row
 from mbsd3d.kernels.coordinates import coordinate
+from mbsd3d.view.scene.artist import draw_system
 from validation.twins.definitions import equations as reference_point
 
 TURN = 2 * np.pi * np.arange(60) / 60
@@ -252,6 +253,12 @@ def test_a_driver_leads_along_a_curve_but_not_at_a_speed_along_an_axis():
     assert solution.effort(driven) == pytest.approx(bead.mass, rel=1e-4)  # 1 m/s^2 over a length good to 1e-5
     with pytest.raises(ValueError, match="leads along a curve"):
         SpeedDriver(held, 1.0)
+    with pytest.raises(ValueError, match="held from all sides"):
+        held.contact_normal(solution)
+    found = System([bead], [held]).assemble(slides={held: 1.0})
+    assert found.q[:3] == pytest.approx(held.line.x(held.start + 1.0), abs=1e-9)
+    drawn = [piece for piece in draw_system(system).pieces if piece.name == "drive"]
+    assert all(np.isfinite(piece.mesh.vertices).all() for piece in drawn) and drawn
 
 
 def test_friction_brakes_along_a_curve_and_a_measure_stops_there():

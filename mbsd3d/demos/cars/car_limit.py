@@ -12,7 +12,7 @@ from .theory import roll_gradient, textbook_roll_gradient, transfers, trims, und
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
-LIGHT = 1e-9  # of a wheel's inertia about its axle: it turns, and does not spin
+LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
 
 
 def mechanism(
@@ -25,7 +25,7 @@ def mechanism(
 
 def known(c: Car, v: float, spin: float) -> dict[str, float]:
     """Closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that counts."""
-    roll, without = roll_gradient(c, spin), roll_gradient(c, 0.0)
+    roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT), spin)
     front, rear = transfers(c, spin)
     return {
         "roll_rad_s2_m": roll,

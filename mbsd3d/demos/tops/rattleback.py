@@ -12,33 +12,31 @@ from ..stones import rolled
 G = 9.81  # m/s^2
 
 
-def mechanism(
-    *, m=1.0, radii=(0.2, 0.03, 0.02), I=(2e-4, 16e-4, 17e-4), delta_deg=-2.0, wobble=0.05, spin=5.0
-) -> System:
-    """Ellipsoid of half axes ``radii`` [m] with principal moments I [kg m^2] about axes that are turned by delta about
+def mechanism(*, m=1.0, a=0.2, b=0.03, c=0.02, I=(2e-4, 16e-4, 17e-4), delta_deg=-2.0, wobble=0.05, spin=5.0) -> System:
+    """Ellipsoid of half axes a, b, c [m] with principal moments I [kg m^2] about axes that are turned by delta about
     its short one; it spins about the vertical and wobbles about its long axis [rad/s]."""
-    form = shapes.Ellipsoid(radii, orientation=rotation("z", -delta_deg, degrees=True))
-    stone = Body("stone", m, I, position=(0, 0, radii[2]), orientation=rotation("z", delta_deg, degrees=True),
-                 velocity=(0, -wobble * radii[2], 0), omega=(wobble, 0, spin), shape=form)  # fmt: skip
+    form = shapes.Ellipsoid((a, b, c), orientation=rotation("z", -delta_deg, degrees=True))
+    stone = Body("stone", m, I, position=(0, 0, c), orientation=rotation("z", delta_deg, degrees=True),
+                 velocity=(0, -wobble * c, 0), omega=(wobble, 0, spin), shape=form)  # fmt: skip
     return System([stone], [Rolling(GROUND, stone, form, name="table")], gravity=(0, 0, -G))
 
 
-def own(times, *, m, radii, I, delta_deg, wobble, spin):
+def own(times, *, m, a, b, c, I, delta_deg, wobble, spin):
     """(times, 7) of the vertical and of w in axes of the surface, and of the turn, by the stone's own equations."""
     turn = matrix(rotation("z", delta_deg, degrees=True))
-    return rolled(times, m=m, g=G, I=turn @ np.diag(I) @ turn.T, radii=radii, n=(0, 0, 1), w=(wobble, 0, spin))
+    return rolled(times, m=m, g=G, I=turn @ np.diag(I) @ turn.T, radii=(a, b, c), n=(0, 0, 1), w=(wobble, 0, spin))
 
 
-def theory(*, m, radii, I, delta_deg, wobble, spin, t):
+def theory(*, m, a, b, c, I, delta_deg, wobble, spin, t):
     """Own equations: spin about the vertical and its integral."""
-    y = own(np.array([0.0, t]), m=m, radii=radii, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)[-1]
+    y = own(np.array([0.0, t]), m=m, a=a, b=b, c=c, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)[-1]
     return {"spin_at_t_rad_s": y[:3] @ y[3:6], "turned_rad": y[6]}
 
 
-def measure(build, terms, *, m, radii, I, delta_deg, wobble, spin, t=4.0) -> Measured:
+def measure(build, terms, *, m, a, b, c, I, delta_deg, wobble, spin, t=4.0) -> Measured:
     """Spin about the vertical and its integral."""
     run = simulate(build(), t, rtol=1e-12, output=1601, **terms)
-    y = own(run.t, m=m, radii=radii, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)
+    y = own(run.t, m=m, a=a, b=b, c=c, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)
     vertical = run.omega("stone")[:, 2]
     turned = CubicHermiteSpline(run.t, vertical, run.alpha("stone")[:, 2]).integrate(0, t)
     lift = np.degrees(np.arccos(np.clip(run.rotation("stone")[:, 2, 2], -1, 1)))
@@ -68,5 +66,5 @@ demo = Demo(
     measure=measure,
     ablation=Ablation("skew", "with the mass along the surface it spins on", {"delta_deg": 0.0}),
     show={"curves": [("omega", "stone")], "traces": [], "follow": "stone", "speed": 0.5},
-    ranges={"I": [(1.9e-4, 2.1e-4), (15.5e-4, 16.5e-4), (16.5e-4, 17.5e-4)], "radii": None},
+    ranges={"I": [(1.9e-4, 2.1e-4), (15.5e-4, 16.5e-4), (16.5e-4, 17.5e-4)], "a": None, "b": None, "c": None},
 )

@@ -88,7 +88,7 @@ demo = Demo(
     "the hand about two axes only. Just before that, a turn about the lost direction is still possible, as a small "
     "difference of two large turns in opposite senses. Their greatest rates go as one over the least bend, without "
     "limit. `check()` says so beforehand: in the stretched pose one row is lost, so controllers keep away from it.",
-    equation="w4 = w sin(miss) / sin(bend)^2; w6 = -cos(bend) w4",
+    equation="q_4' = w sin(miss) / sin^2(bend); q_6' = -q_4' cos(bend); miss <= bend",
     source="Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control (wrist singularities)",
     quantities={
         "axis4_peak_rad_s": Quantity("greatest rate of axis 4", "rad/s"),

@@ -176,9 +176,9 @@ class CurveContact(Joint):
     @cached_property
     def way(self) -> Coordinate:
         """Length along the curve, from 0 at the reference pose."""
-        kind, normal = ("path", ZERO) if self.face is None else ("touch", self.face)
+        kind, axis = ("path", self.line.along(self.start)) if self.face is None else ("touch", self.face)
         numbers = self.line.numbers(self.start, self.axes_of_a, self.a.position, self.across)
-        return Coordinate(kind, self.a, self.b, normal, normal, self.at, self.at, numbers=numbers)
+        return Coordinate(kind, self.a, self.b, axis, axis, self.at, self.at, numbers=numbers)
 
     @property
     def outline(self) -> np.ndarray:
@@ -212,7 +212,7 @@ class CurveContact(Joint):
         if self.face is not None:
             return solution.body_axis(self.b, self.face)
         if self.pin is None:
-            raise InputError(f"'{self.name}': a point on a curve in space is held from all sides; ask for its reaction")
+            raise InputError("contact_normal: a point on a curve in space is held from all sides; ask for its reaction")
         n = self.across[0](self.start + solution.slide(self))
         axes = np.stack([solution.body_axis(self.a, x) for x in np.eye(3)], axis=1)
         return np.einsum("tk,tki->ti", n / np.linalg.norm(n, axis=1, keepdims=True), axes)
