@@ -15,7 +15,7 @@ AHEAD, LANE = 45.0, (30.0, 25.0, 25.0)  # m before it, over, in the other lane, 
 SMALL, TIGHT = 1e-4, 1e-12  # m of course: what is of second order has no say; tolerance of the run
 SAMPLES = 601
 FASTER = 1.4  # the second run
-LOST = 0.5  # distance of the point ahead, over the first one, of a car that has turned away
+LOST = 0.7  # distance of the point ahead, over the first one, of a car that has turned away
 
 
 def course_of(width, v, preview):
