@@ -157,13 +157,16 @@ def test_notebooks_are_those_of_the_lessons():
 
 
 def test_every_lesson_has_its_pictures():
-    named = {
-        page: set(re.findall(r"\]\(\.\./pictures/lessons/(\S+)\)", text.read_text(encoding="utf-8")))
-        for page, text in PAGES.items()
-        if page.startswith("teaching/") and blocks(text)
+    shown = {
+        page: re.findall(r"\]\([./]*pictures/((?:lessons|pages)/\S+)\)", PAGES[page].read_text("utf-8"))
+        for page in PAGES
     }
-    assert all(len(pictures) >= 2 for pictures in named.values())
-    assert set().union(*named.values()) == {path.name for path in (DOCS / "pictures/lessons").iterdir()}
+    lessons = [names for page, names in shown.items() if page.startswith("teaching/") and blocks(PAGES[page])]
+    assert lessons and all(len(names) >= 2 for names in lessons)
+    made = {
+        f"{folder}/{path.name}" for folder in ("lessons", "pages") for path in (DOCS / "pictures" / folder).iterdir()
+    }
+    assert {name for names in shown.values() for name in names} == made
 
 
 def test_forty_questions_have_a_page():
