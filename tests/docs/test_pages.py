@@ -1,5 +1,6 @@
 """The pages of docs/: their blocks print what they show, and what they name exists."""
 
+import doctest
 import inspect
 import json
 import re
@@ -18,9 +19,9 @@ from validation.cases.examples import JOINTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SLOW = {  # films, sweeps, other engines, compiled functions: a second or more
-    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md", "engines.md",
-    "coming_from/mujoco.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md", "how/own_method.md",
-    "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
+    "api/bicycle.md", "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md",
+    "coming_from/mujoco.md", "engines.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md",
+    "how/own_method.md", "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
 }  # fmt: skip
 PAGES = {str(path.relative_to(DOCS)): path for path in sorted(DOCS.rglob("*.md"))}
 WITH_BLOCKS = [
@@ -126,6 +127,18 @@ def test_every_public_name_is_in_the_reference_with_an_example(name):
     used = re.search(rf"\b{name.split('.')[-1]}\b", examples)
     shown = ">>>" in (inspect.getdoc(resolved(f"mbsd3d.{name}")) or "")
     assert used or shown or name == "GROUND"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", re.findall(r"^\.\. autofunction:: (\S+)$", API["api/bicycle.md"], re.MULTILINE))
+def test_every_function_of_the_other_packages_has_an_example_that_runs(name):
+    found = resolved(name)
+    tests = doctest.DocTestFinder(recurse=False).find(found, name, globs={})
+    if any(test.examples for test in tests):
+        assert not any(doctest.DocTestRunner().run(test).failed for test in tests)
+    else:
+        code = "".join(code for code, _ in blocks(PAGES["api/bicycle.md"]))
+        assert re.search(rf"\b{name.split('.')[-1]}\(", code)
 
 
 def test_every_joint_has_its_row_and_picture():
