@@ -5,7 +5,7 @@ import numpy as np
 from ..dynamics.state_rates import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
-from ..saddle.loops import note_independence
+from ..saddle.independence import note_independence
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
