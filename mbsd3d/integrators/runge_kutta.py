@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.by_reference import by_reference
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel
@@ -24,8 +24,8 @@ from .step_control import (
     way_to_singular,
 )
 
-# What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
-AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
+# What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
+AMPLIFIED, MOST_AMPLIFIED = 0.1, 1e-8
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -121,8 +121,8 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    rounding = min(MOST_AMPLIFIED, AMPLIFIED / run.rows.least_pivot)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, rounding)
+    unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, unknown)
 
 
 @inner_kernel
