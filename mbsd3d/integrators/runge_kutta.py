@@ -26,6 +26,7 @@ from .step_control import (
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
 AMPLIFIED, MOST_AMPLIFIED = 0.1, 1e-8
+BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -174,6 +175,19 @@ def retry(run, step):
 
 
 @inner_kernel
+def good_enough(run, h, error):
+    """True for a step within the tolerance, or over a singular position where shorter ones gain nothing.
+
+    Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
+    """
+    if error <= 1.0 or run.rows.on_manifold == 0 or run.rows.ahead >= h:
+        return error <= 1.0
+    before = run.rows.missed
+    run.rows.missed = error
+    return before > 0.0 and BETTERED * before < error < LOST
+
+
+@inner_kernel
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
@@ -187,7 +201,7 @@ def attempt(m, d, s, own, run):
         solved = stages(m, d, s, own, run, h)
         error = error_norm(m, own, run, h) if solved and not fixed else 0.0
         judged = solved and np.isfinite(error)
-        if not (solved and error <= 1.0):
+        if not (judged and good_enough(run, h, error)):
             if fixed:
                 return NO_SOLUTION, t_new, h, error
             if nearly_singular(run) and run.rows.on_manifold == 0:
@@ -216,6 +230,8 @@ def accept(own, run, t_new, h, error):
     if run.task.steps == 0:
         run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
     run.now.retried = 0
+    if not nearly_singular(run):
+        run.rows.missed = 0.0
 
 
 @inner_kernel
