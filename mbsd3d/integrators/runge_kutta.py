@@ -25,7 +25,7 @@ from .step_control import (
 )
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
-AMPLIFIED, MOST_AMPLIFIED = 0.1, 1e-8
+AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
 BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
