@@ -48,7 +48,7 @@ class Table(NamedTuple):
 
     def widest_gap(self) -> tuple[float, float]:
         """Two neighbours among the nodes c between which no stage lies."""
-        nodes = np.unique(self.c)
+        nodes = np.sort(self.c)
         k = int(np.argmax(np.diff(nodes)))
         return float(nodes[k]), float(nodes[k + 1])
 
