@@ -15,6 +15,7 @@ from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
+    good_enough,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -26,7 +27,6 @@ from .step_control import (
 
 # What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
 AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
-BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -172,19 +172,6 @@ def retry(run, step):
     run.now.step = step
     run.now.rejected += 1
     run.now.retried = 1
-
-
-@inner_kernel
-def good_enough(run, h, error):
-    """True for a step within the tolerance, or over a singular position where shorter ones gain nothing.
-
-    Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
-    """
-    if error <= 1.0 or run.rows.on_manifold == 0 or run.rows.ahead >= h:
-        return error <= 1.0
-    before = run.rows.missed
-    run.rows.missed = error
-    return before > 0.0 and BETTERED * before < error < LOST
 
 
 @inner_kernel
