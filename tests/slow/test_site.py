@@ -57,7 +57,7 @@ QUERIES = (  # what a newcomer may type for each of the questions of docs/questi
 ASKED = {  # in the words of users of other programs: a page, or the table of other words on that of the questions
     "joint limit end stop": "how/contacts",
     "singular Jacobian redundant constraints": "how/redundancy",
-    "mass matrix constraint Jacobian": "coming_from/drake",
+    "mass matrix constraint Jacobian": "api/extend",
     "loop drifts apart": "theory/projection",
     "inconsistent initial velocity": "start/when_it_fails",
     "rotor inertia gear ratio": "how/gears",
