@@ -124,9 +124,6 @@ demo = Demo(
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
         "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=4e-3),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less by half of what its spinning wheels add; the other half is I dw/dt of the wheels",

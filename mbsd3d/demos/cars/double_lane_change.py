@@ -146,9 +146,6 @@ demo = Demo(
         "damping_1_s": Quantity("damping of the slowest swing of car and driver", "1/s", relative=1e-7),
         "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
     alone="no other engine has this tyre",
     show={

@@ -105,9 +105,6 @@ demo = Demo(
         "pitch_by_engine_rad_s2_m": Quantity("pitch by the engine, per acceleration", "rad s^2/m", 1e-6, 1e-9),
         "front_by_engine_kg": Quantity("load to the front by the engine, per acceleration", "kg", 1e-6, 1e-4),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "half of what the engine does is lost; the other half is I dw/dt of the crankshaft",

@@ -147,9 +147,6 @@ demo = Demo(
         "roll_gain": Quantity("roll over steer, in the end of a single turn", "", relative=2e-5),
         "swing_over_steady": Quantity("largest roll to the other side, over that", "", relative=5e-5),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("steering_back", "steered straight again only, it swings over by very little", {"back": 0.0}),
     alone="no other engine has this tyre",
     show={

@@ -108,9 +108,6 @@ demo = Demo(
         "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=4e-3),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "load_sensitivity",
         "with grip and stiffness in proportion to the load bars in front cost nothing, and the car steers as if its "

@@ -112,9 +112,6 @@ demo = Demo(
         "side_s": Quantity("90 % of the side acceleration after", "s", relative=1e-4),
         "roll_s": Quantity("90 % of the roll after", "s", relative=1e-4),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less, by half of what its spinning wheels add; the other half is I dw/dt of the wheels",

@@ -62,9 +62,6 @@ demo = Demo(
     equation="right angles: cos t + cos f + cos t cos f = 0",
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "symmetry", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"other_hinge_turn_deg": 0.0}
     ),  # fmt: skip

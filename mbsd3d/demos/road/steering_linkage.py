@@ -107,9 +107,6 @@ demo = Demo(
         "right_kingpin_deg": Quantity("angle of the right kingpin", "deg"),
         "ackermann_error": Quantity("cot(outer) - cot(inner) - track/wheelbase"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "lean", "with upright kingpins it is the plane trapezoid", {"kingpin_deg": 0.0, "caster_deg": 0.0}
     ),

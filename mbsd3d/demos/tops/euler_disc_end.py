@@ -113,9 +113,6 @@ demo = Demo(
         "lost_J": Quantity("energy lost by t", "J", relative=1e-3, absolute=1e-6),
         "spare": Quantity("friction to spare at t", absolute=0.03),  # it wobbles by that much
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("loss", "without friction against rolling it goes round for ever", {"arm": 0.0},
                       values=lambda: {"ends_s": np.inf, "lost_J": 0.0}),
     show={"curves": [("omega", "disc")], "traces": [], "speed": 0.1},
