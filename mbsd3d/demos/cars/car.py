@@ -27,6 +27,7 @@ WHEELS = {"front left": (1, 1), "front right": (1, -1), "rear left": (-1, 1), "r
 STRUT = 0.5  # length of the springs under load [m]: they act along one line, so it does not matter
 KINGPIN = shapes.Lines([(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
 CRANK = 10.0  # kg of a crankshaft, taken from the mass without the wheels
+SHOW = {"traces": [], "hidden": ["joints", "joint names", "body names"], "follow": "chassis"}  # of every demo
 
 
 class Engine(NamedTuple):

@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car, car
+from .car import SHOW, WHEELS, Car, car
 from .circle import circle, circles
 from .theory import roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
@@ -130,10 +130,5 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

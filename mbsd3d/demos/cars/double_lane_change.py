@@ -7,7 +7,7 @@ from mbsd3d import Pulse, System, linearize, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car
+from .car import SHOW, WHEELS, Car
 from .driver import closed, followed
 from .linear import Y
 
@@ -149,10 +149,9 @@ demo = Demo(
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
     alone="no other engine has this tyre",
     show={
+        **SHOW,
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],
         "traces": ["chassis", "point"],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
     },
     ranges={"a": (1.1, 1.2), "v": (19.0, 24.0)},
 )  # fmt: skip

@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
-from .car import Car, Engine, G, car
+from .car import SHOW, Car, Engine, G, car
 from .circle import circle
 from .theory import axle_stiffnesses
 
@@ -112,10 +112,5 @@ demo = Demo(
     ),
     against=Against("Omega", -900.0, 900.0, "speed of the crankshaft [rad/s]", 3),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "front left tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "front left tyre")]},
 )  # fmt: skip

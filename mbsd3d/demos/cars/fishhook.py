@@ -7,7 +7,7 @@ from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car, car
+from .car import SHOW, WHEELS, Car, car
 from .linear import ROLL, linear
 
 SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
@@ -149,11 +149,6 @@ demo = Demo(
     },
     ablation=Ablation("steering_back", "steered straight again only, it swings over by very little", {"back": 0.0}),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.6, 0.72), "damping": (1500.0, 2300.0), "at": None},
 )  # fmt: skip

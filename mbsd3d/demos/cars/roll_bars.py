@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import Car, car
+from .car import SHOW, Car, car
 from .circle import circle, circles
 from .theory import trims, understeer_gradient
 
@@ -115,11 +115,6 @@ demo = Demo(
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
 )  # fmt: skip
