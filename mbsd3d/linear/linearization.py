@@ -144,7 +144,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
     if isinstance(outputs, Measure):
         outputs = (outputs,)
     if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
-        raise InputError(f"linearize: outputs = {shown(outputs)} is no sequence; give a list of mbsd3d.measures")
+        raise InputError(f"linearize: outputs = {shown(outputs)} is not a sequence; give a list of mbsd3d.measures")
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise InputError(f"linearize: outputs: {shown(x)} is not a measure; build one with mbsd3d.measures")
