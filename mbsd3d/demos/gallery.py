@@ -154,12 +154,7 @@ def cells(row: Row) -> Sequence[str]:
 
 def source_of(demo: Demo) -> str:
     """The text of the file a demo stands in."""
-    return inspect.getsource(module_of(demo))
-
-
-def module_of(demo: Demo) -> object:
-    """The module a demo stands in."""
-    return sys.modules[demo.module]
+    return inspect.getsource(sys.modules[demo.module])
 
 
 def digest(demo: Demo) -> str:
