@@ -42,6 +42,7 @@ ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
     ("ahead", float),  # s, from there to where it would vanish (Runge-Kutta methods)
     ("planned", float),  # s, length of a step before it was shortened to pass over that position; 0 = it was not
+    ("missed", float),  # error of the last step over that position that was rejected; 0 = none was
     ("worn", int),  # 1: rows of a joint have become dependent there: another tree is due
     ("lowest", float),  # the least at the end of any step
     ("least_pivot", float),  # the least of all stages of the step at hand

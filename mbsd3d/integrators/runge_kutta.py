@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
+from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.by_reference import by_reference
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel
@@ -15,6 +15,7 @@ from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
+    good_enough,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -24,8 +25,8 @@ from .step_control import (
     way_to_singular,
 )
 
-# What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
-AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
+# What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
+AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
@@ -47,7 +48,7 @@ class Table(NamedTuple):
 
     def widest_gap(self) -> tuple[float, float]:
         """Two neighbours among the nodes c between which no stage lies."""
-        nodes = np.unique(self.c)
+        nodes = np.sort(self.c)
         k = int(np.argmax(np.diff(nodes)))
         return float(nodes[k]), float(nodes[k + 1])
 
@@ -121,8 +122,8 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    rounding = min(MOST_AMPLIFIED, AMPLIFIED / run.rows.least_pivot)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, rounding)
+    unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, unknown)
 
 
 @inner_kernel
@@ -187,7 +188,7 @@ def attempt(m, d, s, own, run):
         solved = stages(m, d, s, own, run, h)
         error = error_norm(m, own, run, h) if solved and not fixed else 0.0
         judged = solved and np.isfinite(error)
-        if not (solved and error <= 1.0):
+        if not (judged and good_enough(run, h, error)):
             if fixed:
                 return NO_SOLUTION, t_new, h, error
             if nearly_singular(run) and run.rows.on_manifold == 0:
@@ -216,6 +217,8 @@ def accept(own, run, t_new, h, error):
     if run.task.steps == 0:
         run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
     run.now.retried = 0
+    if not nearly_singular(run):
+        run.rows.missed = 0.0
 
 
 @inner_kernel

@@ -238,6 +238,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("row", int),
             ("end", int),  # one past its group: rows between the same bodies, of which the largest pivots come first
             ("first", int),  # first stored column of its line of S, the same for a group
+            ("last", int),  # last line of S that has a column of its number
             ("line", int),  # start of the line
             ("mu", float),  # what is added to the diagonal
             ("at", int),  # the loop row that stands here in the factor
