@@ -51,7 +51,7 @@ class Linearization:
 
     @property
     def state_units(self) -> tuple[str, ...]:
-        """Their units."""
+        """Units of `states`."""
         return tuple(x.unit for x in self.outputs) or self.space.unit_names(self.compiled.model)
 
     @cached_property

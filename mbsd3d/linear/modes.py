@@ -85,12 +85,12 @@ class Mode:
 
     @property
     def time_to_double(self) -> float:
-        """[s] for a growing mode, else infinite."""
+        """Time in which the amplitude doubles [s], infinite unless the mode grows."""
         return float(np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real > 0.0 else np.inf
 
     @property
     def time_to_half(self) -> float:
-        """[s] for a decaying mode, else infinite."""
+        """Time in which the amplitude halves [s], infinite unless the mode decays."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
     def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
