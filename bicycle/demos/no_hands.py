@@ -47,7 +47,7 @@ def capsize_of(values):
 
 
 def small_motions(system: System, terms) -> Linearization:
-    """In lean and steer."""
+    """The linear equations in lean and steer."""
     return linearize(system, outputs=outputs(system), **terms)
 
 

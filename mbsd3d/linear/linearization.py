@@ -68,7 +68,7 @@ class Linearization:
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """[1/s] sorted by frequency, then real part."""
+        """Eigenvalues [1/s] sorted by frequency, then real part."""
         return self.spectrum[0]
 
     @cached_property

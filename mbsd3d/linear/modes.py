@@ -54,7 +54,7 @@ def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sorting(value: complex) -> tuple[int, int, bool]:
-    """By frequency, then growth, the conjugate last; rounding does not change the order."""
+    """Key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
     return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
 
 

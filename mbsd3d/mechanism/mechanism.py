@@ -130,5 +130,5 @@ class Mechanism(Frozen):
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
-        """[kg]"""
+        """Sum of the masses of all bodies [kg]."""
         return float(np.sum([body.mass for body in self.bodies]))

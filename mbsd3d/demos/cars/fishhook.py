@@ -44,7 +44,7 @@ def top(t, x, after=0.0):
 
 
 def features(answer):
-    """Of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``, and these rolls.
+    """Features of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``; these rolls.
 
     When it is steered back; the roll of the single turn in the end; the largest one to the left over that.
     """
@@ -73,7 +73,7 @@ def theory(*, ms, h, track, kf, kr, damping, v, back):
 
 
 def roll_of(run):
-    """To the right [rad]."""
+    """Roll to the right [rad]."""
     return run.measure(measures.lean(run.system.part("chassis"))).ravel()
 
 

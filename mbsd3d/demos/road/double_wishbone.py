@@ -109,7 +109,7 @@ def upright_axes(p, angle, guess=(0.0, 0.0)):
 
 
 def cross_matrix(a):
-    """[a]x."""
+    """Matrix [a]x of the cross product."""
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
 
 

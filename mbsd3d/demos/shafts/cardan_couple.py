@@ -14,7 +14,7 @@ def mechanism(*, bend_deg=20.0, torque=500.0) -> System:
 
 
 def couple(angle, bend_deg, torque):
-    """On the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven = torque."""
+    """Couple on the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven = torque."""
     b = np.radians(bend_deg)
     pin = np.stack([np.zeros_like(angle), np.cos(angle), np.sin(angle)])
     along = np.array([np.cos(b), np.sin(b), 0.0])

@@ -23,7 +23,7 @@ def moments(m, a, b):
 
 
 def height(a, b, tilt):
-    """Of the centre over the table."""
+    """Height of the centre over the table."""
     return np.hypot(a * np.cos(tilt), b * np.sin(tilt))
 
 
