@@ -14,6 +14,7 @@ from mbsd3d import (
     GeneralizedAlpha,
     Kinematic,
     PointOnLine,
+    PointOnPlane,
     Polynomial,
     PositionDriver,
     Prismatic,
@@ -112,6 +113,14 @@ def test_a_thin_rod_beside_the_line_between_its_balls_swings_about_it():
     system = rssr(rod("turned", aside=0.1))
     assert system.check().verdict == "regular: all rows are independent"
     assert simulate(system, 0.1).certificate.passed
+
+
+def test_a_joint_beside_the_axis_of_a_spin_is_not_named():
+    """A point of the ground stays in a plane across the rod, wherever the rod turns about its axis."""
+    free = rssr(rod("turned", radius=0.01))
+    guide = PointOnPlane(free.part("rod"), GROUND, at=(0.3, -0.4, 0.2), normal=ROD_AXIS, name="guide")
+    (note,) = (x for x in System(free.bodies, [*free.joints, guide]).check().notes if "spins freely" in x)
+    assert re.search(SPIN, note) and "guide" not in note
 
 
 def test_wheels_and_pendulums_are_not_spins():
