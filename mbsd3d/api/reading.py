@@ -43,7 +43,7 @@ def read_mjcf(path: str | Path, *, drop: Sequence[str] = (), timeout: float = 4.
     single joints; connect, weld and linear joint equalities, which are rigid here and soft there.
 
     ``path``: at most 8 MB with all it includes; it may name files in its own folder only. ``drop``: kinds to leave out:
-    "contact", "limit", "actuator", "frictionloss", ... ``timeout`` [s] for the process that reads the file. The result
+    "contact", "limit", "actuator", "frictionloss", ... ``timeout`` [s] of processor time to read it. The result
     has ``.system``, and what was merged, renamed and dropped. ValueError if the file holds something that can neither
     be imported nor is dropped (the message lists it all), names a file outside its folder, holds numbers that are not
     finite, or takes too long.
