@@ -63,4 +63,6 @@ def write_page(
 def shown(study: Study) -> str:
     """The moving engine on its mounts, as a page."""
     cycle = 4 * np.pi / study.preset.engine(study.rpm).rate
-    return study.run.animate(curves=(), traces=(), speed=cycle / PERIOD, title=study.preset.title).html
+    return study.run.animate(
+        curves=(), traces=(), hidden=("body names",), speed=cycle / PERIOD, title=study.preset.title
+    ).html

@@ -35,6 +35,7 @@ from validation.nvh.road.guide import SWING, Guide, guide, made
 KINDS = ("quarter", "half", "whole")
 HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
+PAIRS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "guides"), "front and rear") | {"seat": "ahead and left"}
 Load = tuple[str, Sequence[Any], Sequence[float] | None]
 GRAVITY = 9.81  # m/s^2: brakes are given as a share of it
 SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
@@ -71,6 +72,13 @@ class Vehicle:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
+        for name in PAIRS:
+            given = self.ride[name]
+            if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+                count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
+                raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+        for value in self.ride["seat"]:
+            number(value, "car on wheels: seat")
         for name in ("mass", "roll_inertia", "pitch_inertia", "wheelbase", "track"):
             number(self.ride[name], f"car on wheels: {name}", positive=True)
         for name in ("unsprung", "spring", "tyre"):
