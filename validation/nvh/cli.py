@@ -136,6 +136,8 @@ def in_car(
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
         show(f"modes of the shell, {Path(shell).name}", tables.shell(study))
     click.echo(f"\nlinear map and full run differ by {study.difference:.2%}")
+    if reason := tables.why(study):
+        click.echo(reason)
     if sound is not None:
         from validation.nvh.cabin.sound import write_sound
 
