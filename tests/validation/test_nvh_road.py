@@ -114,7 +114,7 @@ def test_a_rough_road_is_rough_as_its_class():
         (lambda: vehicle("half", unsprung=[40.0]), "unsprung: 1 in a list; give two, front and rear"),
         (lambda: vehicle("half", guides="multilink"), "guides: 'multilink'; give two, front and rear"),
         (lambda: vehicle("half", seat=[0.1, "left"]), "seat"),
-        (lambda: Planes(mounts.car("bench")), "'bench' are not known; give compact or saloon"),
+        (lambda: Planes(mounts.car("bench")).lines, "'bench' are not known; give compact or saloon"),
         (lambda: ride_of(mounts.car("bench"), "half", "C", 20.0), "not known on its wheels"),
     ],
 )

@@ -53,13 +53,9 @@ class Line:
 
 @dataclass(frozen=True)
 class Planes:
-    """The comparison in a car; ValueError for one whose wheels or shell are not known."""
+    """The comparison in a car."""
 
     car: Car
-
-    def __post_init__(self) -> None:
-        if self.car.ride is None or self.car.shell is None:
-            raise InputError(f"planes: wheels or shell of '{self.car.name}' are not known; give compact or saloon")
 
     @cached_property
     def study(self) -> Study:
@@ -68,7 +64,9 @@ class Planes:
 
     @cached_property
     def lines(self) -> list[Line]:
-        """All of them, in the order from crank to road."""
+        """All of them, in the order from crank to road; ValueError for a car whose wheels or shell are not known."""
+        if self.car.ride is None or self.car.shell is None:
+            raise InputError(f"planes: wheels or shell of '{self.car.name}' are not known; give compact or saloon")
         return [
             self.block(), self.bearings(), self.shafts(), self.couple(), self.modes(), self.roll(), self.spin(),
             self.active(), self.cabin(), self.valve(), self.barrel(), *self.road(), *self.guides(),
