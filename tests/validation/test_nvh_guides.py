@@ -103,6 +103,24 @@ def test_small_motions_of_a_linked_quarter_car_are_those_with_an_inerter(car):
         assert found[:, column] == pytest.approx(known, rel=1e-7)
 
 
+def test_a_tyre_that_rolls_damps_what_links_make_of_its_travel():
+    """The side force of its slip angle at the lowest point, by the twist alone: a damper beside the strut."""
+    ride, speed = mounts.car("compact").ride | {"cornering": [63e3, 0.0]}, 17.0
+    rolling, w = Vehicle("quarter", ride, linked=True, speed=speed), 2 * np.pi * np.geomspace(0.3, 40.0, 17)
+    (corner,), (A, B) = rolling.corners, rolling.equations
+    held = rolling.guides[0]
+    twist = theory.five_link_twist(held.links.values(), held.centre, np.eye(3), np.zeros(3))
+    inerter = corner.mass * (twist[0] ** 2 + twist[1] ** 2 + SWING * twist[3:] @ twist[3:])
+    aside = velocity(held, np.array([*held.centre[:2], 0.0]))[1]
+    damper = corner.damper + 63e3 / speed * aside**2
+    assert damper > 1.005 * corner.damper
+    push = corner.tyre + 1j * w * corner.tyre_damping
+    found = np.array([np.linalg.solve(1j * x * np.eye(4) - A, B[:, 0] * p) for x, p in zip(w, push, strict=True)])
+    rates = (corner.spring, damper), (corner.tyre, corner.tyre_damping)
+    for column, known in enumerate(theory.quarter_car(w, (rolling.mass, corner.mass), *rates, inerter)):
+        assert found[:, column] == pytest.approx(known, rel=1e-7)
+
+
 @pytest.mark.parametrize("linked", [False, True])
 def test_a_half_car_has_the_modes_of_a_whole_one_that_does_not_roll(linked):
     """Mirrored links on the right: heave and pitch of the whole car are those of its left half."""

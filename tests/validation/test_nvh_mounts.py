@@ -1,5 +1,6 @@
 """Powertrains on mounts: closed forms, mean crank train, linear map against the full motion, torque-roll axis."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from validation.nvh.held.response import OnMounts
 from validation.nvh.held.rigid_modes import rigid_modes, sag
 from validation.nvh.held.roll_axis import decouple, roll_axis, roll_share, stiffness_matrix
 from validation.nvh.study import Study
+from validation.nvh.tables import why
 
 FORMS = (
     lambda: checks.one_freedom(np.array([0.7, 4.1, 5.5, 9.3, 41.0])),
@@ -73,7 +75,22 @@ def test_linear_map_and_full_motion_agree(engine, car, rpm, load):
     study = Study(presets.preset(engine), mounts.car(car), rpm, load)
     assert study.run.certificate.passed
     # the mass matrix changes by the pistons' share of the mass, 1 % of it, twice a turn
-    assert study.difference < 3e-3
+    assert study.difference < 3e-3 and why(study) == ""
+
+
+def test_near_resonance_it_is_said_where_full_motion_and_map_part():
+    study = Study(presets.preset("single"), mounts.car("motorcycle"), 1500.0)
+    order, mode, share = study.nearest
+    assert study.difference > 0.01 and order == 1.0
+    # the mode is excited from below or above: its share in closed form, by the modes of the powertrain at rest
+    damped = [
+        (abs(2j * z / (1 - (25.0 / f) ** 2 + 2j * z * 25.0 / f)), f)
+        for f, z in ((m.frequency, 0.06 * m.frequency / study.car.bounce) for m in study.modes)
+    ]
+    known, at = max(damped)
+    # rolled by the mean torque, with a crank that spins and has no share in the roll
+    assert mode == pytest.approx(at, rel=0.1) and share == pytest.approx(known, rel=0.4) and share > 0.2
+    assert why(study).startswith("most in 1x, 25.0 Hz, beside a mode of")
 
 
 def test_a_sweep_is_the_full_motion_at_each_speed():
@@ -93,6 +110,14 @@ def test_without_the_spin_of_the_crank_the_map_misses_the_full_motion():
     blind = replace(study.on_mounts, gyroscopic=False).answer(study.source, [study.rpm])
     off = np.abs(study.run_force[1:] - blind.force[0, 1:]).max()
     assert off > 10 * study.differences[1].max()
+
+
+def test_mounts_in_one_place_hold_nothing(tmp_path):
+    own = {name: dict(at=[0, 0, 0], rates=[1e5, 1e5, 1e5], damping=[1, 1, 1], angle=0) for name in "abc"}
+    file = tmp_path / "it.json"
+    file.write_text(json.dumps(dict(title="it", bounce=None, mounts=own)), encoding="utf-8")
+    found = CliRunner().invoke(nvh, ["single", "--car", str(file)])
+    assert "3 mounts leave 3 motions free; give three that are not in line" in str(found.exception)
 
 
 def test_mean_torque_and_mounts_balance():

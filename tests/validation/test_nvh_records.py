@@ -55,7 +55,9 @@ def test_guides_of_ones_own(folder):
     named, given = Vehicle("half", ride, True), Vehicle("half", ride | {"guides": own}, True)
     assert np.array_equal(named.equations[0], given.equations[0]) and given.guides[0].kind == "own"
     with pytest.raises(ValueError, match="guide 'own': strut missing"):
-        assert Vehicle("half", ride | {"guides": [{k: own[0][k] for k in ("centre", "links")}]}, True).guides == []
+        assert (
+            Vehicle("half", ride | {"guides": [{k: own[0][k] for k in ("centre", "links")}, own[1]]}, True).guides == []
+        )
 
 
 CAR = [

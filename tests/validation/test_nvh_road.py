@@ -7,6 +7,7 @@ from click.testing import CliRunner
 from validation import theory
 from validation.nvh.cli import nvh
 from validation.nvh.held import mounts
+from validation.nvh.planes import Planes
 from validation.nvh.road.comfort import verdict, weight
 from validation.nvh.road.profile import Road
 from validation.nvh.road.report import ride_of
@@ -110,6 +111,10 @@ def test_a_rough_road_is_rough_as_its_class():
         (lambda: vehicle("third"), "kind 'third' is unknown; give one of quarter"),
         (lambda: vehicle("half", spring=[0.0, 1e4]), "spring"),
         (lambda: vehicle("half", damper=[-1.0, 1e3]), "damping"),
+        (lambda: vehicle("half", unsprung=[40.0]), "unsprung: 1 in a list; give two, front and rear"),
+        (lambda: vehicle("half", guides="multilink"), "guides: 'multilink'; give two, front and rear"),
+        (lambda: vehicle("half", seat=[0.1, "left"]), "seat"),
+        (lambda: Planes(mounts.car("bench")).lines, "'bench' are not known; give compact or saloon"),
         (lambda: ride_of(mounts.car("bench"), "half", "C", 20.0), "not known on its wheels"),
     ],
 )

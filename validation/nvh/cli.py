@@ -10,10 +10,11 @@ from mbsd3d.extend import can_view, ready_folder
 
 DIFFER, CAR = 1, "compact"  # exit code; where an engine is if nothing else is said
 KINDS = ("lanchester", "raised", "first")  # of balance_shafts, which is imported when it is needed
+FOLLOWERS = ("flat", "roller", "barrel")  # of valve.cam
 TAKES = {
     "LAYOUT": ("car", "rpm", "load", "shafts", "sweep", "cycles", "active", "shell", "sound", "page", "export"),
     "--road": ("car", "speed", "page"),
-    "--valve": ("rpm", "page"),
+    "--valve": ("rpm", "follower", "page"),
     "--planes": ("car",),
 }
 """What goes with what is studied."""
@@ -35,6 +36,7 @@ TAKES = {
 @click.option("--page", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
 @click.option("--export", metavar="FOLDER", help="Write engine, car and shell there, as files to edit.")
 @click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
+@click.option("--follower", type=click.Choice(FOLLOWERS), help="With --valve: what runs on the cam.  [default: flat]")
 @click.option("--planes", is_flag=True, help="What planar models get right: exact, approximate, impossible.")
 @click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
@@ -112,6 +114,7 @@ def in_car(
         raise InputError(
             f"nvh: --sound needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or --shell"
         )
+    study.modes  # noqa: B018  # refuses mounts that leave a motion free
     if study.cabin is not None:
         study.cabin.at_feet, study.cabin.at_seat  # noqa: B018  # refuses a table that lacks a place
     swept = None if sweep is None else study.sweep(sweep, cycles)
@@ -133,6 +136,8 @@ def in_car(
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
         show(f"modes of the shell, {Path(shell).name}", tables.shell(study))
     click.echo(f"\nlinear map and full run differ by {study.difference:.2%}")
+    if reason := tables.why(study):
+        click.echo(reason)
     if sound is not None:
         from validation.nvh.cabin.sound import write_sound
 
@@ -167,12 +172,12 @@ def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -
         click.echo(report.write_page(car, rides, page))
 
 
-def on_cam(valve: str, rpm: float | None = None, page: str | None = None) -> None:
+def on_cam(valve: str, rpm: float | None = None, follower: str = "flat", page: str | None = None) -> None:
     """A valve train over the speed; show it, write its page."""
     from validation.nvh.valve.report import Valve, write_page
 
-    found = Valve(valve, rpm)
-    click.echo(found.facts)
+    found = Valve(valve, rpm, follower)
+    click.echo(f"{found.facts}\n{found.verdict}")
     show("on the cam and off it", found.rows)
     if page is not None:
         click.echo(write_page(found, page))

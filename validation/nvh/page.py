@@ -53,7 +53,8 @@ def write_page(
         shown_tables |= {"felt": tables.felt(study), "shell": tables.shell(study)}
         shown_tables["most"], shown_tables["paths"] = tables.paths(study)
     page = page_template("nvh.html", TEMPLATES).render(
-        study=study, view=view, lines=tables.facts(study), agrees=study.difference <= AGREES, digits=digits,
+        study=study, why=tables.why(study), view=view, lines=tables.facts(study),
+        agrees=study.difference <= AGREES, digits=digits,
         figures={key: Markup(inline_svg(made, f"{key}-")) for key, made in drawn.items()}, active=active, swept=swept,
         sound=None if sound is None else Path(os.path.relpath(sound, folder)).as_posix(), **shown_tables,
     )  # fmt: skip
@@ -63,4 +64,6 @@ def write_page(
 def shown(study: Study) -> str:
     """The moving engine on its mounts, as a page."""
     cycle = 4 * np.pi / study.preset.engine(study.rpm).rate
-    return study.run.animate(curves=(), traces=(), speed=cycle / PERIOD, title=study.preset.title).html
+    return study.run.animate(
+        curves=(), traces=(), hidden=("body names",), speed=cycle / PERIOD, title=study.preset.title
+    ).html

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import Kinematic, simulate
+from mbsd3d.errors import InputError
 from validation import theory
 from validation.engine_balance import planar_sum, spatial
 from validation.engine_balance.harmonics import Harmonics
@@ -52,7 +53,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Planes:
-    """The comparison in a car that is known on its wheels."""
+    """The comparison in a car."""
 
     car: Car
 
@@ -63,10 +64,12 @@ class Planes:
 
     @cached_property
     def lines(self) -> list[Line]:
-        """All of them, in the order from crank to road."""
+        """All of them, in the order from crank to road; ValueError for a car whose wheels or shell are not known."""
+        if self.car.ride is None or self.car.shell is None:
+            raise InputError(f"planes: wheels or shell of '{self.car.name}' are not known; give compact or saloon")
         return [
             self.block(), self.bearings(), self.shafts(), self.couple(), self.modes(), self.roll(), self.spin(),
-            self.active(), self.cabin(), self.valve(), *self.road(), *self.guides(),
+            self.active(), self.cabin(), self.valve(), self.barrel(), *self.road(), *self.guides(),
         ]  # fmt: skip
 
     def block(self) -> Line:
@@ -157,7 +160,14 @@ class Planes:
 
         (plane, quick), (space, slow) = timed(closed), timed(train.floats_at)
         off = space / plane - 1
-        return Line("valve on its cam", verdict(off), f"{abs(off):.0e}", "flat cam; a barrel has no plane", quick, slow)
+        return Line("valve on its cam", verdict(off), f"{abs(off):.0e}", "cam and valve in one plane", quick, slow)
+
+    def barrel(self) -> Line:
+        """A cam whose axis lies along the way of the valve: side force on the guide."""
+        made = Valve("cycloidal", None, "barrel")
+        run, slow = timed(made.train.held)
+        side = np.abs(run.reaction("cam").force[:, 1]).max()
+        return Line("barrel cam", NEVER, f"{side:.0f} N aside", "drum turns about the valve's way", None, slow)
 
     def road(self) -> list[Line]:
         """Cars on a rough road."""

@@ -147,6 +147,20 @@ class Study:
         size, off = self.differences
         return float(off.max() / size.max())
 
+    @property
+    def nearest(self) -> tuple[float, float, float]:
+        """(order that full run and map differ most in, frequency of the mode it is nearest to [Hz], share of the
+        amplitude that this mode would have at resonance, ``|2 z / (1 - r^2 + 2 i z r)|``).
+        """
+        rate, (_, off) = self.preset.engine(self.rpm).rate, self.differences
+        order = float(self.here.orders[1:][off.argmax()])
+        values = np.linalg.eigvals(self.on_mounts.turning(rate))
+        values = values[values.imag > 0.0]
+        w, z = np.abs(values), -values.real / np.abs(values)
+        r = order * rate / w
+        share = np.abs(2 * z / (1 - r**2 + 2j * z * r))
+        return order, float(w[share.argmax()] / (2 * np.pi)), float(share.max())
+
     def sweep(self, count: int, cycles: int = 4) -> "Sweep":
         """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 

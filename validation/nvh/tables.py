@@ -8,11 +8,12 @@ from validation.nvh.cabin.seat import rms
 from validation.nvh.engine import balance_shafts, presets
 from validation.nvh.engine.loads import Source
 from validation.nvh.held.rigid_modes import DIRECTIONS
-from validation.nvh.study import Study, Sweep
+from validation.nvh.study import AGREES, Study, Sweep
 
 Rows = list[list[str]]
 LEAST = 1e-3  # of the largest: smaller orders are left out
 SMALL = 1e-6  # of the 1x force of a cylinder: smaller forces are those of moments
+NEAR = 0.2  # of the amplitude at resonance: beyond it motions are no longer small enough for a linear map
 HIGHEST = 200.0  # Hz: modes of a shell beyond it are left out
 
 
@@ -134,6 +135,15 @@ def handed_on(study: Study) -> Rows:
             forces = figure(engine[k], single), figure(car[k]), ratio, figure(size[k])
             rows.append([f"{order:g}x", f"{order * study.rpm / 60:.1f}", *forces, f"{100 * off[k] / size[k]:.2g}"])
     return rows
+
+
+def why(study: Study) -> str:
+    """In which order full run and map differ most, and how near to resonance it is; nothing if they agree."""
+    if study.difference <= AGREES:
+        return ""
+    order, mode, share = study.nearest
+    near = f", {share:.0%} of its amplitude at resonance" if share > NEAR else ", off resonance"
+    return f"most in {order:g}x, {order * study.rpm / 60:.1f} Hz, beside a mode of {mode:.1f} Hz{near}"
 
 
 def sweep(found: Sweep, most: int | None = None) -> Rows:

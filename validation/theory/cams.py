@@ -1,6 +1,9 @@
 """Laws of cams in closed form: lift over the angle from the nose, its derivatives, roller followers, speed of float."""
 
+from collections.abc import Callable
+
 import numpy as np
+from scipy.integrate import solve_ivp
 
 
 def cycloidal(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -57,3 +60,26 @@ def surge(mass: float, rate: float, count: int) -> np.ndarray:
     """(count,) w [rad/s] of a spring held at both ends as ``count`` masses, near ``j pi sqrt(k / m)`` of a spring."""
     j = np.arange(1, count + 1)
     return 2 * np.sqrt((count + 1) * rate * count / mass) * np.sin(j * np.pi / (2 * (count + 1)))
+
+
+def bounce(
+    law: Callable[[np.ndarray], tuple], turn: float, mass: float, spring: tuple[float, float],
+    contact: tuple[float, float], t: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Lift x (n,) at times t from rest on the back of a cam that turns by ``turn`` [rad/s]: on it and off it [m].
+
+    ``m x'' = -(F + k x) + max(0, K d (1 + c d'))`` where d = s - x > 0; ``law``: angle from the nose -> (s, ds, dds);
+    ``spring``: (k, F); ``contact``: (K, c).
+    """
+    (rate, preload), (stiffness, damping) = spring, contact
+
+    def motion(time: float, state: np.ndarray) -> list[float]:
+        s, slope, _ = law((turn * time) % (2 * np.pi) - np.pi)
+        d = s - state[0]
+        push = stiffness * d * (1 + damping * (slope * turn - state[1])) if d > 0 else 0.0
+        return [state[1], (max(push, 0.0) - preload - rate * state[0]) / mass]
+
+    found = solve_ivp(
+        motion, (0.0, t[-1]), [0.0, 0.0], "DOP853", t_eval=t, rtol=1e-10, atol=1e-13, max_step=t[-1] / 4e3
+    )
+    return found.y[0]

@@ -24,7 +24,7 @@ from validation.nvh.records import data, fields, is_file, record, triple
 
 RIDE = (
     "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
-    "tyre_damping", "seat", "brakes", "guides",
+    "tyre_damping", "cornering", "seat", "brakes", "guides",
 )  # fmt: skip
 SHELL = (
     "mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion", "damping", "engine", "turned", "seat",

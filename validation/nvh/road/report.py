@@ -1,5 +1,6 @@
 """Tables, figure and page of a ride."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from markupsafe import Markup
 from bicycle.output import new_figure
 from mbsd3d import linearize, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, digits, dress, inline_svg, page_template, write_atomically
+from mbsd3d.extend import LINE, digits, dress, inline_svg, number, page_template, write_atomically
 from validation import theory
 from validation.engine_balance.pages.site import TEMPLATES, playing
 from validation.nvh.held.mounts import Car
@@ -36,7 +37,8 @@ def ride_of(car: Car, kind: str, road: str, speed: float, linked: bool = False) 
     """
     if car.ride is None:
         raise InputError(f"car '{car.name}' is not known on its wheels; give compact or saloon")
-    return Ride(Vehicle(kind, car.ride, linked), read_road(road) if "." in road else Road(road), speed)
+    speed = number(speed, "ride: speed", positive=True)
+    return Ride(Vehicle(kind, car.ride, linked, speed), read_road(road) if "." in road else Road(road), speed)
 
 
 def rides_of(car: Car, road: str, speed: float) -> list[Ride]:
@@ -147,8 +149,9 @@ def figure(ride: Ride) -> "Figure":
         upper.set_title("line: small motions; dots: full motion; black: weighted by W_k", loc="left")
         for axis in (upper.xaxis, upper.yaxis):
             axis.set_major_formatter(lambda x, _: f"{x:g}")
+        rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
         for k, kind in enumerate(SHOWN):
-            over = [Ride(ride.vehicle, Road(kind), speed).weighted for speed in SPEEDS]
+            over = [Ride(vehicle, Road(kind), vehicle.speed).weighted for vehicle in rolling]
             lower.plot(SPEEDS, over, color=look.colour(k), linewidth=LINE, label=f"class {kind}")
         lower.plot([ride.speed], [ride.weighted], "o", color=look.ink)
         lower.set(xlabel="speed [m/s]", ylabel="weighted [m/s²]", ylim=(0.0, None))

@@ -14,19 +14,21 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import Solution, Table, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.nvh.road.comfort import verdict, weight
-from validation.nvh.road.profile import Road
+from validation.nvh.road.profile import SHORTEST, Road
 from validation.nvh.road.vehicle import Corner, Vehicle
 
 FINE = 16  # samples of the shortest wave of the road
 SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
 RTOL = 1e-8
+LEVEL = 1e-9  # m
 
 
 @dataclass(frozen=True)
 class Ride:
-    """``vehicle`` over ``road`` at ``speed`` [m/s] > 0; ValueError for another speed."""
+    """``vehicle`` over ``road`` at ``speed`` [m/s] > 0; ValueError for another speed, or a road that is level."""
 
     vehicle: Vehicle
     road: Road
@@ -34,6 +36,8 @@ class Ride:
 
     def __post_init__(self) -> None:
         number(self.speed, "ride: speed", positive=True)
+        if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
+            raise InputError(f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel")
 
     @cached_property
     def rates(self) -> np.ndarray:

@@ -1,9 +1,10 @@
 """A car on its wheels: quarter, half and whole, as mechanisms in space, and their small motions.
 
 The body heaves, rolls and pitches; wheels slide along the z axis of the body, or hang on the five links of their axle
-(`Guide`), on springs and dampers; tyres are springs and dampers to the ground and bear no side force. A road of height
-z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level ground: without weight all is measured from
-the loaded position. A half car is the left half of one that does not roll, a quarter car is one corner with a body
+(`Guide`), on springs and dampers; tyres are springs and dampers to the ground. Links move them sideways, too, at y_dot
+where they touch the road: rolling at a speed v they bear the side force ``-C y_dot / v`` of their slip angle. A road of
+height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level ground: without weight all is measured
+from the loaded position. A half car is the left half of one that does not roll, a quarter car is one corner with a body
 that only heaves.
 """
 
@@ -17,6 +18,7 @@ import numpy as np
 from mbsd3d import (
     GROUND,
     Body,
+    Bushing,
     Force,
     Perpendicular,
     PointOnLine,
@@ -35,6 +37,9 @@ from validation.nvh.road.guide import SWING, Guide, guide, made
 KINDS = ("quarter", "half", "whole")
 HEIGHT, REST = 0.25, 0.3  # m: of the wheels' centres below that of the body; length of springs and tyres
 Z = (0.0, 0.0, 1.0)
+PAIRS = dict.fromkeys(("unsprung", "spring", "damper", "tyre", "cornering", "guides"), "front and rear") | {
+    "seat": "ahead and left"
+}
 Load = tuple[str, Sequence[Any], Sequence[float] | None]
 GRAVITY = 9.81  # m/s^2: brakes are given as a share of it
 SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 0), (0, 1)]}
@@ -59,24 +64,35 @@ class Corner:
 @dataclass(frozen=True)
 class Vehicle:
     """``kind``: "quarter" (front left corner), "half" (left half) or "whole"; ``ride``: as in the data file;
-    ``linked``: whether wheels hang on the links of their axles or slide along the body's z.
+    ``linked``: whether wheels hang on the links of their axles or slide along the body's z; ``speed``: at which those
+    on links roll [m/s], None: tyres bear no side force.
 
-    ValueError for an unknown kind, a mass or rate that is not positive, or a negative damping.
+    ValueError for an unknown kind, a mass, a rate or a speed that is not positive, or a negative damping.
     """
 
     kind: str
     ride: dict[str, Any]
     linked: bool = False
+    speed: float | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"car on wheels: kind {self.kind!r} is unknown; give one of {', '.join(KINDS)}")
+        for name in PAIRS:
+            given = self.ride[name]
+            if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+                count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
+                raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+        for value in self.ride["seat"]:
+            number(value, "car on wheels: seat")
         for name in ("mass", "roll_inertia", "pitch_inertia", "wheelbase", "track"):
             number(self.ride[name], f"car on wheels: {name}", positive=True)
         for name in ("unsprung", "spring", "tyre"):
             for value in self.ride[name]:
                 number(value, f"car on wheels: {name}", positive=True)
-        for value in (*self.ride["damper"], self.ride["tyre_damping"]):
+        if self.speed is not None:
+            number(self.speed, "car on wheels: speed", positive=True)
+        for value in (*self.ride["damper"], *self.ride["cornering"], self.ride["tyre_damping"]):
             number(value, "car on wheels: damping", minimum=0.0)
         for name in ("front", "brakes"):
             if not 0.0 < number(self.ride[name], f"car on wheels: {name}") < 1.0:
@@ -150,10 +166,18 @@ class Vehicle:
             joints += hung
             at, rates = wheel.position, dict(stiffness=corner.tyre, damping=corner.tyre_damping)
             tyre = SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=f"tyre of {corner.name}")
-            forces += [strut, tyre]
+            forces += [strut, tyre, *self.rolling(corner, wheel)]
         named = {part.name: part for part in bodies}
         forces += [Force(named[name], push, at=at, name=f"load on {name}") for name, push, at in loads]
         return System(bodies, joints, forces, gravity=(0, 0, 0), name=self.title)
+
+    def rolling(self, corner: Corner, wheel: Body) -> list[Bushing]:
+        """Side force of a tyre that rolls, at the lowest point of a wheel on links."""
+        if self.speed is None or not self.linked:
+            return []
+        slip = self.ride["cornering"][int(corner.x < 0)] / self.speed
+        at = wheel.position - (0, 0, REST)
+        return [Bushing(GROUND, wheel, at=at, stiffness=0.0, damping=(0, slip, 0), name=f"slip of {corner.name}")]
 
     def hung(self, corner: Corner, body: Body) -> tuple[Body, list[Any], SpringDamper]:
         """(wheel, what guides it, spring and damper) of a corner."""

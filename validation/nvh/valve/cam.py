@@ -1,31 +1,47 @@
-"""A cam with a flat follower: lift over its angle as a periodic spline.
+"""Cams with a follower: lift over the angle as a periodic spline; a flat face, a roller, a roller on a drum's rim.
 
-The flat face stands square to its guide, which crosses the axis of the cam. It touches the cam at (s', base + s) beside
-and above the axis, where the cam is curved with the radius ``base + s + s''``: below zero it would have a cusp.
+Followers go along z, and the cam starts with its nose away from them. With s(angle) the lift, the cam is curved where
+it touches them with the radius
+
+    face    base + s + s''                                   roller, drum    1 / k - roller
+
+    roller  k = (p^2 + 2 s'^2 - p s'') / (p^2 + s'^2)^1.5,  p = base + roller + s
+    drum    k = - base s'' / (base^2 + s'^2)^1.5,           base: where the roller's middle is
+
+below zero it would have a cusp. A roller is pushed at the pressure angle: ``tan = s' / p``, on a drum ``s' / base``.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from mbsd3d import Body, CurveContact, shapes
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
 COUNT = 720  # points of a turn
 LAWS = ("cycloidal", "harmonic", "polynomial")
+X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+THICK = 0.012  # m, as rollers are drawn
 
 
 @dataclass(frozen=True, eq=False)
 class Cam:
-    """``lift`` (n,): at even angles from the nose on, one turn without the last point [m]; ``base``: radius [m].
+    """A cam with a flat follower, about x. Its face stands square to its guide, which crosses the axis of the cam, and
+    is touched at (s', base + s) beside and above the axis.
+
+    ``lift`` (n,): at even angles from the nose on, one turn without the last point [m]; ``base``: radius [m].
 
     ValueError for fewer than 8 points, a value that is not finite, or a cam with a cusp.
     """
 
     lift: np.ndarray
     base: float
+    kind: ClassVar[int] = 0  # as the contact knows it
+    axis: ClassVar[tuple[float, float, float]] = X
 
     def __post_init__(self) -> None:
         lift = np.array(self.lift, dtype=float)
@@ -33,12 +49,13 @@ class Cam:
             raise InputError(f"cam: lift of shape {lift.shape}; give 8 or more finite heights, one turn")
         number(self.base, "cam: base", positive=True)
         object.__setattr__(self, "lift", lift)
-        least = self.radius.min()
+        least = float(self.radius.min())
         if least <= 0.0:
-            raise InputError(
-                f"cam: radius of curvature {1e3 * least:.2f} mm, a cusp; give a base above "
-                f"{1e3 * (self.base - least):.2f} mm or a slower lift"
-            )
+            raise InputError(f"cam: radius of curvature {1e3 * least:.2f} mm, a cusp; {self.remedy(least)}")
+
+    def remedy(self, least: float) -> str:
+        """What helps against a cusp of such a radius [m]."""
+        return f"give a base above {1e3 * (self.base - least):.2f} mm or a slower lift"
 
     @cached_property
     def spline(self) -> CubicSpline:
@@ -47,28 +64,175 @@ class Cam:
         return CubicSpline(angle, np.append(self.lift, self.lift[0]), bc_type="periodic")
 
     @property
+    def ring(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """(angle, s, s', s''), (n + 1,) each, one turn from the back of the cam on."""
+        angle = self.spline.x + np.pi
+        return angle, *(self.spline(np.mod(angle, 2 * np.pi), k) for k in range(3))
+
+    @property
+    def height(self) -> float:
+        """Of the follower over the origin at no lift [m]."""
+        return self.base
+
+    @property
+    def at(self) -> np.ndarray:
+        """(3,) where the follower is touched, or the middle of its roller, at the start [m]."""
+        return np.array([0.0, 0.0, self.height + float(self.spline(np.pi))])
+
+    @property
     def radius(self) -> np.ndarray:
-        """(n,) of curvature where the follower touches [m]."""
-        angle = self.spline.x[:-1]
-        return self.base + self.spline(angle) + self.spline(angle, 2)
+        """(n + 1,) of curvature where the follower touches, inf where the cam is hollow [m]."""
+        _, s, _, bend = self.ring
+        return self.base + s + bend
+
+    @property
+    def lean(self) -> float:
+        """Greatest pressure angle [rad]."""
+        return 0.0
 
     @property
     def outline(self) -> np.ndarray:
-        """(n, 2) points of the cam in its own axes, the nose up: across, up [m]."""
-        angle = self.spline.x
-        s, slope = self.spline(angle), self.spline(angle, 1)
-        # seen from a cam that has turned by the angle
-        across, up = slope, self.base + s
-        return np.stack([across * np.cos(angle) + up * np.sin(angle), up * np.cos(angle) - across * np.sin(angle)], 1)
+        """(n + 1, 3) points of the cam at the start, the last one the first [m]."""
+        angle, s, slope, _ = self.ring
+        return turned_back(slope, self.base + s, angle - np.pi)
+
+    def touch(self, shaft: Body, valve: Body) -> CurveContact:
+        """The follower stays on the cam."""
+        return CurveContact(shaft, valve, self.outline[:-1], at=self.at, face=Z, name="cam")
+
+    @property
+    def looks(self) -> tuple[list, list]:
+        """(of the cam, of the end of the follower)."""
+        return [shapes.Lines(self.outline)], [shapes.Disc(0.016, 0.003, "z")]
 
 
-def cam(law: str, lift: float, half: float, base: float) -> Cam:
-    """A cam that lifts by ``lift`` [m] within ``half`` [rad] on both sides of the nose, by one of `LAWS`.
+@dataclass(frozen=True, eq=False)
+class RollerCam(Cam):
+    """A cam about x with a follower on a ``roller`` of this radius [m] that crosses the axis of the cam."""
+
+    roller: float = 0.009
+    kind: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        number(self.roller, "cam: roller", positive=True)
+        super().__post_init__()
+
+    def remedy(self, least: float) -> str:
+        return f"give a roller below {1e3 * (self.roller + least):.2f} mm, a larger base or a slower lift"
+
+    @property
+    def height(self) -> float:
+        return self.base + self.roller
+
+    @property
+    def bend(self) -> np.ndarray:
+        """(n + 1,) k of the way of the roller's middle on the cam, > 0 where it is convex [1/m]."""
+        _, s, slope, bend = self.ring
+        p = self.height + s
+        return (p**2 + 2 * slope**2 - p * bend) / (p**2 + slope**2) ** 1.5
+
+    @property
+    def radius(self) -> np.ndarray:
+        k = self.bend
+        return np.divide(1.0, k, out=np.full(k.size, np.inf), where=k > 0) - self.roller
+
+    @property
+    def tilt(self) -> np.ndarray:
+        """(n + 1,) pressure angle [rad]."""
+        _, s, slope, _ = self.ring
+        return np.arctan2(slope, self.height + s)
+
+    @property
+    def lean(self) -> float:
+        return float(np.abs(self.tilt).max())
+
+    @property
+    def outline(self) -> np.ndarray:
+        angle, s, _, _ = self.ring
+        across, up = self.roller * np.sin(self.tilt), self.height + s - self.roller * np.cos(self.tilt)
+        return turned_back(across, up, angle - np.pi)
+
+    def touch(self, shaft: Body, valve: Body) -> CurveContact:
+        return CurveContact(shaft, valve, self.outline[:-1], at=self.at, pin=self.pins, radius=self.roller, name="cam")
+
+    @property
+    def pins(self) -> np.ndarray:
+        """(3,) or (n, 3) axis of the roller, at every point of the outline."""
+        return np.array(X)
+
+    @property
+    def looks(self) -> tuple[list, list]:
+        return [shapes.Lines(self.outline)], [shapes.Disc(self.roller, THICK, "x")]
+
+
+@dataclass(frozen=True, eq=False)
+class BarrelCam(RollerCam):
+    """A drum about z whose rim lifts a follower on a ``roller`` with a radial axis, its middle ``base`` from the axis
+    of the drum [m].
+    """
+
+    kind: ClassVar[int] = 2
+    axis: ClassVar[tuple[float, float, float]] = Z
+
+    @property
+    def height(self) -> float:
+        return 0.0
+
+    @property
+    def at(self) -> np.ndarray:
+        return np.array([self.base, 0.0, float(self.spline(np.pi))])
+
+    @property
+    def bend(self) -> np.ndarray:
+        _, _, slope, bend = self.ring
+        return -self.base * bend / (self.base**2 + slope**2) ** 1.5
+
+    @property
+    def tilt(self) -> np.ndarray:
+        return np.arctan2(self.ring[2], self.base)
+
+    @property
+    def radial(self) -> np.ndarray:
+        """(n + 1, 3) from the axis to the roller, seen from the drum."""
+        turn = self.ring[0] - np.pi
+        return np.column_stack([np.cos(turn), -np.sin(turn), 0 * turn])
+
+    @property
+    def pins(self) -> np.ndarray:
+        return self.radial[:-1]
+
+    @property
+    def outline(self) -> np.ndarray:
+        out, back = self.radial, np.cross(self.radial, Z)  # the way a point of the drum comes from
+        normal = np.cos(self.tilt)[:, None] * np.array(Z) - np.sin(self.tilt)[:, None] * back
+        return self.base * out + self.ring[1][:, None] * np.array(Z) - self.roller * normal
+
+    @property
+    def looks(self) -> tuple[list, list]:
+        drum = shapes.Cylinder(self.base - THICK / 2, self.base, "z", at=(0, 0, -self.roller - self.base / 2))
+        rim, roller = super().looks
+        return [*rim, drum], roller
+
+
+FOLLOWERS = {"flat": Cam, "roller": RollerCam, "barrel": BarrelCam}
+
+
+def turned_back(across: np.ndarray, up: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """(n, 3) points beside and above the axis of a cam about x that has turned, in the cam's own axes."""
+    c, s = np.cos(turn), np.sin(turn)
+    return np.column_stack([0 * turn, across * c + up * s, up * c - across * s])
+
+
+def cam(law: str, lift: float, half: float, base: float, follower: str = "flat") -> Cam:
+    """A cam that lifts by ``lift`` [m] within ``half`` [rad] on both sides of the nose, by one of `LAWS`, with one of
+    `FOLLOWERS`.
 
     With x from 0 to 1 up to the nose: cycloidal ``x - sin(2 pi x) / 2 pi``, harmonic ``(1 - cos(pi x)) / 2``,
-    polynomial ``10 x^3 - 15 x^4 + 6 x^5``. ValueError for another law, or a lift or angle that no cam has.
+    polynomial ``10 x^3 - 15 x^4 + 6 x^5``. ValueError for another law or follower, or a lift or angle that no cam has.
     """
     number(lift, "cam: lift", positive=True)
+    if follower not in FOLLOWERS:
+        raise InputError(f"cam: follower '{follower}' is unknown; there are {', '.join(FOLLOWERS)}")
     if not 0.0 < number(half, "cam: half") <= np.pi:
         raise InputError(f"cam: half {half:g} rad; the lift takes at most half a turn to each side")
     angle = 2 * np.pi * np.arange(COUNT) / COUNT
@@ -81,4 +245,4 @@ def cam(law: str, lift: float, half: float, base: float) -> Cam:
         share = x**3 * (10 - 15 * x + 6 * x**2)
     else:
         raise InputError(f"cam '{law}' is unknown; there are {', '.join(LAWS)}")
-    return Cam(lift * share, base)
+    return FOLLOWERS[follower](lift * share, base)

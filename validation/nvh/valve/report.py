@@ -1,6 +1,6 @@
 """Table, figure and page of a valve train over the speed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,13 +12,14 @@ from bicycle.output import new_figure
 from mbsd3d import Solution
 from mbsd3d.extend import LINE, digits, dress, inline_svg, number, page_template, write_atomically
 from validation.engine_balance.pages.site import TEMPLATES, playing
-from validation.nvh.valve.cam import cam
+from validation.nvh.valve.cam import RollerCam, cam
 from validation.nvh.valve.train import Train
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LIFT, HALF, BASE = 0.008, np.radians(75.0), 0.024  # m, of an ordinary cam with a flat follower (assumed)
+LIFT, HALF = 0.008, np.radians(75.0)  # m, rad, of an ordinary cam (assumed)
+BASE = {"flat": 0.024, "roller": 0.018, "barrel": 0.036}  # m, by its follower
 SHARES = (0.5, 0.8, 0.95, 1.05, 1.2)  # of the speed of float
 PIECES = 8  # of a spring that surges
 PERIOD = 6.0  # s that a turn takes to watch
@@ -26,15 +27,18 @@ PERIOD = 6.0  # s that a turn takes to watch
 
 @dataclass(frozen=True)
 class Valve:
-    """A cam of a law with the valve of `Train`, at a speed of the camshaft [1/min]; None: 5 % above that of float."""
+    """A cam of a law with the valve of `Train` on a ``follower``, "flat", "roller" or "barrel", at a speed of the
+    camshaft [1/min]; None: 5 % above that of float.
+    """
 
     law: str
     rpm: float | None = None
+    follower: str = "flat"
 
     @cached_property
     def train(self) -> Train:
         """The train at the speed."""
-        train = Train(cam(self.law, LIFT, HALF, BASE))
+        train = Train(cam(self.law, LIFT, HALF, BASE.get(self.follower, 0.0), self.follower))
         speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
         return Train(train.cam, rpm=speed)
 
@@ -44,6 +48,11 @@ class Valve:
         return Train(self.train.cam).floats_at()
 
     @cached_property
+    def held(self) -> Solution:
+        """A turn with the valve held on the cam."""
+        return self.train.held()
+
+    @cached_property
     def run(self) -> Solution:
         """The motion in the contact, the spring without mass."""
         return self.train.free()
@@ -51,7 +60,12 @@ class Valve:
     @cached_property
     def surging(self) -> Solution:
         """The same with a spring that has a mass."""
-        return Train(self.train.cam, rpm=self.train.rpm, pieces=PIECES).free()
+        return self.surging_train.free()
+
+    @property
+    def surging_train(self) -> Train:
+        """That with a spring of `PIECES`."""
+        return replace(self.train, pieces=PIECES)
 
     @cached_property
     def rows(self) -> list[list[str]]:
@@ -72,12 +86,39 @@ class Valve:
     @property
     def facts(self) -> str:
         """Cam, valve and spring in a line."""
-        radius, train = 1e3 * self.train.cam.radius.min(), self.train
+        train, chosen = self.train, self.train.cam
         return (
-            f"{self.law} cam, lift {1e3 * LIFT:g} mm, base {1e3 * BASE:g} mm, least radius {radius:.2f} mm; "
-            f"valve {1e3 * train.mass:g} g, spring {train.rate / 1e3:g} N/mm with {train.preload:g} N; "
-            f"floats from {self.floats:.1f} 1/min of the camshaft on"
+            f"{self.title}, lift {1e3 * LIFT:g} mm, base {1e3 * chosen.base:g} mm, {self.touched}least radius "
+            f"{1e3 * chosen.radius.min():.2f} mm; valve {1e3 * train.mass:g} g, spring {train.rate / 1e3:g} N/mm with "
+            f"{train.preload:g} N; floats from {self.floats:.1f} 1/min of the camshaft on"
         )
+
+    @property
+    def title(self) -> str:
+        """In words."""
+        return f"{self.law} {'barrel cam' if self.follower == 'barrel' else f'cam, {self.follower} follower'}"
+
+    @property
+    def touched(self) -> str:
+        """Of a roller: its size, how far it is pushed aside and how hard; nothing of a face."""
+        chosen = self.train.cam
+        if not isinstance(chosen, RollerCam):
+            return ""
+        side = np.abs(self.held.reaction("cam").force[:, 1]).max()
+        return (
+            f"roller {1e3 * chosen.roller:g} mm, pressure angle up to {np.degrees(chosen.lean):.1f} degrees, side "
+            f"force on the guide up to {side:.0f} N at {self.train.rpm:.0f} 1/min, "
+        )
+
+    @property
+    def verdict(self) -> str:
+        """Of the constraint, whose row holds both ways."""
+        return "; ".join(self.held.certificate.notes) or f"stays on its cam at {self.train.rpm:.0f} 1/min"
+
+    @property
+    def name(self) -> str:
+        """Of its page."""
+        return f"valve-{self.law}" + f"-{self.follower}" * (self.follower != "flat")
 
 
 def figure(valve: Valve) -> "Figure":
@@ -92,7 +133,7 @@ def figure(valve: Valve) -> "Figure":
         lift.plot(angle, 1e3 * train.cam.spline(np.radians(angle) % (2 * np.pi)), color=look.ink, linewidth=LINE)
         for k, (run, words) in enumerate(((valve.run, "contact"), (valve.surging, "contact, spring surges"))):
             force.plot(angle, run.force("contact").force[:, 2], color=look.colour(k), linewidth=LINE, label=words)
-            height = run.position("valve")[:, 2] - train.cam.base
+            height = run.position("valve")[:, 2] - train.cam.height
             lift.plot(angle, 1e3 * height, color=look.colour(k), linewidth=LINE)
         force.set(ylabel="force of the cam [N]")
         lift.set(xlabel="cam angle from the nose [degrees]", ylabel="lift [mm]", xticks=range(-180, 181, 60))
@@ -101,12 +142,14 @@ def figure(valve: Valve) -> "Figure":
 
 
 def write_page(valve: Valve, folder: str | Path) -> Path:
-    """Write ``valve-LAW.html`` and its view into a folder that exists; where the page is."""
-    folder, view = Path(folder), f"valve-{valve.law}-view.html"
+    """Write the page of a valve, ``valve-LAW.html`` if its follower is flat, and its view into a folder that exists;
+    where the page is.
+    """
+    folder, view = Path(folder), f"{valve.name}-view.html"
     speed = 60 / valve.train.rpm / PERIOD
-    shown = valve.surging.animate(curves=(), traces=(), speed=speed, title=f"{valve.law} cam").html
+    shown = valve.surging.animate(curves=(), traces=(), hidden=("body names",), speed=speed, title=valve.title).html
     write_atomically(folder / view, playing(shown).encode())
     page = page_template("valve.html", TEMPLATES).render(
         valve=valve, view=view, digits=digits, figure=Markup(inline_svg(figure(valve), "valve-"))
     )
-    return write_atomically(folder / f"valve-{valve.law}.html", page.encode())
+    return write_atomically(folder / f"{valve.name}.html", page.encode())

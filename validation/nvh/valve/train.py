@@ -1,12 +1,15 @@
 """A valve on a turning cam, held down by a spring: as a constraint, and in a contact that can open.
 
-As a constraint its face stays on the cam, and the force of the cam on it is the multiplier: where it would have to
-pull, the valve floats. Along the angle it is ``a + b w^2``, so that two speeds say from which one on. In the contact
+As a constraint its face or its roller stays on the cam, and the force of the cam on it is the multiplier: where it
+would have to pull, the valve floats. Along the angle it is ``a + b w^2``, so that two speeds say from which one on. In
+the contact
 
     F = k d (1 + c d_dot),   d = s(angle) + base - height,   d > 0 and F > 0
 
-acts at the point s' beside the axis: the cam bears the torque ``-F s'``, and what the cam does is what the valve gets.
-The spring is one without mass, or a chain of masses that can surge.
+is the part of the force along the way of the valve. On a face it acts at the point s' beside the axis; a roller it
+pushes aside as well, by ``F s' / p`` at the height p over the axis, on a drum ``F s' / R``. Always the cam bears the
+torque ``-F s'``: what the cam does is what the valve gets. The spring is one without mass, or a chain of masses that
+can surge.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +21,6 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
-    CurveContact,
     CustomForce,
     Force,
     Kinematic,
@@ -34,9 +36,8 @@ from mbsd3d import (
 )  # fmt: skip
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
-from validation.nvh.valve.cam import Cam
+from validation.nvh.valve.cam import Cam, Z
 
-X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 SPRING = 0.06  # m, length of the spring under the closed valve
 SLOW = 0.5  # of the speed, for the second run of the constraint
 SAMPLES = 1440  # of a turn
@@ -44,23 +45,36 @@ RTOL = 1e-9
 
 
 def press(t, bodies, z, parameters, loads, z_dot):
-    """Contact of a flat follower (bodies[1]) on a cam (bodies[0]); parameters: k, c, base, then the spline's pieces."""
+    """Contact of a follower (bodies[1]) on a cam (bodies[0]); parameters: k, c, base, kind of the cam, then the
+    spline's pieces.
+    """
     cam, valve = bodies[0], bodies[1]
-    stiffness, damping, base = parameters[0], parameters[1], parameters[2]
-    count = (parameters.size - 3) // 4
-    place = arctan2(cam.R[2, 1], cam.R[1, 1]) / (2 * np.pi) * count
+    stiffness, damping, base, kind = parameters[0], parameters[1], parameters[2], parameters[3]
+    count = (parameters.size - 4) // 4
+    if kind < 2:
+        turn, spin = arctan2(cam.R[2, 1], cam.R[1, 1]), cam.w[0]
+    else:
+        turn, spin = arctan2(cam.R[1, 0], cam.R[0, 0]), cam.w[2]
+    place = turn / (2 * np.pi) * count
     piece = int(np.floor(place.real))
     x = (place - piece) / count * 2 * np.pi
-    at = 3 + 4 * (piece % count)
+    at = 4 + 4 * (piece % count)
     cubic, square, slope, lift = parameters[at], parameters[at + 1], parameters[at + 2], parameters[at + 3]
     s = ((cubic * x + square) * x + slope) * x + lift
     beside = (3 * cubic * x + 2 * square) * x + slope
-    depth = s + base - (valve.r[2] - cam.r[2])
-    rate = beside * cam.w[0] - (valve.velocity[2] - cam.velocity[2])
+    arm = valve.r - cam.r
+    depth = s + base - arm[2]
+    rate = beside * spin - (valve.velocity[2] - cam.velocity[2])
     force = stiffness * depth * (1 + damping * rate)
     if depth.real > 0.0 and force.real > 0.0:
         loads[0, 2], loads[1, 2] = -force, force
-        loads[0, 3], loads[1, 3] = -beside * force, beside * force
+        if kind == 0:
+            loads[0, 3], loads[1, 3] = -beside * force, beside * force
+        else:
+            side = -beside * force / arm[2] if kind == 1 else beside * force / arm[0]
+            loads[0, 1], loads[1, 1] = -side, side
+            loads[0, 3], loads[0, 4] = arm[2] * side - arm[1] * force, arm[0] * force
+            loads[0, 5] = -arm[0] * side
 
 
 @dataclass(frozen=True)
@@ -97,25 +111,20 @@ class Train:
         """Rate of the camshaft [rad/s]."""
         return 2 * np.pi * self.rpm / 60
 
-    @property
-    def outline(self) -> np.ndarray:
-        """(n, 3) points of the cam at the start, its nose down, the last one the first [m]."""
-        return np.column_stack([np.zeros(len(self.cam.outline)), -self.cam.outline])
-
     @cached_property
     def parts(self) -> tuple[list[Body], list, list]:
         """(bodies, joints, forces) without what joins cam and valve: "camshaft", "valve", pieces of the spring."""
-        start = self.cam.base + float(self.cam.spline(np.pi))
-        shaft = Body("camshaft", 1.0, (1e-3, 1e-3, 1e-3), shape=shapes.Lines(self.outline))
-        stem = [shapes.Disc(0.016, 0.003, "z"), shapes.Cylinder(0.004, 0.05, "z", at=(0, 0, 0.025))]
-        valve = Body("valve", self.mass, 3 * (1e-4 * self.mass,), position=(0, 0, start), shape=stem)
-        bearing = Revolute(GROUND, shaft, at=(0, 0, 0), axis=X, name="cam bearing")
+        start, (of_cam, end) = self.cam.at, self.cam.looks
+        shaft = Body("camshaft", 1.0, (1e-3, 1e-3, 1e-3), shape=of_cam)
+        stem = [*end, shapes.Cylinder(0.004, 0.05, "z", at=(0, 0, 0.025))]
+        valve = Body("valve", self.mass, 3 * (1e-4 * self.mass,), position=start, shape=stem)
+        bearing = Revolute(GROUND, shaft, at=(0, 0, 0), axis=self.cam.axis, name="cam bearing")
         turned = AngleDriver(bearing, Ramp(self.turn), name="motor")
         joints = [bearing, turned, Prismatic(GROUND, valve, at=valve.position, axis=Z, name="guide")]
         bodies, forces = [shaft, valve], [Force(valve, (0, 0, -self.preload), name="preload")]
         ends, n = [valve], self.pieces
         for k in range(n):
-            at = (0, 0, start + SPRING * (k + 1) / (n + 1))
+            at = start + (0, 0, SPRING * (k + 1) / (n + 1))
             piece = Body(
                 f"piece {k + 1}", self.coils / n, 3 * (1e-5,), position=at, shape=shapes.Disc(0.012, 0.002, "z")
             )
@@ -125,7 +134,7 @@ class Train:
         stiff = (n + 1) * self.rate
         loss = 2 * self.loss * np.sqrt(stiff * self.coils / n) if n else 0.0
         for k, (a, b) in enumerate(zip(ends, [*ends[1:], GROUND], strict=True)):
-            top = (0, 0, start + SPRING * (k + 1) / (n + 1))
+            top = start + (0, 0, SPRING * (k + 1) / (n + 1))
             forces.append(
                 SpringDamper(a, b, at_a=a.position, at_b=top, stiffness=stiff, damping=loss, name=f"coil {k + 1}")
             )
@@ -135,8 +144,7 @@ class Train:
         """A turn with the valve on the cam, base circle to base circle, by kinematics; the spring without mass."""
         bodies, joints, forces = replace(self, pieces=0).parts
         times = 2 * np.pi / self.turn * np.arange(SAMPLES + 1) / SAMPLES
-        touch = CurveContact(*bodies, self.outline[:-1], at=bodies[1].position, face=Z, name="cam")
-        system = System(bodies, [*joints, touch], forces, gravity=(0, 0, 0))
+        system = System(bodies, [*joints, self.cam.touch(*bodies)], forces, gravity=(0, 0, 0))
         return simulate(system, float(times[-1]), method=Kinematic(), output=times)
 
     def pushed(self) -> np.ndarray:
@@ -158,7 +166,8 @@ class Train:
         pieces = self.cam.spline.c.T
         # the cam starts with its nose down
         shift = pieces.shape[0] // 2
-        numbers = (self.contact, self.damping, self.cam.base, *np.roll(pieces, shift, axis=0).ravel())
+        law = self.contact, self.damping, self.cam.height, self.cam.kind
+        numbers = (*law, *np.roll(pieces, shift, axis=0).ravel())
         touch = CustomForce(press, on=bodies[:2], parameters=numbers, name="contact")
         system = System(bodies, joints, [*forces, touch], gravity=(0, 0, 0))
         turn = 2 * np.pi / self.turn
@@ -166,6 +175,6 @@ class Train:
         return simulate(system, float(times[-1]), output=times, rtol=RTOL)
 
     def gap(self, run: Solution) -> np.ndarray:
-        """(samples,) between valve and cam, negative where they are pressed together [m]."""
+        """(samples,) between valve and cam along the way of the valve, negative where they are pressed together [m]."""
         angle = np.pi + self.turn * run.t
-        return run.position("valve")[:, 2] - self.cam.base - self.cam.spline(np.mod(angle, 2 * np.pi))
+        return run.position("valve")[:, 2] - self.cam.height - self.cam.spline(np.mod(angle, 2 * np.pi))

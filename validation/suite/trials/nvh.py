@@ -18,8 +18,8 @@ from validation.nvh.road.guide import guide
 from validation.nvh.road.report import quarter_car, ride_of
 from validation.nvh.road.ride import rms
 from validation.nvh.study import AGREES, Study
-from validation.nvh.valve.report import HALF, LIFT, Valve
 from validation.suite.findings import PLANE, THEORY, Finding, judged
+from validation.suite.trials import valves
 from validation.suite.trials.trial import Run, Trial
 from validation.twins import planar
 
@@ -31,8 +31,6 @@ ROLLED = 1e-2  # of the largest force: second order of the roll by half a degree
 LIMIT = 1e-9  # of the largest: rounding of models with up to 26 bodies stays below 1e-12
 STANDS = "a Table of 24 000 points a wheel takes them too long; tables are compared in other cases"
 ALONE = "I4 and V6_90_split30 represent engines, which have the same parts"
-OWN = "the contact is a force of one's own"
-FOLLOWS = 1500.0  # 1/min: float begins at 3574
 ROUGH = [(kind, linked) for linked in (False, True) for kind in ("quarter", "half", "whole")]
 SMALL = {"quarter car": 1e-4, "half car": 0.01}
 LINKED = 0.02
@@ -70,34 +68,12 @@ def trials(quick: bool) -> list[Trial]:
         title = f"a wheel on a {kind}"
         name, make, judges = f"nvh_{kind.replace(' ', '_')}", partial(on_links, kind), {THEORY: by_lengths}
         found.append(Trial(name, "engines in cars", title, make, judges))
-    title = f"valve on a cam in contact at {FOLLOWS:g} 1/min"
-    found.append(Trial("nvh_valve", "engines in cars", title, valve, {THEORY: on_the_cam}, alone=OWN))
+    found += valves.trials(quick)
     for kind, linked in ROUGH[: 1 if quick else None]:
         name, title = f"nvh_{kind}_car{'_on_links' * linked}", f"{kind} car{' on links' * linked} on a rough road"
         make = partial(rough, kind, linked)
         found.append(Trial(name, "engines in cars", title, make, {THEORY: over_the_road}, alone=STANDS))
     return found
-
-
-def valve() -> Run:
-    """A valve in contact with its cam, well below the speed of float."""
-    made = Valve("cycloidal", FOLLOWS)
-    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
-
-
-def on_the_cam(made: Run) -> Iterable[Finding]:
-    """Speed of float from the multiplier, and the force of the contact, by the law of the cam."""
-    train, law = made.source.train, theory.cams.cycloidal
-    s, _, dds = law(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
-    known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
-    yield judged(
-        THEORY, "speed of float", abs(made.source.floats / known - 1), 1e-4, "lift by a spline of half degrees"
-    )
-    angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
-    s, _, dds = law(angle, LIFT, HALF)
-    force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
-    off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
-    yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
 
 
 def shafts() -> checks.Pairs:

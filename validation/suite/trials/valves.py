@@ -1,0 +1,118 @@
+"""Valves on cams as cases: multiplier and float, contact and bounce, surge, judged by the laws of cams."""
+
+from collections.abc import Iterable
+from functools import partial
+
+import numpy as np
+
+from mbsd3d import SlideDriver, System, linearize
+from validation import theory
+from validation.nvh.valve.report import HALF, LIFT, Valve
+from validation.suite.findings import THEORY, Finding, judged
+from validation.suite.trials.trial import Run, Trial
+
+OWN, CURVES = "the contact is a force of one's own", "no other engine has contacts on curves"
+KNOWN = "closed forms judge it"
+FOLLOWS = 1500.0  # 1/min: float begins at 3574
+SMOOTH = 0.16  # rad from the ends and the nose of a lift: where its derivatives jump the spline rings
+
+
+def trials(quick: bool) -> list[Trial]:
+    """A flat face in contact, rollers held, a valve that bounces, a spring; the first of them if it must be quick."""
+    found = [
+        Trial(f"nvh_valve{name}", "engines in cars", title, make, {THEORY: judge}, alone=alone)
+        for name, title, make, judge, alone in (
+            ("", f"valve on a cam in contact at {FOLLOWS:g} 1/min", valve, on_the_cam, OWN),
+            ("_roller", "valve held on a cam by a roller", partial(held, "harmonic", "roller"), pushed, CURVES),
+            ("_barrel", "valve held on the rim of a drum", partial(held, "cycloidal", "barrel"), pushed, CURVES),
+            ("_float", "valve that leaves a drum and bounces", partial(floating, "cycloidal", "barrel"), bounced, OWN),
+            ("_surge", "a spring of eight pieces over a closed valve", surging, surged, KNOWN),
+        )
+    ]
+    return found[: 1 if quick else None]
+
+
+def valve() -> Run:
+    """A valve in contact with its cam, well below the speed of float."""
+    made = Valve("cycloidal", FOLLOWS)
+    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+
+
+def on_the_cam(made: Run) -> Iterable[Finding]:
+    """Speed of float from the multiplier, and the force of the contact, by the law of the cam."""
+    train, law = made.source.train, theory.cams.cycloidal
+    s, _, dds = law(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+    known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
+    yield judged(
+        THEORY, "speed of float", abs(made.source.floats / known - 1), 1e-4, "lift by a spline of half degrees"
+    )
+    angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
+    s, _, dds = law(angle, LIFT, HALF)
+    force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
+    off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
+    yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
+
+
+def held(law: str, follower: str) -> Run:
+    """A turn with the valve held on its cam, above the speed of float, by kinematics."""
+    made = Valve(law, None, follower)
+    return Run(made.held.system, float(made.held.t[-1]), made.held, source=made)
+
+
+def pushed(made: Run) -> Iterable[Finding]:
+    """Multiplier, side force and torque by the law of the cam, and the speed from which on the multiplier pulls."""
+    train, law, run = made.source.train, getattr(theory.cams, made.source.law), made.solution
+    s, _, dds = law(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+    known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
+    yield judged(
+        THEORY, "speed of float", abs(made.source.floats / known - 1), 1e-4, "lift by a spline of half degrees"
+    )
+    angle = (train.turn * run.t) % (2 * np.pi) - np.pi
+    s, ds, dds = law(angle, LIFT, HALF)
+    along = train.mass * dds * train.turn**2 + train.preload + train.rate * s
+    aside = ds / train.cam.base if made.source.follower == "barrel" else -ds / (train.cam.height + s)
+    smooth = np.min([np.abs(np.abs(angle) - HALF), np.abs(angle)], axis=0) > SMOOTH
+    force, note = run.reaction("cam").force, "relative to the largest, away from jumps of the law's derivatives"
+    for what, found, exact in (
+        ("force of the cam", force[:, 2], along),
+        ("side force", force[:, 1], along * aside),
+        ("torque of the camshaft", run.effort("motor"), along * ds),
+    ):
+        yield judged(THEORY, what, float(np.abs(found - exact)[smooth].max() / np.abs(exact).max()), 1e-5, note)
+    lean = np.abs(np.arctan(aside)).max()
+    yield judged(THEORY, "pressure angle", float(abs(train.cam.lean / lean - 1)), 1e-4, "largest of half degrees")
+
+
+def floating(law: str, follower: str) -> Run:
+    """A valve above its speed of float, in a contact that opens."""
+    made = Valve(law, None, follower)
+    return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
+
+
+def bounced(made: Run) -> Iterable[Finding]:
+    """Every flight and blow of two turns by one equation of motion along the law."""
+    train, run = made.source.train, made.solution
+
+    def law(angle: np.ndarray) -> tuple:
+        return getattr(theory.cams, made.source.law)(angle, LIFT, HALF)
+
+    numbers = (train.rate, train.preload), (train.contact, train.damping)
+    known = theory.cams.bounce(law, train.turn, train.mass, *numbers, run.t)
+    off = np.abs(run.position("valve")[:, 2] - train.cam.height - known).max() / train.gap(run).max()
+    yield judged(THEORY, "height over two turns", float(off), 1e-4, "of the largest gap; lift by a spline, and blows")
+
+
+def surging() -> Run:
+    """A spring over a valve that a slide holds shut; nothing moves."""
+    bodies, (bearing, _, guide, *guides), forces = Valve("cycloidal", FOLLOWS).surging_train.parts
+    joints = [bearing, guide, *guides, SlideDriver(guide, 0.0, name="closed")]
+    return Run(System(bodies, joints, forces, gravity=(0, 0, 0)))
+
+
+def surged(made: Run) -> Iterable[Finding]:
+    """Frequencies of the chain in closed form, and the first one beside that of a spring without gaps."""
+    train = Valve("cycloidal", FOLLOWS).surging_train
+    values = np.abs(linearize(made.system).eigenvalues)
+    found = np.unique(values[values > 1.0].round(6))
+    known = theory.cams.surge(train.coils, train.rate, train.pieces)
+    yield judged(THEORY, "frequencies of surge", float(np.abs(found / known - 1).max()), 1e-8, "relative")
