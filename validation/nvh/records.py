@@ -1,14 +1,17 @@
 """Engines and cars as records: those of the data files under a name, and a user's own, a file (.json) with one."""
 
+import csv
 import json
 from collections.abc import Iterable
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number, vector
+from mbsd3d.extend import number, read_text, vector
 
+RECORD, TABLE = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
 DATA = Path(__file__).parent / "data"
 Record = dict[str, Any]
 
@@ -31,12 +34,15 @@ def record(kind: str, name: str) -> Record:
     if not is_file(name):
         known = data(kind)[kind]
         if name not in known:
-            raise InputError(f"{kind[:-1]} '{name}' is unknown; there are {', '.join(known)}; or give a file (.json)")
+            near = get_close_matches(name, known, 1)
+            hint = f", did you mean '{near[0]}'? There" if near else "; there"
+            raise InputError(f"{kind[:-1]} '{name}' is unknown{hint} are {', '.join(known)}; or give a file (.json)")
         return known[name]
+    text = read_text(Path(name), RECORD, kind[:-1])
     try:
-        found = json.loads(Path(name).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise InputError(f"{kind[:-1]} '{name}': {getattr(error, 'strerror', None) or error}") from None
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
+        raise InputError(f"{kind[:-1]} '{name}' is no JSON: {error}; --export writes an example") from None
     if not isinstance(found, dict):
         raise InputError(f"{kind[:-1]} '{name}': give one record, {{...}}; --export writes an example")
     return found
@@ -62,3 +68,13 @@ def positive(found: Record, names: Iterable[str], what: str) -> None:
 def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:
     """Three numbers within ``limits`` as those of `number`; ValueError for others."""
     return tuple(number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))
+
+
+def rows(path: Path, kind: str) -> list[tuple[int, list[str]]]:
+    """(number of the line, cells) of a file of comma-separated values, without empty lines; ValueError for others."""
+    text = read_text(path, TABLE, kind)
+    try:
+        lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(text.splitlines()), start=1)]
+    except csv.Error as error:
+        raise InputError(f"{kind} '{path}': {error}; give a file of comma-separated values") from None
+    return [(k, cells) for k, cells in lines if any(cells)]

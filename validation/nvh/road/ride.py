@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from mbsd3d import Solution, Table, simulate
+from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 from validation.nvh.road.comfort import verdict, weight
 from validation.nvh.road.profile import Road
@@ -21,19 +22,22 @@ from validation.nvh.road.vehicle import Corner, Vehicle
 
 FINE = 16  # samples of the shortest wave of the road
 SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
+SPEEDS = 0.5, 150.0  # m/s
 RTOL = 1e-8
 
 
 @dataclass(frozen=True)
 class Ride:
-    """``vehicle`` over ``road`` at ``speed`` [m/s] > 0; ValueError for another speed."""
+    """``vehicle`` over ``road`` at ``speed`` [m/s]; ValueError for a speed that cars do not have."""
 
     vehicle: Vehicle
     road: Road
     speed: float
 
     def __post_init__(self) -> None:
-        number(self.speed, "ride: speed", positive=True)
+        speed = number(self.speed, "ride: speed", positive=True)
+        if not SPEEDS[0] <= speed <= SPEEDS[1]:
+            raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
 
     @cached_property
     def rates(self) -> np.ndarray:
