@@ -127,7 +127,8 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
         takes = f"t takes {', '.join(known)}"
         if not unknown:
             return ArgumentError(f"{name}: {error}; i{takes}")
-        near = [x for x in [SYNONYMS.get(unknown[0])] if x in known] or get_close_matches(unknown[0], known, 1)
+        meant = (SYNONYMS.get(unknown[0]), unknown[0].lower())
+        near = [x for x in known if x in meant or x.lower() in meant] or get_close_matches(unknown[0], known, 1)
         if unknown[0] in ("dt", "step") and near == ["method"]:
             return ArgumentError(
                 f"{name}: no argument '{unknown[0]}', the step belongs to a method: method=RK4(dt=...)"
