@@ -109,8 +109,8 @@ def ablations(
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> found = ablations(Meijaard2007(), None)
+    >>> from bicycle import Meijaard2007, why
+    >>> found = why.ablations(Meijaard2007(), None)
     >>> print(*{row.name: row.ranges for row in found.rows}["no trail"])
     2.933073 ... 3.128986 m/s
     """
