@@ -37,6 +37,8 @@ COMMANDS = {
     "circles": ("bicycle", "circles"),
     "nvh": ("nvh", "inline_4", "--page", "page"),
     "road": ("nvh", "--road", "C"),
+    "valve": ("nvh", "--valve", "cycloidal"),
+    "rider": ("bicycle", "rider"),
 }
 
 
