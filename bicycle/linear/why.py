@@ -36,7 +36,7 @@ def two_mass_skate() -> Parameters:
 
 
 def quartic_of(parameters: Parameters, build: Build | None) -> Quartic:
-    """In closed form; of the general model for round tyres, which the closed form does not know."""
+    """Characteristic quartic in closed form; from the general model for round tyres, which that form does not know."""
     if build is not None and (parameters.tR or parameters.tF):
         return critical.model_polynomial(parameters, build)
     return critical.polynomial(parameters)

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -48,6 +48,35 @@ def record(kind: str, name: str) -> Record:
     return found
 
 
+def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list[str], list[tuple[str, list[str]]]]:
+    """Header and (where, cells) of every line of a file of comma-separated values, lines of nothing left out.
+
+    ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
+    """
+    text = read_text(path, TABLE, kind)
+    try:
+        rows = csv.reader(text.splitlines())
+        lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(rows, start=1) if any(row)]
+    except csv.Error as error:
+        raise InputError(f"{kind} '{path}': {error}; give a file of comma-separated values") from None
+    if not lines or lines[0][1] not in headers:
+        heads = " or ".join(f"'{','.join(header)}'" for header in headers)
+        raise InputError(f"{kind} '{path.name}': line 1 must be {heads}")
+    header = lines[0][1]
+    for k, row in lines[1:]:
+        if len(row) != len(header):
+            raise InputError(f"{kind} '{path.name}': line {k} has {len(row)} values; give {len(header)}")
+    return header, [(f"{kind} '{path.name}': line {k}", row) for k, row in lines[1:]]
+
+
+def cell(text: str, what: str) -> float:
+    """A cell as a finite number."""
+    try:
+        return number(float(text), what)
+    except ValueError:
+        raise InputError(f"{what} is '{text}'; give a number") from None
+
+
 def fields(found: Any, needed: Iterable[str], what: str, free: Iterable[str] = ()) -> None:
     """ValueError if a record lacks a field or has one that is unknown."""
     if not isinstance(found, dict):
@@ -68,13 +97,3 @@ def positive(found: Record, names: Iterable[str], what: str) -> None:
 def triple(value: Any, what: str, **limits: Any) -> tuple[float, ...]:
     """Three numbers within ``limits`` as those of `number`; ValueError for others."""
     return tuple(number(x, f"{what}[{i}]", **limits) for i, x in enumerate(vector(value, what)))
-
-
-def rows(path: Path, kind: str) -> list[tuple[int, list[str]]]:
-    """(number of the line, cells) of a file of comma-separated values, without empty lines; ValueError for others."""
-    text = read_text(path, TABLE, kind)
-    try:
-        lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(text.splitlines()), start=1)]
-    except csv.Error as error:
-        raise InputError(f"{kind} '{path}': {error}; give a file of comma-separated values") from None
-    return [(k, cells) for k, cells in lines if any(cells)]
