@@ -17,6 +17,11 @@ from mbsd3d import GROUND, Body, Prismatic, Ramp, Revolute, Sine, SpeedDriver, S
 from mbsd3d.sweeps.experiment import Experiment, Outcome
 from mbsd3d.sweeps.grids import make_grid
 from mbsd3d.sweeps.ledger import Ledger, identity
+from validation.nvh.cabin.table import HEADER, read_modes
+from validation.nvh.engine.presets import preset
+from validation.nvh.held.mounts import car, mounts
+from validation.nvh.records import data
+from validation.nvh.road.measured import read_road
 
 COUNT = 10_000  # files that are tried
 NUMBERS = ("1e400", "-1e400", "nan", "inf", "1e308", "5e-324", "-0.0", "1e60", "9" * 400, "0x10", "1_000", "1,5", "")
@@ -37,7 +42,11 @@ TEXTS = (
     "*a",
     "- - -",
 )
-KINDS = ("json", "toml", "npz", "mjcf", "urdf", "txt", "yaml", "ledger", "stl", "obj", "ply")
+KINDS = (
+    "json", "toml", "npz", "mjcf", "urdf", "txt", "yaml", "ledger", "stl", "obj", "ply", "engine", "car", "shell",
+    "road",
+)  # fmt: skip
+SUFFIX = {"mjcf": "xml", "ledger": "db", "engine": "json", "car": "json", "shell": "csv", "road": "csv"}
 
 
 def model():
@@ -81,6 +90,13 @@ class Samples:
         values = Path(__file__).parent / "bicycle_values.txt"
         texts["txt"] = values.read_text() if values.exists() else "w = 1.02\nc = 0.08\nlam = 0.31 +/- 0.01\ng = 9.81\n"
         texts["yaml"] = "parameterization: benchmark\nvalues:\n  w: 1.02\n  c: 0.08\n  lam: 0.314\n  mB: 85.0\n"
+        engine = {key: value for key, value in data("engines")["engines"]["inline_4"].items() if key != "layout"}
+        own = {"pins": [0, 180, 180, 0], "bores": [0] * 4, "stations": [-0.1, 0, 0.1, 0.2], "firing_order": "1-3-4-2"}
+        texts |= {"engine": json.dumps(engine | own), "car": json.dumps(data("cars")["cars"]["compact"])}
+        texts["shell"] = "\n".join(
+            [",".join(HEADER)] + [f"{k},{k}.5,.02,{x},0,0,.1" for k in (1, 2) for x in ("a", "seat")]
+        )
+        texts["road"] = "x,left,right\n" + "".join(f"{0.3 * k:.1f},0.01,{0.002 * (k % 5):g}\n" for k in range(40))
         self.content |= {kind: text.encode() for kind, text in texts.items()}
 
 
@@ -229,6 +245,17 @@ def ledger(rng, path):
     return read
 
 
+def read_engine(path):
+    """An engine that turns."""
+    found = preset(str(path))
+    return found.engine(found.idle), found.block.inertia
+
+
+def read_car(path):
+    """With its mounts under an engine."""
+    return mounts(car(str(path)), preset("inline_4"))
+
+
 def build(mass):
     return System([Body("b", mass, (1, 1, 1))])
 
@@ -240,14 +267,29 @@ def measure(solution):
 def broken(seed, samples):
     """(kind, function that reads a broken file)."""
     rng = np.random.default_rng([seed, 16])
-    share = [9, 9, 9, 1, 1, 9, 9, 9, 5, 5, 5]  # MuJoCo reads in a process of its own, which takes half a second
+    share = [
+        9,
+        9,
+        9,
+        1,
+        1,
+        9,
+        9,
+        9,
+        5,
+        5,
+        5,
+        9,
+        9,
+        5,
+        5,
+    ]  # MuJoCo reads in a process of its own, which takes half a second
     kind = KINDS[rng.choice(len(KINDS), p=np.array(share) / sum(share))]
-    suffix = {"mjcf": "xml", "ledger": "db"}.get(kind, kind)
-    path = samples.folder / f"broken.{suffix}"
+    path = samples.folder / f"broken.{SUFFIX.get(kind, kind)}"
     if kind == "ledger":
         return kind, ledger(rng, path)
     content = samples.content[kind]
-    if kind == "json" and rng.random() < 0.6:
+    if SUFFIX.get(kind, kind) == "json" and rng.random() < 0.6:
         content = json.dumps(changed_json(rng, json.loads(content))).encode()
     elif kind == "npz" and rng.random() < 0.8:
         content = bomb(rng) if rng.random() < 0.1 else changed_npz(rng, content)
@@ -256,7 +298,8 @@ def broken(seed, samples):
     path.write_bytes(content)
     readers = {
         "json": System.from_file, "toml": System.from_file, "npz": mbsd3d.load, "txt": read_values, "yaml": read_values,
-        "mjcf": mbsd3d.read_mjcf, "urdf": mbsd3d.read_urdf,
+        "mjcf": mbsd3d.read_mjcf, "urdf": mbsd3d.read_urdf, "engine": read_engine, "car": read_car, "shell": read_modes,
+        "road": read_road,
     }  # fmt: skip
     if kind in readers:
         return kind, lambda: readers[kind](path)

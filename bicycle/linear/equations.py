@@ -18,7 +18,7 @@ from scipy.optimize import linear_sum_assignment
 
 from mbsd3d.errors import InputError
 
-from ..parameters import Parameters
+from ..parameters import Parameters, check_set
 
 MODES = ("weave", "capsize", "castering")
 NAMES = ("weave", "weave, conjugate", "capsize", "castering")
@@ -71,6 +71,7 @@ def canonical(p: Parameters) -> Canonical:
     array([[80.81722,  2.31941],
            [ 2.31941,  0.29784]])
     """
+    check_set(p, "bicycle")
     if p.tR or p.tF:
         raise InputError(
             f"bicycle '{p.name}': the closed form holds for knife-edge wheels, here tR = {p.tR}, tF = {p.tF}; "

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, THIN, Theme, dress
+from mbsd3d.extend import LINE, THIN, Theme, dress, explaining
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
@@ -78,6 +78,7 @@ def check_mode(name: str) -> None:
         raise InputError(f"mode '{name}' is unknown; give weave, capsize or castering")
 
 
+@explaining
 def study(
     parameters: Parameters,
     speeds: ArrayLike | None = None,

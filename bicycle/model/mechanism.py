@@ -25,9 +25,9 @@ from mbsd3d import (
     shapes,
 )
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal
+from mbsd3d.extend import Measure, as_signal, explaining
 
-from ..parameters import Parameters
+from ..parameters import Parameters, check_set
 from .head import head_of, head_state
 from .kinematics import hubs, pose_of, steer_axis, velocities_of
 from .tyres import Tyres, tyres_of
@@ -51,6 +51,7 @@ class Bicycle(System):
         return self.start or super().state(as_built=as_built)
 
 
+@explaining
 def whipple(
     parameters: Parameters,
     speed: float = 0.0,
@@ -102,8 +103,7 @@ def whipple(
     >>> found.configuration_freedom, found.velocity_freedom
     (7, 3)
     """
-    if not isinstance(parameters, Parameters):
-        raise InputError(f"whipple: parameters = {parameters!r}; give a set, e.g. bicycle.named('Browserins')")
+    check_set(parameters, "whipple")
     place = pose_of(parameters, lean, steer)
     motion = velocities_of(parameters, place, speed, lean_rate, steer_rate)
     upright = lean == steer == 0.0  # then the reference pose is the start, and a model file holds all of it

@@ -13,12 +13,13 @@ import numpy as np
 
 from mbsd3d.errors import InputError
 
-from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters
+from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from .files import is_file, read_values
 
 __all__ = [
     "MEANING", "NOT_NEGATIVE", "POSITIVE", "SYMBOL", "SYMBOLS", "TYRES", "UNIT", "Meijaard2007", "Parameters",
-    "deviations", "entry_of", "find", "fittings", "is_file", "library", "machines", "named", "names", "read_values",
+    "check_set", "deviations", "entry_of", "find", "fittings", "is_file", "library", "machines", "named", "names",
+    "read_values",
 ]  # fmt: skip
 
 DATA = Path(__file__).parent / "published.json"

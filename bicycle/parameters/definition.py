@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import check_inertia, number
+from mbsd3d.extend import Explained, check_inertia, number
 
 from .files import read_values
 
@@ -20,7 +20,7 @@ def quantity(symbol: str, unit: str, meaning: str, **more: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameters:
+class Parameters(metaclass=Explained):
     """A bicycle of four rigid bodies: rear wheel R, frame with rider B, fork with handlebar H, front wheel F.
 
     Axes of the paper: origin at the rear contact, x forward, y right, z down, so that centres of mass have z < 0. SI
@@ -167,3 +167,9 @@ def check_body(parameters: Parameters, part: str, what: str) -> None:
             raise
         if not parameters.unphysical:
             raise InputError(f"{error}; to compute with it all the same give unphysical=True (--unphysical)") from None
+
+
+def check_set(parameters: object, what: str) -> None:
+    """ValueError for anything but parameters, such as their name."""
+    if not isinstance(parameters, Parameters):
+        raise InputError(f"{what}: parameters = {parameters!r:.80}; give a set, e.g. bicycle.named('Browserins')")

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number
+from mbsd3d.extend import explaining, number
 
 from ..linear.equations import canonical
-from ..parameters import Parameters
+from ..parameters import Parameters, check_set
 
 STATES = ("lean", "steer", "lean rate", "steer rate", "heading", "deviation", "torque", "torque rate")
 LOOPS = ("steer angle", "roll rate", "roll", "heading", "lateral deviation")
@@ -52,6 +52,7 @@ class Loop(NamedTuple):
 
 def open_loop(parameters: Parameters, speed: float) -> Loop:
     """Transfer from the rider's command U to the states at a speed [m/s], on ideal wheels."""
+    check_set(parameters, "rider")
     v, k = number(speed, "rider: speed", positive=True), np.cos(parameters.lam) / parameters.w
     linear = canonical(parameters)
     A = np.zeros((8, 8))
@@ -82,6 +83,7 @@ def eigenvalues(parameters: Parameters, speed: float, gains: Gains, count: int =
     return np.sort_complex(np.linalg.eigvals(closed_loops(parameters, speed, gains, count).A))
 
 
+@explaining
 def gains_of(
     parameters: Parameters, speed: float, *, steer: float | None = None, roll_rate: float | None = None
 ) -> Gains:  # fmt: skip

@@ -14,13 +14,14 @@ from mbsd3d.extend import Built, Control, Measure, Panel, Play, Seen, number, pl
 from ..linear.tyre_equations import Affine, equations
 from ..model.mechanism import Bicycle
 from ..model.tyres import TYPICAL
-from ..parameters import Parameters
+from ..parameters import Parameters, check_set
 from .carried import carried, faster
 from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 
 PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
 FADING = 1.0  # [m/s] below which the brake lets go: it is set 60 times a second, and must not turn anything back
+FASTEST = 50.0  # [m/s]
 ASSIST = 50.0  # [N m s/rad]
 TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
 LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
@@ -66,6 +67,7 @@ def play(
     ValueError
         For numbers outside their ranges, a head tube that yields, a port in use, or a missing package.
     """
+    check_set(parameters, "play")
     riding, title = Riding(parameters, speed, assist, torque, fittings), f"{parameters.name} on tyres"
     return play_model(riding, follow="frame", view=BEHIND, hidden="body names", title=title, dark=dark, port=port)
 
@@ -163,13 +165,13 @@ class Straight(NamedTuple):
 
 def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> list[Control]:
     """What is changed while riding: torques by keys, the rest by sliders."""
-    torque = number(torque, "play: torque", positive=True)
-    fastest, angle = max(12.0, 2.0 * speed), 90.0 - float(np.degrees(p.lam))
+    torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
+    fastest, angle = min(max(12.0, 2.0 * speed), FASTEST), 90.0 - float(np.degrees(p.lam))
     made = [
         Control("steer torque", -torque, torque, 0.0, "N m", (("ArrowLeft", "ArrowRight"), ("j", "l")), springs=True),
         Control("pedal", 0.0, PEDAL, 0.0, "N m", (("", "ArrowUp"), ("", "i")), springs=True),
         Control("brake", 0.0, BRAKE, 0.0, "N m", (("", "ArrowDown"), ("", "k")), springs=True),
-        Control("speed", 0.5, fastest, number(speed, "play: speed"), "m/s", builds=True),
+        Control("speed", 0.5, fastest, speed, "m/s", builds=True),
         Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
         Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),
         Control("head angle", angle - ANGLE, angle + ANGLE, angle, "°", builds=True),

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from mbsd3d import AeroDrag, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Measure, as_signal, number
+from mbsd3d.extend import Measure, as_signal, explaining, number
 
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
@@ -19,6 +19,7 @@ from .manoeuvres import FALLEN
 from .motion import WHEELS, Event, Ride, ground_force, on_tyres
 
 
+@explaining
 def run(
     parameters: Parameters,
     t_end: float = 10.0,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..integrators.method import Method
 from ..mechanism.bodies import Body
 from ..mechanism.measures import Measure
+from ..mechanism.signals import Input
 from ..mechanism.state import State
 from .viewable import Layers
 
@@ -96,7 +97,7 @@ class Drawable:
 
     def play(
         self,
-        inputs: Mapping[str, Sequence[float]] | None = None,
+        inputs: Mapping[Input | str, Sequence[float]] | None = None,
         *,
         state: State | None = None,
         curves: Sequence[Measure] | None = None,
@@ -120,7 +121,7 @@ class Drawable:
 
         Parameters
         ----------
-        inputs : mapping of the name of an `Input` to (low, high), in the unit of what it drives
+        inputs : mapping of an `Input` or its name to (low, high), in the unit of what it drives
             Pressed keys hold an end of the range: left and right arrow (or J, L) of the first input, down and up (or
             K, I) of the second, A, D and S, W of the next two. Other inputs stay what they are.
         state : State or None

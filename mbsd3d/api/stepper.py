@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.checks import check_choice
 from ..base.errors import Explained, IntegrationError, explaining_methods
 from ..equations.compiled import Switches
 from ..equations.inputs import History
@@ -70,9 +71,10 @@ class Stepper(metaclass=Explained):
         as_built: float | None = None,
         keep: bool = True,
     ) -> None:
+        check_choice(keep, (True, False), "Stepper: keep")
         start = start_of(system, state, "Stepper", as_built)
         self._run = Slices(system, start, Switches(), method, rtol, as_built, measures)
-        self._run.keep = bool(keep)
+        self._run.keep = keep
 
     def __repr__(self) -> str:
         return f"<stepper: at t = {self.t:g} s, by {self._run.method}>"

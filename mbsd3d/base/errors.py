@@ -7,9 +7,9 @@ from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-T = TypeVar("T")
+P, T = ParamSpec("P"), TypeVar("T")
 CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")  # ends of lines, and all that moves a cursor, paints or rings
 
 
@@ -113,6 +113,7 @@ SYNONYMS = MappingProxyType({
     "dt": "method", "step": "method", "integrator": "method", "solver": "method", "tol": "rtol", "tolerance": "rtol",
     "tend": "t_end", "tf": "t_end", "duration": "t_end", "samples": "output", "initial": "state", "x0": "state",
     "constraints": "joints", "links": "bodies", "loads": "forces", "g": "gravity", "title": "name",
+    "mu": "friction", "friction": "mu", "restitution": "loss", "corner_stiffness": "cornering", "teeth": "ratio",
 })  # fmt: skip
 
 
@@ -126,7 +127,8 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
         takes = f"t takes {', '.join(known)}"
         if not unknown:
             return ArgumentError(f"{name}: {error}; i{takes}")
-        near = [x for x in [SYNONYMS.get(unknown[0])] if x in known] or get_close_matches(unknown[0], known, 1)
+        meant = (SYNONYMS.get(unknown[0]), unknown[0].lower())
+        near = [x for x in known if x in meant or x.lower() in meant] or get_close_matches(unknown[0], known, 1)
         if unknown[0] in ("dt", "step") and near == ["method"]:
             return ArgumentError(
                 f"{name}: no argument '{unknown[0]}', the step belongs to a method: method=RK4(dt=...)"
@@ -155,11 +157,11 @@ class Explained(ABCMeta):
                 raise wrong or error from None
 
 
-def explaining(function: Callable[..., T], name: str | None = None) -> Callable[..., T]:
+def explaining(function: Callable[P, T], name: str | None = None) -> Callable[P, T]:
     """The same for a function; ``name``: its public one."""
 
     @functools.wraps(function)
-    def call(*args: Any, **given: Any) -> T:
+    def call(*args: P.args, **given: P.kwargs) -> T:
         try:
             return function(*args, **given)
         except TypeError:

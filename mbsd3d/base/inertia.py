@@ -9,13 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from .checks import listed, shown
-from .errors import InputError
+from .errors import InputError, explaining
 from .mass_properties import MassProperties, _size, combine, steiner
 from .rotations import AXES
 
 __all__ = ["MassProperties", "box", "combine", "cone", "cylinder", "rod", "sphere", "steiner"]
 
 
+@explaining
 def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
     """Box with edges ``lengths`` (lx, ly, lz) along the axes: ``Ixx = m (ly^2 + lz^2) / 12`` and cyclic.
 
@@ -29,6 +30,7 @@ def box(mass: float, lengths: Sequence[float]) -> np.ndarray:
     return _size(mass, "box", "mass") * (squares.sum() - squares) / 12.0
 
 
+@explaining
 def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.ndarray:
     """Solid circular cylinder: ``m r^2 / 2`` along its axis, ``m (3 r^2 + l^2) / 12`` across; length zero: a disc.
 
@@ -39,6 +41,7 @@ def cylinder(mass: float, radius: float, length: float, axis: str = "z") -> np.n
     return _axial(0.5 * m * r**2, m * (3.0 * r**2 + l**2) / 12.0, axis, "cylinder")
 
 
+@explaining
 def sphere(mass: float, radius: float) -> np.ndarray:
     """Solid sphere: ``2 m r^2 / 5`` about every axis.
 
@@ -48,6 +51,7 @@ def sphere(mass: float, radius: float) -> np.ndarray:
     return np.full(3, 0.4 * _size(mass, "sphere", "mass") * _size(radius, "sphere", "radius") ** 2)
 
 
+@explaining
 def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.ndarray:
     """Rod: a `cylinder` named by its length first, thin (``m l^2 / 12`` across, nothing along) unless it has a radius.
 
@@ -58,6 +62,7 @@ def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.
     return cylinder(m, r, l, _letter(axis, "rod"))
 
 
+@explaining
 def cone(mass: float, radius: float, height: float, axis: str = "z") -> np.ndarray:
     """Solid circular cone: ``3 m r^2 / 10`` along its axis, ``3 m (4 r^2 + h^2) / 80`` across.
 

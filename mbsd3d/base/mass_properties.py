@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .checks import SMALLEST, check_size, floats, listed, number, vector
-from .errors import Explained, InputError
+from .errors import Explained, InputError, explaining
 from .rotations import _text, as_quaternion, matrix
 
 TOLERANCE = 1e-9  # relative; a flat body lies on the triangle limit, where rounding falls on either side
@@ -28,6 +28,7 @@ class MassProperties(metaclass=Explained):
     inertia: np.ndarray  # (3, 3) about ``com``, in the same axes [kg m^2]
 
 
+@explaining
 def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     """Rigid body made of parts: ``m = sum m_i``, ``c = sum m_i c_i / m``, Steiner's rule as a tensor for the inertia.
 
@@ -53,6 +54,7 @@ def combine(parts: Iterable[tuple | MassProperties]) -> MassProperties:
     return MassProperties(mass, com, total)
 
 
+@explaining
 def steiner(mass: float, offset: ArrayLike) -> np.ndarray:
     """What a mass [kg] adds to the inertia at a distance ``d = offset`` (3,) [m]: ``m (d'd 1 - d d')`` [kg m^2]."""
     d = vector(offset, "steiner: offset")

@@ -74,21 +74,20 @@ def package_version() -> str:
 
 def read_text(path: Path, limit: int, kind: str = "model") -> str:
     """The text of a file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
+    one = f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):
             raise InputError(f"'{path}' is a folder or a device; give a file")
         if state.st_size > limit:
-            raise InputError(f"'{path}' has {state.st_size} bytes; a {kind} file has at most {limit}")
+            raise InputError(f"'{path}' has {state.st_size} bytes; {one} file has at most {limit}")
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"'{path}' cannot be read: {error.strerror}; give a file that exists") from error
     if not content.strip():
-        raise InputError(f"'{path}' is empty; give a {kind} file")
+        raise InputError(f"'{path}' is empty; give {one} file")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"'{path}' is not UTF-8 text (line {line}); give a {kind} file, or save it as UTF-8"
-        ) from error
+        raise InputError(f"'{path}' is not UTF-8 text (line {line}); give {one} file, or save it as UTF-8") from error

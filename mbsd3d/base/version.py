@@ -1,12 +1,42 @@
-"""What is installed: the version of this package, and what others add by entry points."""
+"""What is installed: the version of this package, other packages as they are loaded, and what they add to it."""
 
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import metadata
+from types import FrameType
 from typing import TypeVar
 
 from .errors import InputError
 
 T = TypeVar("T")
 __version__ = "0.2.0"
+
+
+@contextmanager
+def loading() -> Iterator[None]:
+    """Around an import: KeyboardInterrupt if Ctrl-C came inside.
+
+    Compiled packages answer Ctrl-C by an ImportError, as if they were missing, and others go on as if nothing had been.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield
+        return
+    came = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        handler(number, frame)
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if came:
+            raise KeyboardInterrupt from None
 
 
 def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
@@ -16,7 +46,8 @@ def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
     """
     package = f"package '{entry.dist.name}'" if entry.dist else f"'{entry.value}'"
     try:
-        found = entry.load()
+        with loading():
+            found = entry.load()
     except (Exception, SystemExit) as error:
         text = " ".join(str(error).split())
         raise InputError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error

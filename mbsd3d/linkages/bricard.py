@@ -7,13 +7,14 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from .dh import built, closed_angles, table
 from .links import Links
 
 RIGHT = 0.5 * np.pi
 
 
+@explaining
 def bricard_line(
     lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angle: float, *,
     near: Sequence[float] | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
@@ -46,6 +47,7 @@ def bricard_line(
     return built("bricard_line", numbers, angles, links, position, orientation, gravity)
 
 
+@explaining
 def bricard_plane(
     lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angle: float, *,
     near: Sequence[float] | None = None, links: Links = None, position: ArrayLike = (0, 0, 0),
@@ -84,6 +86,7 @@ def bricard_plane(
     return built("bricard_plane", numbers, angles, links, position, orientation, gravity)
 
 
+@explaining
 def bricard(
     length: float, angle: float, *, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),
@@ -117,6 +120,7 @@ def bricard(
     return built("bricard", numbers, np.array([angle, phi] * 3), links, position, orientation, gravity)
 
 
+@explaining
 def schatz(
     length: float, angle: float, *, offset: float = 0.0, links: Links = None, position: ArrayLike = (0, 0, 0),
     orientation: ArrayLike = (1, 0, 0, 0), gravity: ArrayLike = (0, 0, -9.81),

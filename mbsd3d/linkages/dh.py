@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import sequence
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute
 from .links import Links, base_frame, link_body
@@ -18,6 +18,7 @@ STARTS = {2: 8, 3: 5}  # of each free angle in the search for a closed pose, by 
 ROUNDS = 30  # of Newton; it doubles its digits in each where it converges at all
 
 
+@explaining
 def hinge_loop(
     lengths: Sequence[float], twists: Sequence[float], offsets: Sequence[float], angles: Sequence[float], *,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),

@@ -5,13 +5,14 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import check_choice, number, sequence, shown
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute, Spherical, Universal
 from .dh import step
 from .links import Links, base_frame, link_body
 
 
+@explaining
 def rssr(
     crank: float, rod: float, rocker: float, distance: float, twist: float, angle: float, *,
     offsets: ArrayLike = (0, 0), branch: int = 1, spin: bool = False, links: Links = None,
@@ -55,6 +56,7 @@ def rssr(
     offset = sequence(offsets, "rssr: offsets")
     angle = number(angle, "rssr: angle")
     check_choice(branch, (1, -1), "rssr: branch")
+    check_choice(spin, (True, False), "rssr: spin")
     if len(offset) != 2:
         raise InputError(f"rssr: offsets {shown(offset)}; give two")
     shaft = step(0.0, number(distance, "rssr: distance"), number(twist, "rssr: twist"), 0.0)

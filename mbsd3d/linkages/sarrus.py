@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..api.system import System
 from ..base.checks import number, sequence
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from ..mechanism.bodies import GROUND
 from ..mechanism.joints import Revolute
 from .links import Links, base_frame, link_body
@@ -16,6 +16,7 @@ STRAIGHT = 1e-6  # a leg whose links lie on one line within this angle [rad] has
 Z = np.array([0.0, 0.0, 1.0])
 
 
+@explaining
 def sarrus(
     first: Sequence[float], second: Sequence[float], between: float, angle: float, *, reach: float = 0.0,
     links: Links = None, position: ArrayLike = (0, 0, 0), orientation: ArrayLike = (1, 0, 0, 0),

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import number, shown, vector
 from ..base.directions import unit
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground, Part
 from .force_element import ForceElement
@@ -120,24 +120,28 @@ def label(part: Body | Ground | Part) -> str:
     return getattr(part, "name", None) or type(part).__name__
 
 
+@explaining
 def angle(hinge: Joint) -> Measure:
     """Angle of a hinge [rad], unwrapped, zero at the reference pose."""
     x = coordinate_of(hinge, "angle", "measures.angle")
     return Measure("coordinate", f"angle of {label(hinge)}", "rad", x.a, x.b, coordinate=x)
 
 
+@explaining
 def rate(hinge: Joint) -> Measure:
     """Rate of the angle of a hinge [rad/s]."""
     x = coordinate_of(hinge, "angle", "measures.rate")
     return Measure("coordinate rate", f"rate of {label(hinge)}", "rad/s", x.a, x.b, coordinate=x)
 
 
+@explaining
 def slide(slider: Joint) -> Measure:
     """Displacement of a sliding joint [m]."""
     x = coordinate_of(slider, "slide", "measures.slide")
     return Measure("coordinate", f"slide of {label(slider)}", "m", x.a, x.b, coordinate=x)
 
 
+@explaining
 def slide_rate(slider: Joint) -> Measure:
     """Speed of a sliding joint [m/s]."""
     x = coordinate_of(slider, "slide", "measures.slide_rate")
@@ -157,6 +161,7 @@ def point_of(body: Body | Ground, at: ArrayLike | None, what: str) -> np.ndarray
     return body.centre
 
 
+@explaining
 def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """World coordinate of a point of a body along ``axis`` [m]; ``at`` None = centre of mass."""
     body_or_error(body, "measures.position")
@@ -164,6 +169,7 @@ def position(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("position", f"position of {label(body)}", "m", GROUND, body, ZERO, point, axis)
 
 
+@explaining
 def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Measure:
     """Velocity of a point of a body along the world direction ``axis`` [m/s]."""
     body_or_error(body, "measures.velocity")
@@ -171,12 +177,14 @@ def velocity(body: Body, *, axis: ArrayLike, at: ArrayLike | None = None) -> Mea
     return Measure("velocity", f"velocity of {label(body)}", "m/s", GROUND, body, ZERO, point, axis)
 
 
+@explaining
 def omega(body: Body, *, axis: ArrayLike) -> Measure:
     """Angular velocity of a body along the world direction ``axis`` [rad/s]."""
     body_or_error(body, "measures.omega")
     return Measure("omega", f"omega of {label(body)}", "rad/s", GROUND, body, axis=unit(axis, "measures.omega: axis"))
 
 
+@explaining
 def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Elevation of the body's lateral axis above the horizontal [rad] (y left, z up: lean to the right is > 0).
 
@@ -187,6 +195,7 @@ def lean(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean", f"lean of {label(body)}", "rad", GROUND, body, axis=axis)
 
 
+@explaining
 def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Rate of `lean` [rad/s]."""
     body_or_error(body, "measures.lean_rate")
@@ -194,6 +203,7 @@ def lean_rate(body: Body, *, lateral: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return Measure("lean rate", f"lean rate of {label(body)}", "rad/s", GROUND, body, axis=axis)
 
 
+@explaining
 def distance(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> Measure:
@@ -204,6 +214,7 @@ def distance(
     return Measure("distance", f"distance {label(a)} to {label(b)}", "m", a, b, point_a, point_b)
 
 
+@explaining
 def state(force: ForceElement, index: int | str = 0) -> Measure:
     """Own state of a force element, e.g. of a filter or of a `CustomForce`, by its number from 0 or its name.
 
@@ -221,28 +232,33 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 
 
-def of_contact(contact: ForceElement, kind: str, unit_of: str) -> Measure:
-    """A measure of a `Contact`, or a ValueError."""
+def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -> Measure:
+    """A measure of a `Contact`, or a ValueError of the function ``what``."""
     if not isinstance(contact, Contact):
-        raise InputError(f"measures.{kind.replace(' ', '_')}: {shown(contact)} is not a contact; give a Contact")
+        what = what or kind.replace(" ", "_")
+        raise InputError(f"measures.{what}: {shown(contact)} is not a contact; give a Contact")
     return Measure(kind, f"{kind} of {label(contact)}", unit_of, contact.a, contact.b, part=contact)
 
 
+@explaining
 def clearance(contact: ForceElement) -> Measure:
     """Height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
     return of_contact(contact, "clearance", "m")
 
 
+@explaining
 def normal_force(contact: ForceElement) -> Measure:
     """Force [N] with which a `Contact` presses, >= 0."""
     return of_contact(contact, "normal force", "N")
 
 
+@explaining
 def touches(contact: ForceElement) -> Condition:
     """The surface of a `Contact` comes down to its plane; for ``stop_when``."""
-    return clearance(contact) < 0.0
+    return of_contact(contact, "clearance", "m", "touches") < 0.0
 
 
+@explaining
 def leaves(contact: ForceElement) -> Condition:
     """A `Contact` does not press any more; for ``stop_when``. A damper lets go before the plane has come back."""
-    return normal_force(contact) < 0.0
+    return of_contact(contact, "normal force", "N", "leaves") < 0.0

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import shown
 from ..base.directions import cross, perpendiculars, unit
-from ..base.errors import InputError
+from ..base.errors import InputError, explaining
 from .bodies import GROUND, Body, Ground
 from .forces.springs import SpringDamper
 from .measures import Measure, body_or_error, distance, label, lean, point_of
@@ -41,6 +41,7 @@ def protractor(
     return Coordinate("angle", a, b, axis, axis, zero_a=zero, zero_b=direction)
 
 
+@explaining
 def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Heading of a body [rad]: angle about z from the world x axis to its forward axis, > 0 to the left (z up).
 
@@ -49,6 +50,7 @@ def heading(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     return of_coordinate(_heading(body, forward, "measures.heading"), f"heading of {label(body)}")
 
 
+@explaining
 def heading_rate(body: Body, *, forward: ArrayLike = (1.0, 0.0, 0.0)) -> Measure:
     """Rate of `heading` [rad/s]."""
     return of_coordinate(_heading(body, forward, "measures.heading_rate"), f"heading rate of {label(body)}", rate=True)
@@ -59,6 +61,7 @@ def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
     return protractor(GROUND, body, AXES[2], AXES[0], unit(forward, f"{what}: forward"), what)
 
 
+@explaining
 def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     """Camber of a wheel [rad]: elevation of its axle above the horizontal, > 0 where it leans to the right (y left).
 
@@ -68,6 +71,7 @@ def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
     return replace(lean(wheel, lateral=unit(axle, "measures.camber: axle")), label=f"camber of {label(wheel)}")
 
 
+@explaining
 def angle_between(
     a: Body | Ground, b: Body | Ground, *, axis_a: ArrayLike, axis_b: ArrayLike, about: ArrayLike | None = None
 ) -> Measure:
@@ -99,11 +103,13 @@ def angle_between(
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
 
 
+@explaining
 def turn(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Angle of b relative to a about an axis fixed in a [rad], zero at the reference pose; no hinge is needed."""
     return of_coordinate(_turn(a, b, about, "measures.turn"), f"turn of {label(b)} from {label(a)}")
 
 
+@explaining
 def turn_rate(a: Body | Ground, b: Body | Ground, *, about: ArrayLike) -> Measure:
     """Rate of `turn` [rad/s]."""
     x = _turn(a, b, about, "measures.turn_rate")
@@ -118,6 +124,7 @@ def _turn(a: Body | Ground, b: Body | Ground, about: ArrayLike, what: str) -> Co
     return protractor(a, b, axis, zero, zero, what)
 
 
+@explaining
 def offset(
     a: Body | Ground,
     b: Body | Ground,
@@ -130,6 +137,7 @@ def offset(
     return of_coordinate(_offset(a, b, along, at_a, at_b, "measures.offset"), f"offset of {label(b)} from {label(a)}")
 
 
+@explaining
 def offset_rate(
     a: Body | Ground,
     b: Body | Ground,
@@ -152,6 +160,7 @@ def _offset(
     return Coordinate("slide", a, b, axis, axis, point_of(a, at_a, what), point_of(b, at_b, what))
 
 
+@explaining
 def between(
     a: Body | Ground, b: Body | Ground, *, at_a: ArrayLike | None = None, at_b: ArrayLike | None = None
 ) -> dict[str, Measure]:
@@ -168,6 +177,7 @@ def between(
     return found
 
 
+@explaining
 def length(spring: SpringDamper) -> Measure:
     """Length of a spring [m]."""
     if not isinstance(spring, SpringDamper):

@@ -11,6 +11,7 @@ from ..equations.compiled import compile_system
 from ..equations.inputs import starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.signals import Input
 from ..mechanism.state import State
 from .slices import driver_of
 
@@ -115,7 +116,7 @@ class Plain:
 def plain(
     system: Mechanism,
     start: State,
-    ranges: Mapping[str, Sequence[float]] | None = None,
+    ranges: Mapping[Input | str, Sequence[float]] | None = None,
     curves: Sequence[Measure] | None = None,
 ) -> Plain:
     """A system with a control for each input that a range (low, high) is given for, and curves of measures.
@@ -136,12 +137,13 @@ def plain(
     return Plain(system, start, controls_of(system, {} if ranges is None else ranges), curves)
 
 
-def controls_of(system: Mechanism, ranges: Mapping[str, Sequence[float]]) -> list[Control]:
+def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]) -> list[Control]:
     """A control for each range given, in their order."""
     if not isinstance(ranges, Mapping):
         raise InputError(f"play: inputs = {shown(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")
     have, made = starts(compile_system(system)), []
-    for k, (name, given) in enumerate(ranges.items()):
+    named = {key.name if isinstance(key, Input) else key: given for key, given in ranges.items()}
+    for k, (name, given) in enumerate(named.items()):
         if name not in have:
             near = get_close_matches(str(name), have, 1)
             hint = f", did you mean '{near[0]}'? There" if near else "; there"

@@ -3,34 +3,45 @@
 import inspect
 import pickle
 
+import numpy as np
 import pytest
 
 from mbsd3d import (
     GROUND,
     RK4,
     Body,
+    Contact,
+    CurveContact,
     Force,
+    Gear,
     Input,
+    Prismatic,
     Pulse,
     Ramp,
     Revolute,
     RollingDisc,
     SpringDamper,
     State,
+    Stepper,
     System,
     Table,
     accelerations,
+    inertia,
     linearize,
     linkages,
     load,
+    measures,
     samples,
+    shapes,
     simulate,
     sweep,
 )
 from mbsd3d.errors import ArgumentError, MbsError
+from validation import cross_check, reduce_to_planes
 
 BOB = Body("bob", 1.0, (0.1, 0.1, 0.1), position=(0, 0, -1))
 HINGE = Revolute(GROUND, BOB, at=(0, 0, 0), axis=(0, 1, 0), name="hinge")
+SLIDER = Prismatic(GROUND, BOB, at=(0, 0, 0), axis=(1, 0, 0))
 SWING = System([BOB], [HINGE])
 ENDS = {"at_a": (0, 0, 0), "at_b": (0, 0, -1)}
 
@@ -58,6 +69,15 @@ ENDS = {"at_a": (0, 0, 0), "at_b": (0, 0, -1)}
         (lambda: SWING.assemble(angle={}), "System.assemble: no argument 'angle', did you mean 'angles'. It takes"),
         (lambda: System.from_file(file="x"), "System.from_file: no argument 'file'; it takes path"),
         (lambda: accelerations(SWING).position(part=BOB), "Solution.position: no argument 'part'; it takes body"),
+        (lambda: measures.distance(GROUND, BOB, at=(0, 0, 0)), "distance: no argument 'at', did you mean 'at_b'. It"),
+        (lambda: linkages.schatz(), "schatz: missing a required argument: 'length'; it takes length, angle"),
+        (lambda: inertia.box(1.0, length=(1, 1, 1)), "box: no argument 'length', did you mean 'lengths'"),
+        (lambda: inertia.combine(), "combine: missing a required argument: 'parts'"),
+        (lambda: cross_check(SWING, 1.0, engine="mujoco"), "cross_check: no argument 'engine', did you mean 'engines'"),
+        (
+            lambda: Contact(GROUND, BOB, shapes.Sphere(0.1), stiffness=1e4, mu=0.3),
+            "Contact: no argument 'mu', did you mean 'friction'",
+        ),
         (lambda: sweep(None, {}, measures=None), "sweep: no argument 'measures', did you mean 'measure'"),
     ],
 )
@@ -101,6 +121,15 @@ def test_wrong_calls(call, message):
         (lambda: accelerations(SWING).body_point("bob", "x"), "body_point|local_point: point: 'x' is not numeric"),
         (lambda: RollingDisc(GROUND, BOB, axis=(0, 1, 0), radius=1.0, plane=(0, 0, 1)), "plane .*; give a point and a"),
         (lambda: linkages.bennett(0.3, None, 0.4, 1.2, 0.7), "bennett: .*: expected a number, got None"),
+        (
+            lambda: linkages.rssr(0.3, 1.5, 1, 1, 0.5, 0.2, spin="yes"),
+            "rssr: spin 'yes' is unknown; give True or False",
+        ),
+        (lambda: measures.touches(HINGE), "measures.touches: .* is not a contact; give a Contact"),
+        (lambda: Stepper(SWING, keep="yes"), "Stepper: keep 'yes' is unknown; give True or False"),
+        (lambda: Gear(HINGE, SLIDER, ratio=2.0), "a Prismatic without a name has no angle; give a joint that has one"),
+        (lambda: CurveContact(GROUND, BOB, np.ones((20_001, 3)), at=(0, 0, 0)), "give 8 to 20000 points"),
+        (lambda: reduce_to_planes(BOB), "reduce_to_planes: .* is not a System; give"),
         (lambda: load("a\0b"), "path = 'a.x00b' names no file; give a name such as 'result.npz'"),
         (lambda: load(None), "path = None names no file; give a name such as 'result.npz'"),
         (lambda: simulate(SWING, 1.0, progress="bar"), "progress = bar; give True, False, 'lines' or None"),

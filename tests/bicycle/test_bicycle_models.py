@@ -10,13 +10,14 @@ from closed_forms.small_motions import bicycle_matrix
 from said import limits
 from scipy.optimize import brentq
 
-from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, whipple
+from bicycle import Meijaard2007, Parameters, general, kinematics, named, parameters, play, ride, rider, whipple
 from bicycle.linear.equations import canonical
 from bicycle.model.mechanism import Bicycle, PublishedBody
 from bicycle.parameters import deviations, library, read_values
 from mbsd3d import State, System, accelerations, simulate
 from mbsd3d.base.quaternions import exponential, multiply
 from mbsd3d.base.rotations import matrix
+from mbsd3d.errors import ArgumentError
 from validation.theory import whipple_lagrange
 
 BENCHMARK = Meijaard2007()
@@ -395,8 +396,24 @@ def test_impossible_motions(motion, message):
 
 
 def test_a_name_is_no_parameters():
-    with pytest.raises(ValueError, match="parameters = 'Browserins'; give a set, e.g. bicycle.named"):
-        whipple("Browserins", 5.0)
+    for ask in (whipple, rider.gains_of, play.play):
+        with pytest.raises(ValueError, match="parameters = 'Browserins'; give a set, e.g. bicycle.named"):
+            ask("Browserins", speed=5.0)
+    with pytest.raises(ValueError, match="parameters = None; give a set"):
+        canonical(None)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: whipple(BENCHMARK, v=5.0), "whipple: no argument 'v'; it takes parameters, speed"),
+        (lambda: ride.run(BENCHMARK, 1.0), "run: missing a required argument: 'speed'; it takes parameters, t_end"),
+        (lambda: replace(BENCHMARK, mb=3.0), "Parameters: no argument 'mb', did you mean 'mB'"),
+    ],
+)
+def test_wrong_calls_are_explained(call, message):
+    with pytest.raises(ArgumentError, match=message):
+        call()
 
 
 def test_no_pose_and_no_motion():

@@ -173,6 +173,8 @@ def test_growth_and_range_are_those_of_the_present_bicycle():
     [
         ({"speed": 0.1}, "speed = 0.1 is not within 0.5 ... 12 m/s"),
         ({"speed": float("nan")}, "play: speed: not finite"),
+        ({"speed": 1e9}, "speed = 1e+09 is not within 0.5 ... 50 m/s"),
+        ({"speed": "5"}, "play: speed: expected a number, got '5'"),
         ({"assist": -3.0}, "balance assist = -3 is not within 0 ... 50 N m s/rad"),
         ({"torque": 0.0}, "play: torque: 0.0 is not positive"),
         ({"head_stiffness": 2000.0}, "ridden with a rigid head tube; leave out head_stiffness (--head)"),

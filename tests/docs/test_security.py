@@ -15,6 +15,9 @@ from mbsd3d.files.description import MOST_PARTS
 from mbsd3d.files.importing import worker, xml_scan
 from mbsd3d.files.model_files import FORMS
 from mbsd3d.mechanism.shapes import surfaces
+from validation.engine_balance.layouts import CYLINDERS
+from validation.nvh.records import RECORD, TABLE
+from validation.nvh.road.measured import LONG, MOST
 
 ROOT = Path(__file__).parents[2]
 README, SECURITY = ((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "SECURITY.md"))
@@ -34,6 +37,8 @@ def test_sizes_are_those_of_the_code():
     assert f"| {surfaces.BYTES // 10**6} MB, {number(surfaces.TRIANGLES)} triangles;" in rows["meshes"]
     text, yaml = LARGEST[".txt"] // 10**6, LARGEST[".yml"] // 1000
     assert f"| {text} MB, {yaml} kB;" in rows["bicycle parameters"]
+    record, table, road = RECORD // 10**6, TABLE // 10**6, f"{number(MOST)} points and {LONG / 1000:g} km of a road"
+    assert f"| {record} MB, {table} MB; {CYLINDERS} cylinders; {road}" in rows["engines, cars"]
     assert f"within {watchdog.SECONDS:.0f} s and {watchdog.MEGABYTES:.0f} MB" in SECURITY
 
 

@@ -314,8 +314,8 @@ def bean():
 @pytest.mark.parametrize(
     ("curve", "given", "text"),
     [
-        (FLAT[:5], {}, "8 or more points"),
-        (FLAT[:5], {"closed": False}, "6 or more points"),
+        (FLAT[:5], {}, "8 to 20000 points"),
+        (FLAT[:5], {"closed": False}, "6 to 20000 points"),
         (FLAT[:, :2], {}, "shape"),
         (np.where(FLAT == 3.0, np.nan, FLAT), {}, "finite"),
         (np.concatenate([FLAT, FLAT[:1]]), {}, "leave the last one out"),

@@ -2,12 +2,14 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from models import crane
 from test_live import connected
 
 from mbsd3d import Body, System, simulate
@@ -35,6 +37,8 @@ COMMANDS = {
     "circles": ("bicycle", "circles"),
     "nvh": ("nvh", "inline_4", "--page", "page"),
     "road": ("nvh", "--road", "C"),
+    "valve": ("nvh", "--valve", "cycloidal"),
+    "rider": ("bicycle", "rider"),
 }
 
 
@@ -99,8 +103,25 @@ def test_sweeps_end_with_their_workers(tmp_path, executor, sign, moment):
 def test_a_live_view_stops_at_once_with_open_connections():
     stone = Body("stone", 1.0, (0.1, 0.1, 0.1), velocity=(0, 0, 3.0), omega=(0, 0, 1.0))
     view = simulate(System([stone]), 0.1, progress=False).animate(live=True)
-    open_ones, began = connected(view), time.perf_counter()
+    open_ones, silent = connected(view), hesitant(view)
+    began = time.perf_counter()
     view.stop()
     assert time.perf_counter() - began < 0.5
     for one in open_ones:
         one.close_socket()
+    silent.close()
+
+
+def hesitant(view):
+    """A browser that has connected ahead, and has asked for nothing yet."""
+    one = socket.create_connection(("127.0.0.1", view.port))
+    time.sleep(0.3)  # until the server knows it
+    return one
+
+
+def test_a_ride_stops_at_once_with_open_connections():
+    view = crane().play()
+    silent, began = hesitant(view), time.perf_counter()
+    view.stop()
+    assert time.perf_counter() - began < 0.5
+    silent.close()

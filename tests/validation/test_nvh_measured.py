@@ -79,7 +79,7 @@ def lines(change: str) -> str:
         ("cell", "line 52: left is ''; give a number"),
         ("nan", "line 52: left is 'nan'"),
         ("order", "x goes from 15.25 to 13 m after point 50; give places in order"),
-        ("short", "10 points; give 20 or more"),
+        ("short", "10 points; give 20 to 20000"),
         ("less", "line 52 has 2 values; give 3"),
         ("header", "line 1 must be 'x,left,right' or 'x,z'"),
     ],
@@ -92,9 +92,9 @@ def test_tables_that_are_no_road_are_refused(tmp_path, change, text):
 
 
 def test_other_files_and_short_roads_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="No such file or directory; give a file of comma-separated values"):
+    with pytest.raises(ValueError, match="No such file or directory; give a file that exists"):
         read_road(tmp_path / "none.csv")
-    with pytest.raises(ValueError, match="2 m long; give 5 m or more"):
+    with pytest.raises(ValueError, match="2 m long; give 5 to 5000 m"):
         Measured("short", np.linspace(0, 2, 40), np.zeros((2, 40)))
 
 

@@ -13,6 +13,7 @@ from validation.nvh.cli import nvh
 from validation.nvh.engine import presets
 from validation.nvh.export import export
 from validation.nvh.held import mounts
+from validation.nvh.records import data
 from validation.nvh.road.vehicle import Vehicle
 from validation.nvh.study import Study
 
@@ -48,7 +49,6 @@ def test_mounts_of_ones_own_are_taken_as_they_are(folder):
 
 def test_guides_of_ones_own(folder):
     """Links given in the car's file instead of a name."""
-    from validation.nvh.records import data
 
     ride = mounts.car("compact").ride
     own = [data("cars")["guides"]["double wishbone"], "multilink"]
@@ -117,9 +117,32 @@ def test_engines_that_cannot_be_are_refused(folder, tmp_path, where, value, text
 def test_files_that_hold_no_record_are_refused(tmp_path):
     (tmp_path / "a.json").write_text("[1, 2]", encoding="utf-8")
     (tmp_path / "b.json").write_text("{", encoding="utf-8")
-    for name, text in (("a", "give one record"), ("b", "Expecting property name"), ("c", "No such file")):
+    (tmp_path / "d.json").write_bytes(b'{"title": \xff}')
+    (tmp_path / "e.json").write_text("[" * 100_000, encoding="utf-8")
+    (tmp_path / "f.json").write_text(" " * 1_000_001, encoding="utf-8")
+    for name, text in (
+        ("a", "give one record"),
+        ("b", "is no JSON: Expecting property name"),
+        ("c", "No such file"),
+        ("d", "is not UTF-8 text .line 1.; give an engine file"),
+        ("e", "is no JSON: maximum recursion"),
+        ("f", "has 1000001 bytes; an engine file has at most 1000000"),
+    ):
         with pytest.raises(ValueError, match=text):
             presets.preset(str(tmp_path / f"{name}.json"))
+
+
+@pytest.mark.parametrize("value", [{}, [], 5, "x" * 999])
+def test_fields_of_other_kinds_are_refused(folder, tmp_path, value):
+    (tmp_path / "of_a_layout.json").write_text(json.dumps(data("engines")["engines"]["inline_4"]), encoding="utf-8")
+    for file, field in ((tmp_path / "of_a_layout.json", "layout"), (folder / "v6_60.json", "pins")):
+        with pytest.raises(ValueError, match=field):
+            presets.preset(changed(file, (field,), value, tmp_path))
+
+
+def test_names_that_are_nearly_right_are_guessed():
+    with pytest.raises(ValueError, match="engine 'inline4' is unknown, did you mean 'inline_4'. There are single"):
+        presets.preset("inline4")
 
 
 def test_layouts_of_the_toy_engine_are_named_as_such():

@@ -14,7 +14,7 @@ from models import crane
 from pages import SETTLED
 from test_live import knock, listens, until
 
-from mbsd3d import Solution
+from mbsd3d import Input, Solution
 from mbsd3d.run.playing import PERIOD
 from mbsd3d.view.play.play import Play, parsed
 from mbsd3d.view.play.server import Outlet
@@ -165,6 +165,12 @@ def test_what_makes_no_sense_ends_the_conversation(ride, said):
 def test_numbers_are_finite_floats():
     assert parsed('{"to": 3}') == {"to": 3.0} and type(parsed('{"to": 3}')["to"]) is float
     assert parsed("Infinity") is None and parsed("{") is None
+
+
+def test_inputs_are_named_by_themselves_too():
+    system = crane()
+    with system.play({Input("push"): (-6.0, 6.0)}) as made:
+        assert list(made.values) == ["push"]
 
 
 def test_python_may_set_what_has_a_slider(ride):

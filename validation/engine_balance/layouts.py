@@ -10,6 +10,7 @@ angles from x towards y; cylinder i works in the plane z = ``stations[i]``. The 
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
 
+CYLINDERS = 48  # at most
 DATA = Path(__file__).parents[1] / "references" / "engine.json"
 MOST = 600  # samples of a turn: R/L = 0.998
 FOLD = 1e-13  # of an order that sampling may fold back, relative to the force of one cylinder
@@ -53,7 +55,10 @@ class Layout:
     def __post_init__(self) -> None:
         what = f"layout '{self.name}'"
         for field in ("pins", "bores", "stations"):
-            values = tuple(number(x, f"{what}: {field}[{i}]") for i, x in enumerate(getattr(self, field)))
+            given = getattr(self, field)
+            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) > CYLINDERS:
+                raise InputError(f"{what}: {field} {given!r:.80}; give a list, one a cylinder, of at most {CYLINDERS}")
+            values = tuple(number(x, f"{what}: {field}[{i}]") for i, x in enumerate(given))
             object.__setattr__(self, field, values)
         counts = {field: len(getattr(self, field)) for field in ("pins", "bores", "stations")}
         if len(set(counts.values())) > 1 or not self.pins:
@@ -88,8 +93,8 @@ def layout(name: str) -> Layout:
     """
     records = data()["configurations"]
     name = next((key for key, record in records.items() if record.get("published_as") == name), name)
-    if name not in records:
-        raise InputError(f"layout '{name}' is unknown; there are {', '.join(records)}")
+    if not isinstance(name, str) or name not in records:
+        raise InputError(f"layout {name!r} is unknown; there are {', '.join(records)}")
     record = records[name]
     return Layout(
         name=name,

@@ -3,13 +3,15 @@
 import csv
 import json
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number, vector
+from mbsd3d.extend import number, read_text, vector
 
+RECORD, TABLE = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
 DATA = Path(__file__).parent / "data"
 Record = dict[str, Any]
 
@@ -32,12 +34,15 @@ def record(kind: str, name: str) -> Record:
     if not is_file(name):
         known = data(kind)[kind]
         if name not in known:
-            raise InputError(f"{kind[:-1]} '{name}' is unknown; there are {', '.join(known)}; or give a file (.json)")
+            near = get_close_matches(name, known, 1)
+            hint = f", did you mean '{near[0]}'? There" if near else "; there"
+            raise InputError(f"{kind[:-1]} '{name}' is unknown{hint} are {', '.join(known)}; or give a file (.json)")
         return known[name]
+    text = read_text(Path(name), RECORD, kind[:-1])
     try:
-        found = json.loads(Path(name).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise InputError(f"{kind[:-1]} '{name}': {getattr(error, 'strerror', None) or error}") from None
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:  # not JSON, a number of too many digits, nested too deep
+        raise InputError(f"{kind[:-1]} '{name}' is no JSON: {error}; --export writes an example") from None
     if not isinstance(found, dict):
         raise InputError(f"{kind[:-1]} '{name}': give one record, {{...}}; --export writes an example")
     return found
@@ -48,12 +53,12 @@ def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list
 
     ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
     """
+    text = read_text(path, TABLE, kind)
     try:
-        rows = csv.reader(path.read_text(encoding="utf-8-sig").splitlines())
+        rows = csv.reader(text.splitlines())
         lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(rows, start=1) if any(row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"{kind} '{path}': {why}; give a file of comma-separated values") from None
+    except csv.Error as error:
+        raise InputError(f"{kind} '{path}': {error}; give a file of comma-separated values") from None
     if not lines or lines[0][1] not in headers:
         heads = " or ".join(f"'{','.join(header)}'" for header in headers)
         raise InputError(f"{kind} '{path.name}': line 1 must be {heads}")

@@ -25,6 +25,7 @@ SPEEDS = 60  # of the map, from idle to redline
 AGREES = 0.01  # difference of linear map and full run, over the largest order
 IDLE = 0.3  # load at idle: the share of the inlet pressure that turns it over and drives what hangs on it
 COARSE = 48  # samples of a turn in a sweep: orders from 40 on fold back
+MOST = 1000  # speeds of a sweep, and cycles at each
 THREADS = 2  # of a sweep: the compiled time loop leaves the others running
 SETTLE = 0.5  # s: the run starts from the state of the linear answer
 
@@ -164,10 +165,10 @@ class Study:
     def sweep(self, count: int, cycles: int = 4) -> "Sweep":
         """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 
-        ValueError for a count below 2 or no cycle.
+        ValueError for a count below 2, no cycle, or more than `MOST` of either.
         """
-        if count < 2 or cycles < 1:
-            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles; give 2 or more, 1 or more")
+        if not (2 <= count <= MOST and 1 <= cycles <= MOST):
+            raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
         held = self.on_mounts
         found = held.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
 

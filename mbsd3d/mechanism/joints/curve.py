@@ -13,6 +13,7 @@ from ...base.errors import InputError
 
 DEGREE = 5  # forces of cams follow the second derivative, which then is smooth too
 FEWEST = {True: 8, False: 6}  # points of a closed and of an open curve
+MOST = 20_000  # points: all of them are searched for where the curve is met
 SHARPEST = np.radians(60.0)  # that a curve may turn from point to point
 WIDEST = 4.0  # times the next longest chord may the one be that closes a curve
 STARTS = 8  # places of a piece from which the nearest point is searched
@@ -32,9 +33,9 @@ class Curve:
     def __post_init__(self) -> None:
         points = floats(self.points, self.what, "points (n, 3) in metres")
         least, kind = FEWEST[self.closed], "a closed" if self.closed else "an open"
-        if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
+        if points.ndim != 2 or points.shape[1] != 3 or not least <= len(points) <= MOST:
             raise InputError(
-                f"{self.what} has shape {points.shape}; give {least} or more points (n, 3) of {kind} curve"
+                f"{self.what} has shape {points.shape}; give {least} to {MOST} points (n, 3) of {kind} curve"
             )
         check_size(points, self.what)
         object.__setattr__(self, "points", points)

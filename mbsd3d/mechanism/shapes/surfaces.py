@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
+from ...base.version import loading
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb")
 TRIANGLES = 20_000  # of a mesh file: more make pages that open slowly
@@ -130,7 +131,8 @@ def read_mesh(path: str, what: str) -> Mesh:
 
     ValueError for a file that is missing, too large, not a mesh, or has too many triangles, none, or some not finite.
     """
-    import trimesh
+    with loading():
+        import trimesh
 
     file, kind = Path(path), Path(path).suffix.lower()[1:]
     try:

@@ -15,6 +15,7 @@ from ...base.errors import InputError
 from ...base.paths import in_its_place, ready_path, write_atomically
 from ...base.progress import Progress
 from ...base.style import channels
+from ...base.version import loading
 from ...results.body_motion import Poses
 from .frames import FilmFrames
 
@@ -89,7 +90,9 @@ def ffmpeg() -> str:
     found = shutil.which("ffmpeg")
     if found is None:
         with contextlib.suppress(ImportError, RuntimeError):
-            found = importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe()
+            with loading():
+                module = importlib.import_module("imageio_ffmpeg")
+            found = module.get_ffmpeg_exe()
     if found is None:
         raise InputError(NO_FFMPEG)
     return found

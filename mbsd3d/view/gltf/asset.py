@@ -10,11 +10,13 @@ import numpy as np
 
 from ...base.errors import InputError
 from ...base.style import channels, linear
+from ...base.version import loading
 from ...mechanism.shapes import Mesh
 from ..scene.meshes import Skin, skin
 
 try:
-    import pygltflib
+    with loading():
+        import pygltflib
 except ImportError:
     pygltflib = None
 

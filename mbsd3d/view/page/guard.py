@@ -13,6 +13,7 @@ from http import HTTPStatus
 from http.cookies import SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
+from weakref import WeakSet
 
 NAMES = ("127.0.0.1", "localhost")
 CLOSING = 0.2  # s that a browser has to say goodbye when the server stops
@@ -60,8 +61,29 @@ def guarded(process: Callable | None, token: str) -> Callable:
     return answer
 
 
+class Visitors:
+    """Connections of a server: it waits at its end for requests that are not whole, and browsers connect ahead."""
+
+    def __init__(self) -> None:
+        self.came: WeakSet[Any] = WeakSet()
+
+    def connection(self, *arguments: Any, **options: Any) -> Any:
+        """A new one, for ``create_connection`` of websockets."""
+        from websockets.asyncio.server import ServerConnection
+
+        made = ServerConnection(*arguments, **options)
+        self.came.add(made)
+        return made
+
+    def dismiss(self) -> None:
+        """Hang up on those who have not said what they want; in the thread of the server."""
+        for connection in self.came:
+            if connection.protocol.state.name == "CONNECTING" and connection.transport is not None:
+                connection.transport.abort()
+
+
 @contextmanager
-def guarded_serving(token: str) -> Iterator[None]:
+def guarded_serving(token: str, visitors: Visitors) -> Iterator[None]:
     """Servers of websockets that start inside are guarded, and end soon when they are stopped."""
     from websockets.asyncio import server
 
@@ -70,6 +92,7 @@ def guarded_serving(token: str) -> Iterator[None]:
     @functools.wraps(serve)
     def behind_guard(*arguments: Any, process_request: Callable | None = None, **options: Any) -> Any:
         options.setdefault("close_timeout", CLOSING)
+        options.setdefault("create_connection", visitors.connection)
         return serve(*arguments, process_request=guarded(process_request, token), **options)
 
     with SERVING:

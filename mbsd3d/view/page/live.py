@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .content import Content
-from .guard import guarded_serving
+from .guard import Visitors, guarded_serving
 from .panel import Panel
 from .recorder import import_viser, printable
 from .served import HOST, Served
@@ -40,7 +40,8 @@ class LiveView(Served):
         frames, self._content = content.frames, content
         self.playing, self.speed, self.time = frames.t.size > 1, content.speed, float(frames.t[0])
         self._shown: float | None = None  # time of the picture; None = make it anew
-        self._server = quiet_server(self._token)
+        self._visitors = Visitors()
+        self._server = quiet_server(self._token, self._visitors)
         self.port = self._server.get_port()
         try:
             scene, camera, gui = self._server.scene, self._server.initial_camera, self._server.gui
@@ -55,9 +56,10 @@ class LiveView(Served):
         self._thread = threading.Thread(target=self._run, name="mbsd3d live view", daemon=True)
         self._thread.start()
 
-    def close(self) -> None:
+    def _close(self) -> None:
         """End the thread, then the server."""
         self._thread.join()
+        self._server.get_event_loop().call_soon_threadsafe(self._visitors.dismiss)
         self._server.stop()
 
     def refresh(self) -> None:
@@ -106,7 +108,7 @@ def mixed(values: np.ndarray, k: int, share: float) -> np.ndarray:
     return (1.0 - share) * values[k] + share * values[k + 1] if share else values[k]
 
 
-def quiet_server(token: str) -> "ViserServer":
+def quiet_server(token: str, visitors: Visitors) -> "ViserServer":
     """A guarded server of viser on a free port that writes nothing on the terminal: rich captures per thread."""
     viser = import_viser("a live view")
     import rich  # which viser brings
@@ -114,7 +116,7 @@ def quiet_server(token: str) -> "ViserServer":
     console = rich.get_console()
     logging.getLogger("websockets").addHandler(logging.NullHandler())  # tracebacks of those who hang up
     logging.getLogger("websockets").propagate = False
-    with console.capture(), guarded_serving(token):
+    with console.capture(), guarded_serving(token, visitors):
         server = viser.ViserServer(host=HOST, port=0, verbose=False)
     server.get_event_loop().call_soon_threadsafe(console.begin_capture)  # what its own thread says at the end
     return server

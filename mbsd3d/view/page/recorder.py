@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_type_hints
 
 from ...base.errors import InputError
+from ...base.version import loading
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -23,7 +24,8 @@ CLIENT = "1.1."  # the client's build this package's player drives
 def import_viser(user: str) -> "ModuleType":
     """The package viser; a ValueError that starts with ``user`` if it is missing or of another version."""
     try:
-        import viser
+        with loading():
+            import viser
     except ImportError:
         viser = None
     found = viser.__version__ if viser else "none"

@@ -13,7 +13,7 @@ HOST = "127.0.0.1"  # nobody else on the network sees it
 
 
 class Served:
-    """A page behind a guard; a context manager that stops it at its end. Subclasses set ``port`` and end in `stop`."""
+    """A page behind a guard; a context manager that stops it at its end. Subclasses set ``port``."""
 
     kind = "page"
     port: int
@@ -58,8 +58,8 @@ class Served:
         """End it and free its port; browsers keep the last picture."""
         if not self._ended.is_set():
             self._ended.set()
-            self.close()
+            self._close()
 
-    def close(self) -> None:
+    def _close(self) -> None:
         """What ends with it."""
         raise NotImplementedError

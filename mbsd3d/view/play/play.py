@@ -97,7 +97,7 @@ class Play(Served):
         """The ride so far, of at most the last ten minutes: a `Solution` with a sample every 1/60 s."""
         return self._as_solution(self._playing.do(self._playing.result).result())
 
-    def close(self) -> None:
+    def _close(self) -> None:
         """The model first, then the server."""
         self._playing.stop()
         self._worker.shutdown(wait=False, cancel_futures=True)

@@ -11,7 +11,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 
 from ...base.errors import InputError
-from ..page.guard import CLOSING, guarded
+from ..page.guard import CLOSING, Visitors, guarded
 from ..page.served import HOST
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Server:
         leave: Callable[[bool], None],
     ) -> None:
         self.pages, self.greet, self.hear, self.leave = pages, greet, hear, leave
-        self.token, self.outlets = token, set()
+        self.token, self.outlets, self.visitors = token, set(), Visitors()
         self.socket = bound(port)
         self.port = self.socket.getsockname()[1]
         self.loop, self.server = asyncio.new_event_loop(), None
@@ -77,8 +77,13 @@ class Server:
 
     def stop(self) -> None:
         """End all connections and free the port."""
-        self.loop.call_soon_threadsafe(self.server.close)
+        self.loop.call_soon_threadsafe(self._close)
         self.thread.join()
+
+    def _close(self) -> None:
+        """In the thread of the server."""
+        self.server.close()
+        self.visitors.dismiss()
 
     def _run(self, ready: threading.Event) -> None:
         """The thread: until the server is closed."""
@@ -96,7 +101,8 @@ class Server:
         silent.propagate = False
         self.server = await serve(
             self._converse, sock=self.socket, process_request=guarded(self._answer, self.token), max_size=MESSAGE,
-            compression=None, close_timeout=CLOSING, ping_interval=None, logger=silent, server_header=None,
+            compression=None, close_timeout=CLOSING, create_connection=self.visitors.connection, ping_interval=None,
+            logger=silent, server_header=None,
         )  # fmt: skip
         ready.set()
         await self.server.wait_closed()

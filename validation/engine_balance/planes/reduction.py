@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import System
 from mbsd3d.errors import InputError
+from mbsd3d.extend import check_system, explaining
 from validation.engine_balance.planes.carried import carried_loads, heavy, moved
 from validation.engine_balance.planes.shaft import EXACT, Failure, Shaft, cut, find_shaft, tensor, throw
 from validation.engine_balance.planes.units import Unit, find_units, out_of_plane, planar_joint, unlike
@@ -94,6 +95,7 @@ class Reduction:
         return BlockLoad(force, moment)
 
 
+@explaining
 def reduce_to_planes(system: System) -> Reduction:
     """Decide whether a spatial system is the sum of planar ones, and form them.
 
@@ -118,6 +120,7 @@ def reduce_to_planes(system: System) -> Reduction:
     >>> print(reduce_to_planes(inline_four()))
     H1 to H4 hold; 4 planes: z = -0.3 m (rod 1), z = -0.1 m (rod 2), z = 0.1 m (rod 3), z = 0.3 m (rod 4)
     """
+    check_system(system, "reduce_to_planes")
     shaft, failures = find_shaft(system)
     if shaft is None:
         return Reduction(tuple(failures), (), np.eye(3))

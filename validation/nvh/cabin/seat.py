@@ -15,7 +15,7 @@ import numpy as np
 
 from mbsd3d import rotation
 from mbsd3d.errors import InputError
-from mbsd3d.extend import matrix
+from mbsd3d.extend import matrix, solvable
 from validation.nvh.cabin.plate import plate_shell
 from validation.nvh.cabin.shell import ModalShell, beam_shell
 from validation.nvh.cabin.table import SEAT, ModalTable, read_modes
@@ -92,9 +92,12 @@ class Cabin:
             D = turn @ self.held.feet(rate, W) @ turn.T
             blocked = (found.force[s, 1:] @ self.axes.T).reshape(W.size, -1)
             moved = np.eye(3 * count) + D @ self.shell.receptance(W, self.at_feet, self.at_feet)
-            force = np.linalg.solve(moved, blocked[..., None])[..., 0]
+            with solvable("nvh: the shell on its mounts"):
+                force = np.linalg.solve(moved, blocked[..., None])[..., 0]
             to_seat = -(W[:, None, None] ** 2) * self.shell.receptance(W, self.at_seat, self.at_feet)
             felt[s, 1:] = np.swapaxes(to_seat * force[:, None, :], 1, 2).reshape(W.size, count, 3, 3)
+        if not np.isfinite(felt).all():
+            raise InputError("nvh: the seat feels more than a computer can hold; check the units of car and engine")
         return felt
 
     def seat(self, found: Map) -> np.ndarray:

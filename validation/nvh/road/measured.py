@@ -25,6 +25,7 @@ from validation.nvh.road.profile import SHORTEST
 
 GAP = 1.5  # of the usual step: from here on a point is missing
 LEAST, SHORT = 20, 5.0  # points; m
+MOST, LONG = 20_000, 5000.0  # what a car is driven over in minutes
 HEADERS = ["x", "left", "right"], ["x", "z"]
 
 
@@ -32,7 +33,8 @@ HEADERS = ["x", "left", "right"], ["x", "z"]
 class Measured:
     """``title``; ``x`` (n,): places [m]; ``z`` (2, n): heights of the left and the right track [m].
 
-    ValueError for fewer than 20 points, places that do not grow, or a gap between them.
+    ValueError for fewer than 20 points or more than 20 000, less than 5 m or more than 5 km, places that do not grow,
+    or a gap between them.
 
     >>> road = Measured("a bump", np.arange(0, 30, 0.1), np.tile(np.exp(-((np.arange(0, 30, 0.1) - 10) ** 2)), (2, 1)))
     >>> bool(abs(road.height(10.0, 0) - road.height(0.0, 0) - 1) < 1e-6)
@@ -44,8 +46,8 @@ class Measured:
     z: np.ndarray
 
     def __post_init__(self) -> None:
-        if len(self.x) < LEAST:
-            raise InputError(f"road '{self.title}': {len(self.x)} points; give {LEAST} or more")
+        if not LEAST <= len(self.x) <= MOST:
+            raise InputError(f"road '{self.title}': {len(self.x)} points; give {LEAST} to {MOST}")
         for name, values in (("x", self.x), ("left", self.z[0]), ("right", self.z[1])):
             for k, value in enumerate(values, start=1):
                 number(value, f"road '{self.title}': {name} of point {k}")
@@ -60,8 +62,8 @@ class Measured:
                     f"road '{self.title}': a gap of {b - a:g} m after point {k}, x = {a:g} m; points stand {step:g} m "
                     "apart elsewhere; give the heights between"
                 )
-        if self.x[-1] - self.x[0] < SHORT:
-            raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} m or more")
+        if not SHORT <= self.x[-1] - self.x[0] <= LONG:
+            raise InputError(f"road '{self.title}': {self.x[-1] - self.x[0]:g} m long; give {SHORT:g} to {LONG:g} m")
 
     @property
     def length(self) -> float:

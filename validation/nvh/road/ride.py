@@ -22,20 +22,23 @@ from validation.nvh.road.vehicle import Corner, Vehicle
 
 FINE = 16  # samples of the shortest wave of the road
 SETTLE = 6.0  # s: heave of 1.2 Hz with a fifth of critical damping has left 1e-4
+SPEEDS = 0.5, 150.0  # m/s
 RTOL = 1e-8
 LEVEL = 1e-9  # m
 
 
 @dataclass(frozen=True)
 class Ride:
-    """``vehicle`` over ``road`` at ``speed`` [m/s] > 0; ValueError for another speed, or a road that is level."""
+    """``vehicle`` over ``road`` at ``speed`` [m/s]; ValueError for a speed that cars do not have, or a level road."""
 
     vehicle: Vehicle
     road: Road
     speed: float
 
     def __post_init__(self) -> None:
-        number(self.speed, "ride: speed", positive=True)
+        speed = number(self.speed, "ride: speed", positive=True)
+        if not SPEEDS[0] <= speed <= SPEEDS[1]:
+            raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
         if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
             raise InputError(f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel")
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import loading
 from validation.twins.base import Array, EngineFailed, EngineMissing, release
 
 OLDEST = (1, 13, 6)
@@ -32,8 +33,9 @@ def exudyn() -> Any:
         raise EngineMissing("Exudyn is not installed; pip install 'mbsd3d[validation]'") from None
     check_version(version)
     try:
-        import exudyn as module
-        import exudyn.itemInterface
+        with loading():
+            import exudyn as module
+            import exudyn.itemInterface
     except ImportError as error:
         raise EngineMissing(f"Exudyn {version} does not load: {error}; install it again") from None
     return module

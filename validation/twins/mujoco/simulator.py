@@ -10,7 +10,7 @@ import numpy as np
 
 from mbsd3d import Distance, State
 from mbsd3d.errors import InputError
-from mbsd3d.extend import evaluate, matrix
+from mbsd3d.extend import evaluate, loading, matrix
 from validation.twins.base import (
     EngineFailed,
     EngineMissing,
@@ -41,7 +41,8 @@ def require() -> Any:
     EngineMissing if it is not installed, or older than `OLDEST`.
     """
     try:
-        import mujoco
+        with loading():
+            import mujoco
     except ImportError as error:
         raise EngineMissing(f"MuJoCo is not installed ({error}); pip install 'mbsd3d[validation]'") from None
     if release(mujoco.__version__) < OLDEST:
