@@ -75,10 +75,11 @@ def test_theory_of_the_top_agrees_with_validation():
     rates = theory.steady_precession(a, c, p["spin"], weight, np.radians(p["steady_tilt_deg"]))
     found = known["slow_precession_rad_s"], known["fast_precession_rad_s"]
     assert found == pytest.approx(rates, rel=1e-13)
-    curve = rotations.nutation(a, c, p["spin"], weight, np.pi / 2, 0.0, p["precession"])
     t = np.linspace(0.0, 2.0, 41)
-    named = {name: p[name] for name in ("m", "l", "It", "I3", "spin", "precession")}
-    assert heavy_top.path(t, **named)[:, 2] == pytest.approx(curve.height(t), abs=1e-11)
+    for tilt in (90.0, 65.0):
+        curve = rotations.nutation(a, c, p["spin"], weight, np.radians(tilt), 0.0, p["precession"])
+        named = {name: p[name] for name in ("m", "l", "It", "I3", "spin", "precession")} | {"tilt_deg": tilt}
+        assert heavy_top.path(t, **named)[:, 2] == pytest.approx(curve.height(t), abs=1e-11)
 
 
 def test_theory_of_the_free_body_agrees_with_validation():

@@ -20,6 +20,7 @@ def mechanism(*, m=20.0, width=0.9, thickness=0.04, height=2.0, lean_deg=5.0, st
     Two revolute hinges, or (``fit`` = "cured") a ball above and a point on a line below. Reference point on the axis.
     """
     require(fit in ("two hinges", "cured"), f"demo 'door': fit = {fit!r}; give 'two hinges' or 'cured'")
+    require(hinges != 0, "demo 'door': hinges = 0: two hinges in one place are one; give a distance")
     lean = np.radians(lean_deg)
     axis = np.array([np.sin(lean), 0.0, np.cos(lean)])
     turned = matrix(rotation("y", lean)) @ matrix(rotation("z", np.radians(start_deg)))

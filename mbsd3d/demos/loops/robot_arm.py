@@ -112,5 +112,5 @@ demo = Demo(
     measure=measure,
     ablation=Ablation("motion", "at rest only weights are left", {"qd": [0.0] * 6, "qdd": [0.0] * 6}),
     show={"curves": [("effort", f"motor {k}") for k in range(1, 7)], "traces": [], "speed": 0.1},
-    ranges={"alpha": None, "com": None},
+    ranges={"alpha": None, "com": None, "I": None},  # moments one by one at random are those of no body
 )
