@@ -157,7 +157,7 @@ class Demo:
                 raise
             why = error if isinstance(error, MbsError) else "its equations have no finite solution"
             raise InputError(
-                f"demo '{self.name}' does not run with these {changed}: {why}; stay nearer to the defaults"
+                f"demo '{self.name}' does not run with the given {changed}: {why}; stay nearer to the defaults"
             ) from error
 
     def expected(self, values: Mapping[str, object]) -> Numbers:

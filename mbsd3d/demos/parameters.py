@@ -10,7 +10,7 @@ from ..base.checks import number
 from ..base.errors import InputError
 
 FEW = 20  # names that are listed beside a guess
-FAR = 1000.0  # times a default, or a part of it: runs, tolerances and formulas are those of machines of about this size
+FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
 
 
 def listed(name: str, names: Sequence[str]) -> str:
@@ -74,7 +74,7 @@ def like(default: object, value: object, what: str) -> object:
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
     if default and found and not 1.0 / FAR < abs(found / default) < FAR:
-        raise InputError(f"{what} = {value!r} is {FAR:g} times {default:g}, or a part, or more; stay nearer to it")
+        raise InputError(f"{what} = {value!r} is a factor of {FAR:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
         if found != int(found):
             raise InputError(f"{what} = {value!r} is not a whole number; give e.g. {default}")

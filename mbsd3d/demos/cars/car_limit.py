@@ -13,6 +13,7 @@ from .theory import roll_gradient, textbook_roll_gradient, transfers, trims, und
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
 LIFTS = 0.1  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
+MOST_ROLL = 0.175  # rad; half its square, 1.5 %, is what heights and tracks of the rolled car are off at most
 LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
 
 
@@ -27,6 +28,9 @@ def mechanism(
 def known(c: Car, v: float, spin: float) -> dict[str, float]:
     """Closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that counts."""
     limit = trims(c, v)[-1]
+    leans = roll_gradient(c, spin) * limit.acceleration
+    require(leans < MOST_ROLL, f"demo 'car_limit': at the limit the car rolls {np.degrees(leans):.3g} deg, and theory "
+                               "is one of small angles; give less h or mu, or stiffer springs")  # fmt: skip
     least = min(load / c.load(name) for load, name in zip(limit.loads, WHEELS, strict=True))
     require(least > LIFTS, f"demo 'car_limit': a wheel keeps {100 * least:.3g} % of its load at the limit, and theory "
                            "ends where one lifts off; give less h or mu, or more track")  # fmt: skip
@@ -127,7 +131,7 @@ demo = Demo(
         "understeer_rad_s2_m": Quantity("understeer gradient", "rad s^2/m", absolute=3e-7),
         "lean_percent": Quantity("of the roll, by the lean of the wheels", "%", absolute=1e-4),
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
-        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=8e-3),
+        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=1.5e-2),
     },
     mechanism=mechanism,
     theory=theory,

@@ -48,7 +48,7 @@ def theory(*, m, L, e, Omega, M0, c, k):
     )
     found = lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
     require(found["flap_rad"] ** 2 * inertia * Omega / c < SMALL, f"demo 'helicopter_90': a flap of "
-            f"{found['flap_rad']:.2g} rad is too large for linear theory; give a smaller push M0, or more c")  # fmt: skip
+            f"{found['flap_rad']:.2g} rad is too large for linear theory; give less M0, or more c")  # fmt: skip
     return found
 
 
