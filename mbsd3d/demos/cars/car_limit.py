@@ -8,12 +8,10 @@ from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .car import WHEELS, Car, car
 from .circle import circle, circles
-from .theory import roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
-LIFTS = 0.1  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
-MOST_ROLL = 0.175  # rad; half its square, 1.5 %, is what heights and tracks of the rolled car are off at most
 LIGHT = 1e-3  # kg m^2 of a wheel that turns, and has next to no spin
 
 
@@ -27,13 +25,6 @@ def mechanism(
 
 def known(c: Car, v: float, spin: float) -> dict[str, float]:
     """Closed forms of small accelerations, and the limit by trims; ``spin``: share of the wheels' spin that counts."""
-    limit = trims(c, v)[-1]
-    leans = roll_gradient(c, spin) * limit.acceleration
-    require(leans < MOST_ROLL, f"demo 'car_limit': at the limit the car rolls {np.degrees(leans):.3g} deg, and theory "
-                               "is one of small angles; give less h or mu, or stiffer springs")  # fmt: skip
-    least = min(load / c.load(name) for load, name in zip(limit.loads, WHEELS, strict=True))
-    require(least > LIFTS, f"demo 'car_limit': a wheel keeps {100 * least:.3g} % of its load at the limit, and theory "
-                           "ends where one lifts off; give less h or mu, or more track")  # fmt: skip
     roll, without = roll_gradient(c, spin), roll_gradient(c._replace(Iw=LIGHT), spin)
     front, rear = transfers(c, spin)
     return {
@@ -43,7 +34,7 @@ def known(c: Car, v: float, spin: float) -> dict[str, float]:
         "understeer_rad_s2_m": understeer_gradient(c),
         "lean_percent": 100.0 * (without - textbook_roll_gradient(c)) / roll,
         "spin_percent": 100.0 * (roll - without) / roll,
-        "limit_m_s2": limit.acceleration,
+        "limit_m_s2": limit(c, v).acceleration,
     }
 
 
@@ -148,4 +139,5 @@ demo = Demo(
         "hidden": ["joints", "joint names", "body names"],
         "follow": "chassis",
     },
+    ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
 )  # fmt: skip
