@@ -104,8 +104,8 @@ demo = Demo(
     equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + dN^2)/N0), dN = K_i roll/track",
     source="Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
-        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=8e-3),
-        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=8e-3),
+        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=4e-3),
+        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=4e-3),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
     mechanism=mechanism,
