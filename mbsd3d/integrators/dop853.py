@@ -8,8 +8,9 @@ from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import check_choice, number
 from ..kernels.layout import Data, Model
+from .memory import Stages, Table, new_stages
 from .method import Method, check_max_step
-from .runge_kutta import Stages, Table, advance, new_stages
+from .runge_kutta import advance
 
 PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
 
@@ -32,7 +33,9 @@ TABLE = Table(
 class DOP853(Method):
     """Adaptive explicit Runge-Kutta method of order 8, or with fixed steps when ``dt`` [s] is given.
 
-    The default for everything that is not stiff. Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I.
+    The default for everything that is not stiff. Adaptive steps go over whole turns of bodies that spin about an axis
+    of symmetry, as wheels and tops do: the motion of the axis limits them. Hairer, Norsett, Wanner: Solving Ordinary
+    Differential Equations I.
 
     Parameters
     ----------

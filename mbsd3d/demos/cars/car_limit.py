@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car, car
+from .car import SHOW, WHEELS, Car, car
 from .circle import circle, circles
 from .theory import limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
@@ -124,20 +124,12 @@ demo = Demo(
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
         "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=1.5e-2),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
 )  # fmt: skip

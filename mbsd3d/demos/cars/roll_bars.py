@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import Car, car
+from .car import SHOW, Car, car
 from .circle import circle, circles
 from .theory import limit, trims, understeer_gradient
 
@@ -108,9 +108,6 @@ demo = Demo(
         "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=4e-3),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "load_sensitivity",
         "with grip and stiffness in proportion to the load bars in front cost nothing, and the car steers as if its "
@@ -118,11 +115,6 @@ demo = Demo(
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
     alone="no other engine has this tyre",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
 )  # fmt: skip

@@ -107,9 +107,6 @@ demo = Demo(
     equation="outwards: w, w', a; inwards: f = m a, n = I w' + w x I w; torque = n . z",
     source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("motion", "at rest only weights are left", {"qd": [0.0] * 6, "qdd": [0.0] * 6}),
     show={"curves": [("effort", f"motor {k}") for k in range(1, 7)], "traces": [], "speed": 0.1},
     ranges={"alpha": None, "com": None, "I": None},  # moments one by one at random are those of no body

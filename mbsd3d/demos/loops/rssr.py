@@ -105,9 +105,6 @@ demo = Demo(
         "turn_at_1rad_deg": Quantity("rocker after 1 rad of the crank", "deg"),
         "swing_deg": Quantity("swing of the rocker", "deg"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("skewness", "on parallel axes it is the plane four-bar", {"u": [0, 0, 1.0], "Q": [0.4, 0.1, 0]}),
     show={"curves": [("angle", "crankshaft"), ("angle", "rocker shaft")], "traces": []},
     ranges={
