@@ -15,7 +15,7 @@ from .car import WHEELS, Car, G
 PLACES = np.array([*WHEELS.values()])  # (4, 2) ahead 1, behind -1; left 1, right -1
 FRONT, SIDE = PLACES[:, 0] > 0, PLACES[:, 1]
 MOST_ROLL = 0.175  # rad; half its square, 1.5 %, is what heights and tracks of the rolled car are off at most
-LIFTS = 0.1  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
+LIFTS = 0.05  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
 STEP, MOST = 0.1, 100  # of the slip at which a tyre would be used up if it were linear; trims to the limit
 SMALL = 1e-7  # of the unknowns, for derivatives
 
