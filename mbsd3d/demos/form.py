@@ -2,7 +2,8 @@
 
 import inspect
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..api.solution import Solution
 from ..api.system import System
-from ..base.errors import InputError
+from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import MOST, Curve, Drawn, Panel, Points, same
 from .parameters import checked, listed
@@ -152,15 +153,33 @@ class Demo:
                                        if name in self.parameters})  # fmt: skip
 
     def computed(self, values: Mapping[str, object], terms: Mapping[str, bool]) -> Measured:
-        """What is found with these parameters."""
-        return self.call(self.measure, values, Builder(self, values), terms)
+        """What is found with these parameters; an InputError where that is nothing."""
+        with self.refusing(values):
+            return self.call(self.measure, values, Builder(self, values), terms)
+
+    @contextmanager
+    def refusing(self, values: Mapping[str, object]) -> Iterator[None]:
+        """What does not run, or has no finite numbers, is refused; the changed parameters are named."""
+        try:
+            with np.errstate(divide="raise", over="raise", invalid="raise"):
+                yield
+        except (ArithmeticError, ValueError) as error:
+            changed = ", ".join(name for name, value in values.items() if value != self.parameters[name])
+            if isinstance(error, InputError) or not changed:
+                raise
+            why = error if isinstance(error, MbsError) else "its equations have no finite solution"
+            raise InputError(
+                f"demo '{self.name}' does not run with the given {changed}: {why}; stay nearer to the defaults"
+            ) from error
 
     def expected(self, values: Mapping[str, object]) -> Numbers:
-        """What theory says; a ValueError where it says nothing."""
+        """What theory says; an InputError where it says nothing."""
         try:
             with np.errstate(all="ignore"):
                 found = self.call(self.theory, values)
-        except ArithmeticError:
+        except (ArithmeticError, ValueError) as error:
+            if isinstance(error, MbsError):
+                raise
             found = dict.fromkeys(self.quantities, np.nan)
         lost = ", ".join(key for key, value in found.items() if np.isnan(value))
         require(not lost, f"demo '{self.name}': theory has no {lost} for these parameters; stay nearer to the defaults")
@@ -185,6 +204,8 @@ class Demo:
     def run(self, without: str | None = None, /, **changes: object) -> Outcome:
         """Compute with some parameters changed, and perhaps without a term; theory is that of the whole effect."""
         values = checked(self.name, self.parameters, changes)
+        with self.refusing(values):
+            self.call(self.mechanism, values)  # a mechanism that there cannot be is refused before theory tries it
         theory = self.expected(values)
         found = self.computed(*self.without(without, values))
         rows = tuple(

@@ -10,6 +10,7 @@ from ..base.checks import number
 from ..base.errors import InputError
 
 FEW = 20  # names that are listed beside a guess
+FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
 
 
 def listed(name: str, names: Sequence[str]) -> str:
@@ -72,6 +73,8 @@ def like(default: object, value: object, what: str) -> object:
     if isinstance(value, str | bool):
         raise InputError(f"{what} = {value!r} is not a number; give e.g. {default}")
     found = number(value, what)
+    if default and found and not 1.0 / FAR < abs(found / default) < FAR:
+        raise InputError(f"{what} = {value!r} is a factor of {FAR:g} or more away from {default:g}; stay nearer to it")
     if isinstance(default, int):
         if found != int(found):
             raise InputError(f"{what} = {value!r} is not a whole number; give e.g. {default}")
@@ -89,4 +92,6 @@ def like_list(default: Sequence, value: object, what: str) -> list:
     if found.dtype.kind not in "iuf" or found.shape != shape or not np.isfinite(found).all():
         size = " x ".join(map(str, shape))
         raise InputError(f"{what} = {value!r}: give {size} finite numbers, e.g. {json.dumps(default)}")
+    if np.abs(found).max() >= FAR * (np.abs(default).max() or 1.0):
+        raise InputError(f"{what} = {value!r} is {FAR:g} times {json.dumps(default)} or more; stay nearer to it")
     return found.astype(float).tolist()

@@ -46,8 +46,17 @@ def turning_point(square: Callable, inside: float, step: float, limit: float) ->
 
 
 def motion(rate: Callable, y: np.ndarray, times: np.ndarray, rtol: float = 3e-14) -> np.ndarray:
-    """(times, n) of y_dot = rate(t, y), by scipy at a tolerance near rounding; times[0] is the start."""
+    """(times, n) of y_dot = rate(t, y), by scipy at a tolerance near rounding; times[0] is the start.
+
+    An InputError where the end does not lie after it, or where no step is small enough.
+    """
+    if not times[-1] > times[0]:
+        raise InputError(f"the motion ends at {times[-1]:g} s, which is not after its start; give a later time")
+    if not np.isfinite(rate(times[0], y)).all():
+        raise InputError("the equations of the theory have no finite rates at the start; stay nearer to the defaults")
     found = solve_ivp(rate, (times[0], times[-1]), y, method="DOP853", rtol=rtol, atol=rtol / 30, t_eval=times)
+    if not found.success:
+        raise InputError("the equations of the theory end before the motion does; stay nearer to the defaults")
     return found.y.T
 
 

@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 
 import mbsd3d
 from mbsd3d import simulate
+from mbsd3d.base.errors import InputError
 from mbsd3d.demos.base import Outcome, Row
 from mbsd3d.demos.discovery import discover, own_demos
 from mbsd3d.demos.floating import dzhanibekov
@@ -75,10 +76,11 @@ def test_theory_of_the_top_agrees_with_validation():
     rates = theory.steady_precession(a, c, p["spin"], weight, np.radians(p["steady_tilt_deg"]))
     found = known["slow_precession_rad_s"], known["fast_precession_rad_s"]
     assert found == pytest.approx(rates, rel=1e-13)
-    curve = rotations.nutation(a, c, p["spin"], weight, np.pi / 2, 0.0, p["precession"])
     t = np.linspace(0.0, 2.0, 41)
-    named = {name: p[name] for name in ("m", "l", "It", "I3", "spin", "precession")}
-    assert heavy_top.path(t, **named)[:, 2] == pytest.approx(curve.height(t), abs=1e-11)
+    for tilt in (90.0, 65.0):
+        curve = rotations.nutation(a, c, p["spin"], weight, np.radians(tilt), 0.0, p["precession"])
+        named = {name: p[name] for name in ("m", "l", "It", "I3", "spin", "precession")} | {"tilt_deg": tilt}
+        assert heavy_top.path(t, **named)[:, 2] == pytest.approx(curve.height(t), abs=1e-11)
 
 
 def test_theory_of_the_free_body_agrees_with_validation():
@@ -214,3 +216,27 @@ def test_broken_demos_are_named_and_not_fatal(plugins):
     assert "ModuleNotFoundError: No module named 'no_such_package'" in demos.broken["no_such_package"]
     assert "already named 'cardan'" in demos.broken["taken"]
     assert all("\n" not in reason for reason in demos.broken.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("jet_pitch_yaw", {"Omega": 1e9}, "Omega = 1000000000.0 is a factor of 1000 or more away from 1000"),
+        ("jet_pitch_yaw", {"Omega": 1e-9}, "Omega = 1e-09 is a factor of 1000"),
+        ("dual_spin", {"I": [1e9, 1e9, 1e9]}, "I = .* is 1000 times .* or more"),
+        ("gyrocompass", {"spin": 0}, "demo 'gyrocompass' does not run with the given spin: its equations have no"),
+        ("jet_pitch_yaw", {"t": 0}, "which is not after its start; give a later time"),
+        ("explorer_flat_spin", {"j": 0}, "j = 0: give none below"),
+    ],
+)  # fmt: skip
+def test_what_no_demo_can_do_is_refused_in_one_sentence(name, changes, message):
+    with pytest.raises(InputError, match=message) as caught:
+        own_demos()[name].run(**changes)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_top_meets_its_theory_from_any_tilt():
+    for tilt in (40.0, 120.0):
+        assert own_demos()["heavy_top"].run(tilt_deg=tilt).passed
+    with pytest.raises(InputError, match="does not lie between 0 and 180"):
+        own_demos()["heavy_top"].run(tilt_deg=0)

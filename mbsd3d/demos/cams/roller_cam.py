@@ -21,6 +21,7 @@ from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 SAMPLES = 1441  # of one turn
 POINTS = 720  # of the outline
+BLUNT = 0.95  # of the roller at which the nose of the cam is a point: the outline has it between two of its points
 NEAR = 1e-4  # relative: greatest values lie between samples, and at the nose the third derivative of the lift jumps
 
 
@@ -71,10 +72,14 @@ def push(turn, lift, half, m, stiffness, preload, omega):
     return m * bend * omega**2 + stiffness * s + preload
 
 
-def theory(*, lift, half_deg, pitch, m, stiffness, preload, omega):
+def theory(*, lift, half_deg, pitch, roller, m, stiffness, preload, omega):
     """tan(a) = s' / (r + s); the force m s'' w^2 + k s + F along the guide must not be negative."""
     turn, half = np.linspace(-np.pi, np.pi, 400_001), np.radians(half_deg)
     s, slope, bend = law(turn, lift, half)
+    out = pitch + s
+    bent = (out**2 + 2 * slope**2 - out * bend) / (out**2 + slope**2) ** 1.5  # of the path of the roller's centre
+    require(roller * bent.max() < BLUNT, f"demo 'roller_cam': roller = {roller:g} m undercuts the cam; give less than "
+            f"{BLUNT / bent.max():.3g}, or more pitch or half_deg, or less lift")  # fmt: skip
     force = push(turn, lift, half, m, stiffness, preload, omega)
     falls = bend < -1e-9 * bend.max()
     return {

@@ -8,7 +8,7 @@ from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .car import SHOW, Car, car
 from .circle import circle, circles
-from .theory import trims, understeer_gradient
+from .theory import limit, trims, understeer_gradient
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 SHARES = (0.0, 0.35, 0.7, 1.0)  # of the bars, in front
@@ -34,7 +34,7 @@ def mechanism(
 
 def theory(*, h, track, bars, mu, less_grip, less_stiffness, v):
     """Largest accelerations by trims; the understeer gradient has a closed form, and the bars are not in it."""
-    known = [trims(c, v)[-1].acceleration for c in cars(h, track, bars, mu, less_grip, less_stiffness, (0.0, 1.0))]
+    known = [limit(c, v).acceleration for c in cars(h, track, bars, mu, less_grip, less_stiffness, (0.0, 1.0))]
     c = Car(less_stiffness=less_stiffness)
     return {
         "limit_rear_bars_m_s2": known[0],

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import approx_fprime, root
 
+from ...base.errors import InputError
 from .car import WHEELS, Car, G
 
 PLACES = np.array([*WHEELS.values()])  # (4, 2) ahead 1, behind -1; left 1, right -1
 FRONT, SIDE = PLACES[:, 0] > 0, PLACES[:, 1]
+MOST_ROLL = 0.175  # rad; half its square, 1.5 %, is what heights and tracks of the rolled car are off at most
+LIFTS = 0.05  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
 STEP, MOST = 0.1, 100  # of the slip at which a tyre would be used up if it were linear; trims to the limit
 SMALL = 1e-7  # of the unknowns, for derivatives
 
@@ -132,3 +135,16 @@ def trims(c: Car, speed: float) -> list[Trim]:
         x, last = 2.0 * solved.x - last, solved.x
         found.append(planar.trim(last))
     return found
+
+
+def limit(c: Car, speed: float) -> Trim:
+    """The last of the trims; an InputError where the car rolls far or a wheel lifts off, and they no longer hold."""
+    if roll_gradient(c) > 0:
+        last = trims(c, speed)[-1]
+        least = min(load / c.load(name) for load, name in zip(last.loads, WHEELS, strict=True))
+        if roll_gradient(c) * last.acceleration < MOST_ROLL and least > LIFTS:
+            return last
+    raise InputError(
+        "theory of the limit is one of small angles and four wheels on the road, and this car rolls far or lifts one; "
+        "give less h or mu, more track, or stiffer springs and bars"
+    )

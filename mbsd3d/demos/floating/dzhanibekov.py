@@ -15,6 +15,8 @@ NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
 UPRIGHT = (rotation("y", -np.pi / 2), rotation("x", np.pi / 2), rotation("z", 0.0))
 MIDDLE = NAMES[1]
 
+LEAST = 5e-5  # of the spin: errors of a run grow as the rate that starts the flips does
+
 
 def spins(axis: int, spin: float, off: float) -> np.ndarray:
     """Angular velocity at the start, body axes [rad/s]: ``spin`` about an axis, ``off`` about the others."""
@@ -50,6 +52,8 @@ def theory(*, I, spin, off, t):
     """Euler's equations by elliptic functions; energy and angular momentum stay."""
     require(I[0] < I[1] < I[2], f"demo 'dzhanibekov': I = {I}: give three moments that grow")
     require(abs(spin) > 3 * abs(off) > 0, f"demo 'dzhanibekov': off = {off:g}: give a small rate that is not 0")
+    require(abs(off) > LEAST * abs(spin), f"demo 'dzhanibekov': off = {off:g} grows out of rounding; give "
+            f"{LEAST * abs(spin):.2g} or more")  # fmt: skip
     i, w = np.array(I), spins(1, spin, off)
     interval, L = flip_interval(i, w), matrix(UPRIGHT[1]) @ (i * w)
     require(

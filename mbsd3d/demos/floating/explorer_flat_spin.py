@@ -38,6 +38,10 @@ def own(times, I, j, c, w, tilt):
 def theory(*, I, j, c, w, tilt, t):
     """Euler's equations with the fuel; in the end all turns about the greatest axis with the same |H|."""
     require(I[2] >= max(I), f"demo 'explorer_flat_spin': I = {I}: the third moment must be the greatest; sort them")
+    require(min(*I, j) > 0.01 * I[2], f"demo 'explorer_flat_spin': I = {I}, j = {j:g}: give none below 0.01 of I[2]")
+    require(
+        c > 0 and tilt != 0, "demo 'explorer_flat_spin': it tips only with losses and a tilt; give c > 0 and a tilt"
+    )
     H = np.hypot((I[0] + j) * w, (I[1] + j) * w * tilt)
     rate = own(np.array([0.0, t]), I, j, c, w, tilt)[-1, 0]
     return {"long_axis_rate_at_t_rad_s": abs(rate), "final_flat_rate_rad_s": H / (I[2] + j)}

@@ -32,6 +32,9 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
 def theory(*, I, n, pitch_deg):
     """I2 a'' = -3 n^2 (I1 - I3) sin a cos a from rest at the pitch: a pendulum of the angle 2 a."""
     require(I[0] > I[2], f"demo 'gravity_gradient': I = {I}: no swing unless I[0] > I[2]; make the satellite longer")
+    require(
+        0 < abs(pitch_deg) < 90, f"demo 'gravity_gradient': pitch_deg = {pitch_deg:g}: it swings from between 0 and 90"
+    )
     return {"quarter_period_s": ellipk(np.sin(np.radians(pitch_deg)) ** 2) / (n * np.sqrt(3 * (I[0] - I[2]) / I[1]))}
 
 

@@ -4,7 +4,9 @@ import numpy as np
 
 from mbsd3d import Body, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+
+ROUNDS = 20  # of the wobble at most: the samples tell each one
 
 
 def mechanism(*, A=8.0, C=10.0, w3=5.0, wt=1.0) -> System:
@@ -16,16 +18,18 @@ def mechanism(*, A=8.0, C=10.0, w3=5.0, wt=1.0) -> System:
 
 def theory(*, A, C, w3, wt):
     """Body cone (C - A) w3/A, space cone H/A, tan(half angle) = A wt/(C w3)."""
+    require(wt != 0, "demo 'satellite_nutation': wt = 0: it does not wobble; give a rate across the axis")
     return {
         "body_cone_rate_rad_s": abs((C - A) / A * w3),
         "space_cone_rate_rad_s": np.hypot(A * wt, C * w3) / A,
-        "cone_angle_deg": np.degrees(np.arctan2(abs(A * wt), abs(C * w3))),
+        "cone_angle_deg": np.degrees(np.arctan2(abs(A * wt), C * w3)),
     }
 
 
 def measure(build, terms, *, A, C, w3, wt) -> Measured:
     """Phase of the transverse rate in the body, of the axis about the angular momentum, and their angle."""
-    run = simulate(build(), 2.0, rtol=1e-13, output=401, **terms)
+    t = min(2.0, ROUNDS * 2 * np.pi * A / np.hypot(A * wt, C * w3))
+    run = simulate(build(), t, rtol=1e-13, output=401, **terms)
     w, axis = run.omega_body("body"), run.rotation("body")[:, :, 2]
     L = run.momentum().angular[0]
     L = L / np.linalg.norm(L)

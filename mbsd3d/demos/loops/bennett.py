@@ -29,8 +29,12 @@ def follower(t1, al, be):
     return 2 * np.arctan2(k * np.cos(t1 / 2), np.sin(t1 / 2))
 
 
-def theory(*, a, alpha_deg, beta_deg, theta0_deg, turn_deg):
+def theory(*, a, alpha_deg, beta_deg, theta0_deg, misfit, turn_deg):
     """The next hinge by the equation of Bennett, the other side by his condition."""
+    require(
+        misfit == 0,
+        f"demo 'bennett': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0",
+    )
     require(0 < alpha_deg < 180 and 0 < beta_deg < 180 and alpha_deg != beta_deg, f"demo 'bennett': twists "
             f"{alpha_deg:g} "
             f"and {beta_deg:g} degrees; give two different ones between 0 and 180")  # fmt: skip

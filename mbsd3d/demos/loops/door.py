@@ -20,6 +20,7 @@ def mechanism(*, m=20.0, width=0.9, thickness=0.04, height=2.0, lean_deg=5.0, st
     Two revolute hinges, or (``fit`` = "cured") a ball above and a point on a line below. Reference point on the axis.
     """
     require(fit in ("two hinges", "cured"), f"demo 'door': fit = {fit!r}; give 'two hinges' or 'cured'")
+    require(hinges != 0, "demo 'door': hinges = 0: two hinges in one place are one; give a distance")
     lean = np.radians(lean_deg)
     axis = np.array([np.sin(lean), 0.0, np.cos(lean)])
     turned = matrix(rotation("y", lean)) @ matrix(rotation("z", np.radians(start_deg)))
@@ -46,9 +47,10 @@ def swing(t, *, m, width, thickness, lean_deg, start_deg):
     return angle, m * (a + [0, 0, G])
 
 
-def theory(*, m, width, thickness, lean_deg, start_deg, t):
+def theory(*, m, width, thickness, lean_deg, start_deg, fit, t):
     """Counting and rank of ten rows; a physical pendulum for the motion, Newton's second law for the net force."""
     require(0 < abs(start_deg) < 180 and 0 < lean_deg < 90, "demo 'door': give 0 < lean_deg < 90 and an angle to swing")
+    require(fit == "two hinges", "demo 'door': the cured door is computed beside the other; leave fit = 'two hinges'")
     angle, force = swing([t / 3, t], m=m, width=width, thickness=thickness, lean_deg=lean_deg, start_deg=start_deg)
     named = {f"net_force_{axis}_N": value for axis, value in zip("xyz", force[0], strict=True)}
     counts = {"rows": 10, "rank": 5, "gruebler": -4, "mobility": 1, "net_unique": 1, "share_unique": 0}

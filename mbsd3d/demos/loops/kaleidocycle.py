@@ -36,8 +36,12 @@ def other(path, al, guess):
     return np.array(found)
 
 
-def theory(*, alpha_deg, theta0_deg, phi_guess_deg, turn_deg):
+def theory(*, alpha_deg, theta0_deg, phi_guess_deg, misfit, turn_deg):
     """cos^2 al + sin^2 al (cos t + cos f) + (1 + cos^2 al) cos t cos f - 2 cos al sin t sin f = 0, followed from t0."""
+    require(
+        misfit == 0,
+        f"demo 'kaleidocycle': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0",
+    )
     al, t, guess, turn = np.radians([alpha_deg, theta0_deg, phi_guess_deg, turn_deg])
     path = other(t + turn * np.linspace(0, 1, 121), al, guess)
     return {"other_hinge_turn_deg": np.degrees(path[-1] - path[0])}

@@ -109,5 +109,5 @@ demo = Demo(
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},
     ablation=Ablation("motion", "at rest only weights are left", {"qd": [0.0] * 6, "qdd": [0.0] * 6}),
     show={"curves": [("effort", f"motor {k}") for k in range(1, 7)], "traces": [], "speed": 0.1},
-    ranges={"alpha": None, "com": None},
+    ranges={"alpha": None, "com": None, "I": None},  # moments one by one at random are those of no body
 )

@@ -107,5 +107,11 @@ demo = Demo(
     },
     ablation=Ablation("skewness", "on parallel axes it is the plane four-bar", {"u": [0, 0, 1.0], "Q": [0.4, 0.1, 0]}),
     show={"curves": [("angle", "crankshaft"), ("angle", "rocker shaft")], "traces": []},
-    ranges={"branch": None, "l": (0.45, 0.52), "Q": [(0.38, 0.42), (0.08, 0.12), (0.18, 0.22)]},
+    ranges={
+        "branch": None,
+        "a": (0.09, 0.105),
+        "b": (0.28, 0.34),
+        "l": (0.49, 0.52),
+        "Q": [(0.38, 0.41), (0.08, 0.12), (0.18, 0.22)],
+    },
 )

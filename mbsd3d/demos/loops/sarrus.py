@@ -42,8 +42,12 @@ def bar(name, start, end):
     return Body(name, 1.0, (0.01, 0.01, 0.01), position=0.5 * (start + end), shape=form)
 
 
-def theory(*, l, q_deg, rate):
+def theory(*, l, q_deg, rate, plane_deg):
     """Height 2 l sin q, rate 2 l cos q q'; one freedom, although counting the hinges of two legs gives none."""
+    require(
+        0 < abs(q_deg) < 90, f"demo 'sarrus': q_deg = {q_deg:g}: flat or upright legs hold no platform; stay between"
+    )
+    require(plane_deg % 180 != 0, f"demo 'sarrus': plane_deg = {plane_deg:g}: legs in parallel planes hold no platform")
     q = np.radians(q_deg)
     return {"height_m": 2 * l * np.sin(q), "mobility": 1.0, "rise_rate_m_s": 2 * l * np.cos(q) * rate}
 

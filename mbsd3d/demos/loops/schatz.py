@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import System
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .closed_loop import Loop, run_loop
 
 START = (0.5, 2.4341, -1.386, -1.7267, -0.8778, 2.4004)
@@ -21,8 +21,11 @@ def mechanism(*, a=0.2, R=0.3, theta=START, turn_deg=60.0, misfit=0.0) -> System
     return loop.system(loop.close(theta[0], theta[1:]), np.radians(turn_deg), misfit, thick=0.06)
 
 
-def theory(*, a, R, theta, turn_deg):
+def theory(*, a, R, theta, misfit, turn_deg):
     """Closure of the Denavit-Hartenberg matrices, followed from the start."""
+    require(
+        misfit == 0, f"demo 'schatz': misfit = {misfit:g} locks the loop; theory is that of the one that closes, with 0"
+    )
     loop = loop_of(a, R)
     path = np.degrees(loop.follow(loop.close(theta[0], theta[1:]), np.radians(turn_deg)))
     turns = path[-1] - path[0]

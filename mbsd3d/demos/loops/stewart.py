@@ -78,7 +78,7 @@ demo = Demo(
     "lean more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a "
     "small twist changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 "
     "degrees the platform is loose.",
-    equation="J^T f = load; f without limit where det J = 0, at a yaw of 90 degrees",
+    equation="J^T f = load; f without limit where det J = 0: 90 degrees",
     source="Fichter, Int. J. Robotics Res. 5 (1986) 157; Ma, Angeles, Architecture singularities (1991)",
     quantities={
         "leg1_thrust_N": Quantity("push of leg 1", "N"),

@@ -17,9 +17,11 @@ def mechanism(*, bend_deg=20.0, torque=500.0, cross=0) -> System:
     return shaft_pair(ConstantVelocity, bend_deg, torque, axis_a=(1, 0, 0), axis_b=(np.cos(b), np.sin(b), 0))
 
 
-def theory(*, bend_deg, torque):
+def theory(*, bend_deg, torque, cross):
     """The moment lies in the bisecting plane: T tan(b/2) across each shaft, at rest."""
     require(abs(bend_deg) < 90, f"demo 'cv_joint': bend_deg = {bend_deg:g}: give less than 90")
+    if cross:
+        return with_cross(bend_deg=bend_deg, torque=torque)
     couple = abs(torque) * np.tan(np.radians(abs(bend_deg)) / 2)
     return {"couple_on_driving_shaft_Nm": couple, "couple_on_driven_shaft_Nm": couple, "unevenness": 0.0}
 

@@ -62,4 +62,5 @@ demo = Demo(
         "traces": [],
         "speed": 0.01,
     },  # fmt: skip
+    ranges={"A": (0.28, 0.34), "C": (0.43, 0.55)},  # C < 2 A, as of any body
 )

@@ -35,10 +35,10 @@ def mechanism(*, m=0.5, r=0.045, rod=0.15, spacing=0.11, omega=600.0, plane="cro
     return System(bodies, joints, gravity=(0, 0, 0))
 
 
-def theory(*, m, r, rod, spacing, omega):
+def theory(*, m, r, rod, spacing, plane, omega):
     """Each pair in a right-angled V is as good as one mass on its throw; sum of x e^(i throw) = (3 + i) spacing."""
     require(rod > r, f"demo 'v8_wobble': rod = {rod:g} m is not longer than the throw, {r:g} m; give a longer one")
-    size = np.sqrt(10) * m * r * spacing * omega**2
+    size = (plane == "cross") * np.sqrt(10) * m * r * spacing * omega**2
     return {"couple_cross_plane_Nm": size, "couple_flat_plane_Nm": 0.0}
 
 

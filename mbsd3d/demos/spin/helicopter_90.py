@@ -18,7 +18,9 @@ from mbsd3d import (
 
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
-SAMPLES = 96  # of one turn; the flap is a sine, of which one turn gives the Fourier coefficient
+SAMPLES = 96  # of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
+SMALL = 1e-8  # rad of lag, four times what the second order in the flap adds
+STIFFEST = 1e6  # of a hinge over I W^2: it swings a thousand times a turn
 
 
 def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> System:
@@ -37,8 +39,17 @@ def mechanism(*, m=10.0, L=5.0, e=0.0, Omega=40.0, M0=1.0, c=3000.0, k=0.0) -> S
 def theory(*, m, L, e, Omega, M0, c, k):
     """I b'' + c b' + (I W^2 (1 + 3 e/2 L) + k) b = M0 cos W t for a small flap b of a uniform blade."""
     require(Omega > 0 and c > 0, "demo 'helicopter_90': give Omega > 0 and c > 0: the answer dies out without a damper")
+    require(M0 > 0, f"demo 'helicopter_90': M0 = {M0:g}: the lag is that behind a push; give M0 > 0")
+    require(abs(e) <= L, f"demo 'helicopter_90': e = {e:g} m is more than the blade is long; give less than {L:g}")
     inertia = m * L**2 / 3
-    return lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
+    most = STIFFEST * inertia * Omega**2
+    require(
+        abs(k) <= most, f"demo 'helicopter_90': k = {k:g} N m/rad holds the blade rigidly; give less than {most:.3g}"
+    )
+    found = lag_and_flap(inertia * Omega**2 * 3 * e / (2 * L) + k, c * Omega, M0)
+    require(found["flap_rad"] ** 2 * inertia * Omega / c < SMALL, f"demo 'helicopter_90': a flap of "
+            f"{found['flap_rad']:.2g} rad is too large for linear theory; give less M0, or more c")  # fmt: skip
+    return found
 
 
 def without_gyroscopic(*, m, L, e, Omega, M0, c, k):
@@ -52,13 +63,14 @@ def lag_and_flap(in_phase, across, moment):
     return {"lag_deg": np.degrees(np.arctan2(across, in_phase)), "flap_rad": moment / np.hypot(in_phase, across)}
 
 
-def measure(build, terms, *, Omega, M0, c) -> Measured:
+def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     """The flap that repeats itself every turn: the fixed point of the map from turn to turn, which is affine."""
-    system, turn = build(), 2 * np.pi / Omega
+    system, turn, inertia = build(), 2 * np.pi / Omega, m * L**2 / 3
+    samples = SAMPLES * int(np.ceil(max(1.0, np.sqrt(abs(k) / inertia) / Omega, c / (inertia * Omega))))
 
     def after(angle, rate, **settings):
         state = system.assemble(angles={"flap": angle}, rates={"flap": rate})
-        return simulate(system, turn, state=state, method=DOP853(dt=turn / SAMPLES), **settings, **terms)
+        return simulate(system, turn, state=state, method=DOP853(dt=turn / samples), **settings, **terms)
 
     size = M0 / (c * Omega)
     starts = np.array([[0, 0], [size, 0], [0, size * Omega]])

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, RollingDisc, SpeedDriver, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
 
 
 def mechanism(*, r=0.05, k=0.4, Omega=3.5, v=0.2, x0=0.5) -> System:
@@ -29,6 +29,7 @@ def path(t, *, k, Omega, v, x0):
 
 def theory(*, k, Omega, v, x0, t):
     """2/7 of the table's rate for a solid ball, 2/5 for a hollow one, whatever the start."""
+    require(v != 0, "demo 'ball_on_turntable': v = 0: the ball stays where it is; send it off")
     x, y = path(t, k=k, Omega=Omega, v=v, x0=x0)
     return {"circle_rate_rad_s": abs(k / (1 + k) * Omega), "x_m": x, "y_m": y}
 

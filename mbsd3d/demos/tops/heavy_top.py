@@ -39,52 +39,58 @@ def steady_rates(tilt, A, C, spin, weight):
     return 2 * weight / larger, larger / (2 * A * np.cos(tilt))
 
 
-def nutation(A, C, spin, precession, weight):
-    """Lowest height u < 0, rate and parameter of u = low + (0 - low) sn^2(rate t + K | m), from a horizontal axis.
+def nutation(tilt, A, C, spin, precession, weight):
+    """Rate and parameter of u = low + (u0 - low) sn^2(rate t + K | m), the height of the axis from u0 = cos(tilt) on.
 
-    Roots of (alpha - beta u)(1 - u^2) - (b - a u)^2, with a = C w3 / A, b = W, beta = 2 m g l / A, alpha = W^2. One is
-    u = 0, the highest point, so what is left is a quadratic: beta u^2 - (alpha + a^2) u + 2 a b - beta = 0.
+    Roots of (alpha - beta u)(1 - u^2) - (b - a u)^2, with a = C w3 / A, beta = 2 m g l / A, and of the start
+    b = W sin(tilt)^2 + a u0, alpha = W^2 sin(tilt)^2 + beta u0. One is u0, the highest point, so what is left is a
+    quadratic: beta u^2 + (beta u0 - alpha - a^2) u + 2 a b - beta + u0 (beta u0 - alpha - a^2) = 0.
     """
-    a, beta = C * spin / A, 2 * weight / A
-    half, rest = 0.5 * (precession**2 + a**2) / beta, (2 * a * precession - beta) / beta
-    require(rest < 0, f"demo 'heavy_top': precession = {precession:g} rad/s lifts the top at the start; give less")
+    a, beta, top, square = C * spin / A, 2 * weight / A, np.cos(tilt), np.sin(tilt) ** 2
+    between = -(a**2) - precession**2 * square  # beta u0 - alpha - a^2
+    half, rest = -0.5 * between / beta, (2 * a * (precession * square + a * top) - beta + top * between) / beta
     third = half + np.sqrt(half**2 - rest)
     low = rest / third
-    return low, np.sqrt(beta * (third - low)) / 2, -low / (third - low)
+    require(low < top, f"demo 'heavy_top': precession = {precession:g} rad/s lifts the top at the start; give less")
+    return np.sqrt(beta * (third - low)) / 2, (top - low) / (third - low)
 
 
-def path(times, *, m, l, It, I3, spin, precession):
-    """(times, 3) of the centre of mass [m] from y on: e'' = -e'.e' e + (C w3 / A) e x e' + (F - (e.F) e) l / A."""
-    A, F = It + m * l**2, -m * G * l
+def path(times, *, m, l, It, I3, spin, precession, tilt_deg):
+    """(times, 3) of the centre of mass [m]: e'' = -e'.e' e + (C w3 / A) e x e' + (F - (e.F) e) l / A."""
+    A, F, tilt = It + m * l**2, -m * G * l, np.radians(tilt_deg)
 
     def rate(_, y):
         e, de = y[:3].tolist(), y[3:].tolist()
         turned, inwards = cross(e, de), -sum(x * x for x in de) - e[2] * F / A
         return [*de, *(inwards * e[k] + I3 * spin / A * turned[k] + (F / A if k == 2 else 0.0) for k in range(3))]
 
-    return l * motion(rate, np.array([0, 1, 0, -precession, 0, 0]), times)[:, :3]
+    start = np.array([0, np.sin(tilt), np.cos(tilt), -precession * np.sin(tilt), 0, 0])
+    return l * motion(rate, start, times)[:, :3]
 
 
-def falling(*, m, l, It, I3, spin, precession, t):
+def falling(*, m, l, It, I3, spin, precession, tilt_deg, t):
     """Place at t by own equations of the axis, half a nutation by an elliptic integral."""
-    _, rate, k = nutation(It + m * l**2, I3, spin, precession, m * G * l)
-    place = path(np.array([0.0, t]), m=m, l=l, It=It, I3=I3, spin=spin, precession=precession)[-1]
+    require(0 < tilt_deg < 180, f"demo 'heavy_top': tilt_deg = {tilt_deg:g} does not lie between 0 and 180")
+    rate, k = nutation(np.radians(tilt_deg), It + m * l**2, I3, spin, precession, m * G * l)
+    start = {"m": m, "l": l, "It": It, "I3": I3, "spin": spin, "precession": precession, "tilt_deg": tilt_deg}
+    place = path(np.array([0.0, t]), **start)[-1]
     return dict(zip(("x_m", "y_m", "z_m"), place, strict=True)) | {"fall_s": ellipk(k) / rate}
 
 
-def theory(*, m, l, It, I3, spin, precession, steady_tilt_deg, t):
+def theory(*, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg, t):
     """`falling`, and steady precession by its quadratic equation."""
     rates = steady_rates(np.radians(steady_tilt_deg), It + m * l**2, I3, spin, m * G * l)
     named = dict(zip(("slow_precession_rad_s", "fast_precession_rad_s"), rates, strict=True))
-    return falling(m=m, l=l, It=It, I3=I3, spin=spin, precession=precession, t=t) | named
+    fall = falling(m=m, l=l, It=It, I3=I3, spin=spin, precession=precession, tilt_deg=tilt_deg, t=t)
+    return fall | named
 
 
-def without_gyroscopic(*, m, l, It, spin, precession, t):
+def without_gyroscopic(*, m, l, It, spin, precession, tilt_deg, t):
     """It dw/dt = moment is left: the motion of a top whose moment about the axis is that across it; none is steady."""
-    return falling(m=m, l=l, It=It, I3=It, spin=spin, precession=precession, t=t)
+    return falling(m=m, l=l, It=It, I3=It, spin=spin, precession=precession, tilt_deg=tilt_deg, t=t)
 
 
-def measure(build, terms, *, m, l, It, I3, spin, precession, steady_tilt_deg=75.0, t=2.0) -> Measured:
+def measure(build, terms, *, m, l, It, I3, spin, precession, tilt_deg, steady_tilt_deg=75.0, t=2.0) -> Measured:
     """The falling top at t, its first turning point, and the mean rate of both steady precessions."""
     settings, A = {"rtol": 1e-12, **terms}, It + m * l**2
     run = simulate(build(), t, output=801, **settings)
@@ -92,22 +98,27 @@ def measure(build, terms, *, m, l, It, I3, spin, precession, steady_tilt_deg=75.
     fall = simulate(run.system, 10 * t, state=run.state(1), stop_when=rising, **settings)
     rates = steady_rates(np.radians(steady_tilt_deg), A, I3, spin, m * G * l)
     tilts = {"tilt_deg": steady_tilt_deg}
-    steady = [simulate(build(precession=rate, **tilts), t, output=201, **settings) for rate in rates]
+    steady = [
+        simulate(build(precession=rate, **tilts), t, output=201 + int(abs(rate) * t), **settings) for rate in rates
+    ]  # two samples a radian at the least, so that turns are counted
     turns = [np.unwrap(np.arctan2(*each.com("top").T[1::-1])) for each in steady]
     means = [(turn[-1] - turn[0]) / t for turn in turns]
     centre = run.com("top")
     names = ("x_m", "y_m", "z_m", "fall_s", "slow_precession_rad_s", "fast_precession_rad_s")
     values = dict(zip(names, (*centre[-1], fall.final.t, *means), strict=True))
-    known = path(run.t[::20], m=m, l=l, It=It, I3=I3, spin=spin, precession=precession)
-    (slow, fast), times = ((turn - turn[0]) / (2 * np.pi) for turn in turns), steady[0].t
+    start = {"m": m, "l": l, "It": It, "I3": I3, "spin": spin, "precession": precession, "tilt_deg": tilt_deg}
+    known = path(run.t[::20], **start)
+    slow, fast = (
+        Line(f"{name}, {rate:.3f} rad/s", (turn - turn[0]) / (2 * np.pi), one.t, (one.t, rate * one.t / (2 * np.pi)))
+        for name, rate, turn, one in zip(("slow", "fast"), rates, turns, steady, strict=True)
+    )
     curves = [
         Path(("x / l [-]", "y / l [-]", "z / l [-]"), centre / l, "path of the centre of mass",
              net=sphere_net(highest=0), box=(2, 2, 1), heights=(-1, 0)),
         Curve("height of the centre of mass [m]", run.t, centre[:, 2], (run.t[::20], known[:, 2]),
               title="it falls, and comes back up"),
-        Curve("revolutions about the vertical [-]", times, slow, (times, rates[0] * times / (2 * np.pi)),
-              title=f"steady precession, axis at {steady_tilt_deg:g} deg", name=f"slow, {rates[0]:.3f} rad/s",
-              more=[Line(f"fast, {rates[1]:.3f} rad/s", fast, theory=(times, rates[1] * times / (2 * np.pi)))]),
+        Curve("revolutions about the vertical [-]", slow.x, slow.y, slow.theory, name=slow.name, more=[fast],
+              title=f"steady precession, axis at {steady_tilt_deg:g} deg"),
     ]  # fmt: skip
     return Measured(values, [run, *steady], curves)
 
@@ -134,6 +145,6 @@ demo = Demo(
     ),
     show={"curves": [("com", "top"), ("reaction", "pivot")], "traces": [("top", (0, 1 + TIP, 0))], "speed": 0.1,
           "shown": ["angular momentum"]},
-    ranges={"tilt_deg": None, "m": (13.0, 15.5), "l": (0.9, 1.02), "It": (0.24, 0.27), "I3": (0.44, 0.48),
+    ranges={"tilt_deg": (85.0, 95.0), "m": (13.0, 15.5), "l": (0.9, 1.02), "It": (0.24, 0.27), "I3": (0.44, 0.48),
             "spin": (150.0, 175.0)},
 )  # fmt: skip

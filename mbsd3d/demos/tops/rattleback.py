@@ -35,7 +35,7 @@ def theory(*, m, a, b, c, I, delta_deg, wobble, spin, t):
 
 def measure(build, terms, *, m, a, b, c, I, delta_deg, wobble, spin, t=4.0) -> Measured:
     """Spin about the vertical and its integral."""
-    run = simulate(build(), t, rtol=1e-12, output=1601, **terms)
+    run = simulate(build(), t, rtol=1e-12, output=6401, **terms)
     y = own(run.t, m=m, a=a, b=b, c=c, I=I, delta_deg=delta_deg, wobble=wobble, spin=spin)
     vertical = run.omega("stone")[:, 2]
     turned = CubicHermiteSpline(run.t, vertical, run.alpha("stone")[:, 2]).integrate(0, t)

@@ -34,8 +34,10 @@ def path(t, slope_deg, w):
     return g * (1 - np.cos(2 * w * t)) / (4 * w**2), g * t / (2 * w) - g * np.sin(2 * w * t) / (4 * w**2)
 
 
-def theory(*, slope_deg, w, t):
-    """A cycloid across the slope."""
+def theory(*, slope_deg, w, blade, t):
+    """A cycloid across the slope; without its edge it is a free puck."""
+    if not blade:
+        return without_blade(slope_deg=slope_deg, t=t)
     require(w != 0, "demo 'skate_on_slope': w = 0: a skate that does not turn slides down; give another rate")
     down, sideways = path(t, slope_deg, w)
     return {"down_slope_m": down, "sideways_m": sideways}

@@ -9,6 +9,7 @@ from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from ..stones import slid
 
 G = 9.81  # m/s^2
+LONGEST, LEANS = 1.42, 11.0  # over its breadth; deg from lying: beyond, the balance is off by more than a part in 100
 PER_WEIGHT = 1e4  # 1/m: stiffness of the table over the weight of the egg
 
 
@@ -63,6 +64,8 @@ def theory(*, m, a, b, mu, creep, tilt_deg, spin, t):
     Where the gyroscopic moments balance, L = A W along the vertical, and L times the height stays: A W h = C W_1 a.
     """
     require(a > b > 0, f"an egg is longer than it is broad: give a above b = {b}, not {a}")
+    require(a < LONGEST * b and abs(tilt_deg - 90) < LEANS, "the moments balance from the start on in a stout egg that "
+            f"lies: give a below {LONGEST} b and tilt_deg within {LEANS} of 90")  # fmt: skip
     found, (A, _, C) = seen(mu, m=m, a=a, b=b, creep=creep, tilt_deg=tilt_deg, spin=spin, t=t), moments(m, a, b)
     require(found["axis_height_cos"] > 0.9, f"the egg does not stand after {t} s: give a greater spin, mu or t")
     return {**found, "stands_at_rad_s": A * spin * height(a, b, np.radians(tilt_deg)) / (C * a)}
