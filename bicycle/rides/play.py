@@ -27,6 +27,11 @@ LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any
 BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
 STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
 SPEED = 3  # place of the control
+KEYS = {
+    "steer torque": (("ArrowLeft", "ArrowRight"), ("j", "l")),
+    "pedal": (("", "ArrowUp"), ("", "i")),
+    "brake": (("", "ArrowDown"), ("", "k")),
+}
 Key = tuple[Parameters, float]  # a bicycle and its assist
 PANELS = (
     Panel("lean and steer", "°", ("lean", "steer")),
@@ -166,9 +171,9 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     torque = number(torque, "play: torque", positive=True)
     fastest, angle = max(12.0, 2.0 * speed), 90.0 - float(np.degrees(p.lam))
     made = [
-        Control("steer torque", -torque, torque, 0.0, "N m", (("ArrowLeft", "ArrowRight"), ("j", "l")), springs=True),
-        Control("pedal", 0.0, PEDAL, 0.0, "N m", (("", "ArrowUp"), ("", "i")), springs=True),
-        Control("brake", 0.0, BRAKE, 0.0, "N m", (("", "ArrowDown"), ("", "k")), springs=True),
+        Control("steer torque", -torque, torque, 0.0, "N m", KEYS["steer torque"], "left stick", springs=True),
+        Control("pedal", 0.0, PEDAL, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
+        Control("brake", 0.0, BRAKE, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
         Control("speed", 0.5, fastest, number(speed, "play: speed"), "m/s", builds=True),
         Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
         Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from browser import visit
 from click.testing import CliRunner
+from test_live import until
 
 from bicycle import Meijaard2007, named, on_tyres, play, whipple
 from bicycle.model.kinematics import steer_axis
@@ -198,6 +199,27 @@ def test_the_command_refuses_in_one_line():
 def test_a_machine_is_ridden_on_its_own_tyres():
     made = ridden(named("Sharp1971"), speed=20.0, torque=20.0)
     assert abs(curves(seconds(made, 0.5))["lean"]).max() < 1e-6 and made.built.system.part("front tyre", "forces")
+
+
+PAD = """() => {
+    const buttons = Array.from({length: 17}, (_, k) => ({value: k === 7 ? 0.55 : 0}));
+    window.pad = {id: "pad", connected: true, mapping: "standard", axes: [-1, 0, 0, 0], buttons};
+    navigator.getGamepads = () => [window.pad];
+}"""
+
+
+@pytest.mark.slow
+def test_a_gamepad_steers_pedals_and_brakes(chromium):
+    with play.play(P, dark=False) as made, visit(chromium, made.url, width=480) as seen:
+        seen.wait("document.documentElement.dataset.ready === 'yes'")
+        seen.page.keyboard.press("Space")  # it pauses: only what is asked for counts
+        seen.run(PAD)  # the stick to the left, the trigger of the pedal half way
+        assert until(lambda: made.values["pedal"] == 0.5 * play.PEDAL and made.values["steer torque"] == -2.0)
+        seen.run("window.pad.axes[0] = window.pad.buttons[7].value = 0")
+        assert until(lambda: made.values["pedal"] == made.values["steer torque"] == 0.0)
+        seen.run("window.pad.buttons[6].value = 1")
+        assert until(lambda: made.values["brake"] == play.BRAKE)
+        assert seen.complaints == []
 
 
 @pytest.mark.slow
