@@ -8,7 +8,7 @@ from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .car import WHEELS, Car, car
 from .circle import circle, circles
-from .theory import roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import ROLLED, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
@@ -122,7 +122,7 @@ demo = Demo(
         "understeer_rad_s2_m": Quantity("understeer gradient", "rad s^2/m", absolute=3e-7),
         "lean_percent": Quantity("of the roll, by the lean of the wheels", "%", absolute=1e-4),
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
-        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=4e-3),
+        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLLED),
     },
     mechanism=mechanism,
     theory=theory,
