@@ -18,7 +18,7 @@ from ..parameters import Parameters
 from .manoeuvres import FALLEN
 from .motion import WHEELS, Event, Ride, ground_force, on_tyres
 
-LINING = {"stiffness": 2e4, "damping": 200.0}
+LINING = {"stiffness": 2e4, "damping": 500.0}
 """Of the brake [N m/rad, N m s/rad]: 100 N m turn a wheel that it holds by 0.3 degrees."""
 
 

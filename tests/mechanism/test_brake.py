@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from bicycle import TYPICAL, Meijaard2007, whipple
+from bicycle.rides.ride import LINING
 from mbsd3d import GROUND, Body, Brake, Input, Planar, Prismatic, Pulse, Revolute, System, accelerations, simulate
 from mbsd3d.demos.cars.car import WHEELS, Car, car
 
 SLOPE = 0.3
 DOWN = 9.81 / np.hypot(1.0, SLOPE)
-STANDS = 1e-9  # m/s: rounding leaves 1e-13
+STANDS = 1e-9  # m/s; there is no creep, what is left rings off by a factor of 1e3 in 4 s
 
 
 def flywheel(torque, omega=5.0, **more):
@@ -55,14 +56,14 @@ def test_a_slide_is_braked_by_a_force():
     block = Body("block", 3.0, (0.1, 0.1, 0.1), velocity=(2.0, 0.0, 0.0))
     rail = Prismatic(GROUND, block, at=(0, 0, 0), axis=(1, 0, 0), name="rail")
     run = simulate(System([block], [rail], [Brake(rail, torque=6.0, stiffness=1e4, damping=200.0)]), 0.5, output=2)
-    assert run.slide_rate("rail")[-1] == pytest.approx(1.0, abs=1e-7)
+    assert run.velocity("block")[-1, 0] == pytest.approx(1.0, abs=1e-7)
 
 
 def test_a_car_stands_on_a_slope_by_its_brakes():
     free = replace(car(Car(), 0.0, 0.0), gravity=(-SLOPE * DOWN, 0.0, -DOWN))
     forces = [replace(one, standing_damping=0.5) if "tyre" in one.name else one for one in free.forces]
     brakes = [
-        Brake(free.part(f"{name} hub"), torque=1600.0, stiffness=2e5, damping=8e3, name=f"{name} brake")
+        Brake(free.part(f"{name} hub", "joints"), torque=1600.0, stiffness=2e5, damping=8e3, name=f"{name} brake")
         for name in WHEELS
     ]
     parked = simulate(replace(free, forces=[*forces, *brakes]), 12.0, rtol=1e-9, output=13)
@@ -77,13 +78,13 @@ def test_a_bicycle_stands_on_a_slope_by_its_brake():
     tyres = TYPICAL | {"standing_damping": 0.5}
     system = whipple(Meijaard2007(), tyres=tyres)
     upright = Planar(GROUND, system.part("frame"), at=(0, 0, 0), normal=(0, 1, 0))
-    brake = Brake(system.part("front hub", "joints"), torque=120.0, stiffness=2e4, damping=200.0)
+    brake = Brake(system.part("front hub", "joints"), torque=120.0, **LINING)
     for forces, least, most in (((brake,), 0.0, STANDS), ((), 1.0, 20.0)):
         on = replace(
             system, joints=[*system.joints, upright], forces=[*system.forces, *forces],
             gravity=(SLOPE * DOWN, 0.0, -DOWN), start=None,
         )  # fmt: skip
-        speed = np.abs(simulate(on, 8.0, rtol=1e-9, output=2).velocity("frame")[-1]).max()
+        speed = np.abs(simulate(on, 12.0, rtol=1e-9, output=2).velocity("frame")[-1]).max()
         assert least <= speed < most
 
 

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from mbsd3d import (
     GROUND,
     AeroDrag,
+    Brake,
     Bushing,
     CentralGravity,
     Constant,

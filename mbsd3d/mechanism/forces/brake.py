@@ -35,7 +35,7 @@ def brake(m, d, p, out, t):
 
 @dataclass(frozen=True, eq=False)
 class Brake(ForceElement):
-    """Dry friction in a hinge or slide with a torque (or force) T that may change: load ``-clip(k z + c x_dot, T)`` on b.
+    """Dry friction in a hinge or slide with a torque (or force) T that may change: load -clip(k z + c x_dot, T) on b.
 
     The yielding z is an own state, ``z_dot = (f - k z) / c`` with the f that acts. While f stays within T it is
     ``z_dot = x_dot``: the brake holds like a spring and a damper and does not creep. Beyond, it slips with T exactly.
