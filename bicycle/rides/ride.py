@@ -144,7 +144,7 @@ def ridden(
 ) -> Bicycle:
     """The bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
-    forces = list(system.forces)
+    forces, begun = list(system.forces), system.start
     if torque:
         forces += steer_torque(system, parameters, torque)
     if drive:
@@ -152,12 +152,13 @@ def ridden(
     if brake:
         hub = system.part("front hub", "joints")
         forces.append(Brake(hub, torque=as_signal(brake, "ride: brake"), **LINING, name="brake"))
+        begun = replace(begun, z=np.r_[begun.z, 0.0])  # it has not yielded
     if drag:
         forces.append(AeroDrag(system.part("frame"), drag_area=drag, name="drag"))
     if push:
         sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
         forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))
-    return replace(system, forces=forces) if forces else system
+    return replace(system, forces=forces, start=begun)
 
 
 def axle_torque(system: Bicycle, wheel: str, bearer: str, torque: Signal, name: str) -> list[Torque]:

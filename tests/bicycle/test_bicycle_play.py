@@ -128,7 +128,7 @@ def test_pedal_brake_and_speed():
     made.set("speed", 2.0)
     assert made.frame().seen.values["speed"] == pytest.approx(2.0, abs=0.06)  # the tyres still give back what they took
     made.hold("brake", play.BRAKE)
-    seconds(made, 1.0)
+    seconds(made, 2.5)
     front = played(made.result()).rate("front hub")
     assert made.model.held < 0.02 and front.min() > -0.3  # it stops, but for what the brake yields: T/k = 3 mrad
     made.hold("pedal", 0.5 * play.PEDAL)
@@ -172,6 +172,22 @@ def test_growth_and_range_are_those_of_the_present_bicycle():
     assert seen.seen.curves[3:5] == pytest.approx(wanted, rel=1e-6)
     limits = on_tyres.study(p, [1.5, 3.0, 4.0, 6.0, 9.0], build).limits
     assert seen.seen.good["speed"][-1] == pytest.approx([at.speed for at in limits], abs=1e-6)
+
+
+def test_growth_is_shown_of_tyres_that_are_damped_at_rest():
+    """Their equations are not affine in the speed: found at some speeds, and looked up between."""
+    made = ridden(speed=5.0, tyres=TYRES | {"standing_damping": 0.5})
+    made.frame()
+    made.model.thread.join()
+    seen, build = made.frame().seen, made.model.straight
+    for v in (0.7, 5.0):
+        values = on_tyres.eigenvalues(lambda p, speed: made.model.system(p, 0.0, speed), P, [v])[0]
+        wanted = [values.real[np.abs(values.imag) > 1e-6].max(), values.real[np.abs(values.imag) <= 1e-6].max()]
+        assert build.growth(v) == pytest.approx(wanted, rel=1e-3, abs=1e-4)
+    assert seen.curves[3:5] == pytest.approx(build.growth(seen.values["speed"]))
+    (stable,) = seen.good["speed"]
+    limits = on_tyres.study(P, np.linspace(3.0, 9.0, 4), lambda p, speed: made.model.system(p, 0.0, speed)).limits
+    assert stable == pytest.approx([at.speed for at in limits], rel=1e-4)
 
 
 @pytest.mark.parametrize(

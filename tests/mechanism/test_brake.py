@@ -79,7 +79,7 @@ def test_a_bicycle_stands_on_a_slope_by_its_brake():
     system = whipple(Meijaard2007(), tyres=tyres)
     upright = Planar(GROUND, system.part("frame"), at=(0, 0, 0), normal=(0, 1, 0))
     brake = Brake(system.part("front hub", "joints"), torque=120.0, **LINING)
-    for forces, least, most in (((brake,), 0.0, STANDS), ((), 1.0, 20.0)):
+    for forces, least, most in (((brake,), 0.0, STANDS), ((), 1.0, 50.0)):
         on = replace(
             system, joints=[*system.joints, upright], forces=[*system.forces, *forces],
             gravity=(SLOPE * DOWN, 0.0, -DOWN), start=None,

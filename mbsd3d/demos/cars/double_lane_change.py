@@ -150,7 +150,7 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],
         "traces": ["chassis", "point"],

@@ -151,7 +151,7 @@ demo = Demo(
     theory=theory,
     measure=measure,
     ablation=Ablation("steering_back", "steered straight again only, it swings over by very little", {"back": 0.0}),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
         "traces": [],

@@ -117,7 +117,7 @@ demo = Demo(
         "tyres did not slip; bars at the rear still unload the inner driven wheel until it spins",
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
         "traces": [],

@@ -120,7 +120,7 @@ demo = Demo(
         "the car rolls less, by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
         "traces": [],
