@@ -4,14 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array, vstack
 
 from ..base.checks import number, shown
 from ..base.errors import AssemblyError, InputError
 from ..base.quaternions import conjugate, logarithm, multiply
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, pack, worst_joint
 from ..equations.compiled import Compiled, compile_system, initial_states
-from ..equations.jacobian import block_rows, displacement_units, scaled
+from ..equations.jacobian import block_rows, displacement_units
 from ..kernels.coordinates import coordinate, measure
 from ..kernels.kinematics import displace, kinematics
 from ..kernels.layout import Data
@@ -22,7 +21,7 @@ from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
-from .least_squares import least
+from .least_squares import shortest
 from .nearby_poses import nudged
 from .spanning_tree import loop_weights, swing
 from .velocities import with_velocities
@@ -63,18 +62,18 @@ def closed_or_error(compiled: Compiled, pose: State, tolerance: float) -> State:
 
 def constraint_extras(
     compiled: Compiled, data: Data, t: float, targets: list[tuple[int, float]], probes: list[float], y: np.ndarray
-) -> tuple[np.ndarray, csr_array]:
+) -> tuple[np.ndarray, np.ndarray]:
     """(residuals, Jacobian) of the asked-for coordinate values and measures at y."""
     model, n = compiled.model, compiled.model.body.size
-    residual, blocks = [], []
+    residual, more = [], []
     for i, value in targets:
         x, row = coordinate_row(compiled, data, i, t)
         residual.append(x - value)
-        blocks.append(csr_array(row[None]))
+        more.append(row)
     for i, value in enumerate(probes):
         residual.append(measure(model, data, i, t) - value)
-        blocks.append(csr_array(measure_gradient(compiled, data, t, i, y)[None]))
-    return np.array(residual), vstack(blocks, format="csr") if blocks else csr_array((0, 6 * n))
+        more.append(measure_gradient(compiled, data, t, i, y))
+    return np.array(residual), np.array(more).reshape(-1, 6 * n)
 
 
 def measure_gradient(compiled: Compiled, data: Data, t: float, i: int, y: np.ndarray) -> np.ndarray:
@@ -118,10 +117,8 @@ def newton(
             best, best_y = size, y.copy()
         if size < 1e-15 or stalled > (8 if best > 1e-12 else 1):
             break
-        J = scaled(block_rows(model, data).take(holonomic).sparse(), scale[holonomic], columns)
-        if J_extra.shape[0]:
-            J = vstack([J, scaled(J_extra, np.ones(J_extra.shape[0]), columns)], format="csr")
-        dx = columns * least(eye_array(columns.size), J, -c)
+        J = block_rows(model, data).take(holonomic)
+        dx = columns * shortest(J, scale[holonomic], J_extra, columns, -c)
         turn = np.abs(dx.reshape(-1, 6)[:, 3:]).max(initial=0.0)
         shift = np.abs(dx.reshape(-1, 6)[:, :3]).max(initial=0.0) / model.length
         dx *= min(1.0, 0.5 / max(turn, shift, 1e-300))  # stay on the branch: half a radian, half a length

@@ -9,11 +9,14 @@ with b - d p in the place of b take that away.
 """
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array
+import scipy.linalg
+from scipy.sparse import coo_array, csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
 from ..base.errors import AssemblyError
+from ..equations.jacobian import BlockRows, scaled
 
+FEW_BODIES = 20
 DAMPING = 1e-14  # between rounding (1e-16 times the growth of a factorisation) and the squares of small pivots
 
 
@@ -45,3 +48,20 @@ def least(D: csr_array, A: csr_array, b: np.ndarray, f: np.ndarray | None = None
     for _ in range(passes):
         x, p = np.split(factor.solve(np.concatenate([f, b - DAMPING * p])), [n])
     return x
+
+
+def shortest(J: BlockRows, rows: np.ndarray, more: np.ndarray, columns: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """x (n,) of least length that meets A x = b in the sense of least squares; A = J times ``rows``, ``more``.
+
+    Columns are times ``columns``, so that entries are of order one. Dense for few bodies: setting up sparse matrices
+    takes longer there than to solve.
+    """
+    if J.n < FEW_BODIES:
+        A = np.vstack([J.dense() * rows[:, None], more]) * columns
+        return (
+            scipy.linalg.lstsq(A, b, cond=DAMPING**0.5, lapack_driver="gelsy")[0] if b.size else np.zeros(columns.size)
+        )
+    A = scaled(J.sparse(), rows, columns)
+    if more.shape[0]:
+        A = vstack([A, csr_array(more * columns)], format="csr")
+    return least(eye_array(columns.size), A, b)

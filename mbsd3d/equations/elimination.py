@@ -14,7 +14,8 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_records
 from ..saddle.basis import choose_joint_rows
-from ..saddle.loops import PROXIMAL, UNKNOWN
+from ..saddle.independence import UNKNOWN
+from ..saddle.loops import PROXIMAL
 
 LIGHT = 1e-3  # of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 CLASSES = 8
@@ -193,13 +194,17 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
     first_column = np.array([first_column[b:e].min() for b, e in zip(begin, end, strict=True)], np.int64)
     width = np.arange(loops.size) - first_column + 1
     start_of_line = np.cumsum(width) - width - first_column
+    last_line = np.zeros(loops.size, np.int64)
+    np.maximum.at(last_line, first_column, np.arange(loops.size))
+    last_line = np.maximum.accumulate(last_line)
     slot, twin = slots_on(on[loops[entry_place]], bodies[owner])
     return {
         "link": np.empty(n), "link.body": bodies, "link.up": up, "link.rows": counts,
         "link.joint": np.cumsum(counts) - counts, "link.entry": starts[:-1], "link.entries": lengths,
         "link.alone": (counts == 0) & (lengths == 0) & (up < 0) & ~np.isin(np.arange(n), up),
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
-        "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.line": start_of_line,
+        "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.last": last_line,
+        "loop.line": start_of_line,
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
         "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
         "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),

@@ -14,6 +14,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.primitives import COORDINATES, Coordinate, Primitive
 from ..mechanism.signals import Signal
 
+SYMMETRIC = 1e-6  # of the largest moment: moments that differ by less are equal
+
 
 def key_of(x: Coordinate) -> tuple:
     """Two coordinates are the same when kind, bodies and geometry are."""
@@ -89,7 +91,24 @@ def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:
             continue
         out["inv_sqrt_inertia"][i] = (C / np.sqrt(moments)).T.ravel()
         out["inv_sqrt_mass"][i] = 1.0 / np.sqrt(body.mass)
+        out["symmetry"][i], out["axis"][i] = symmetry(moments, C, body.com * np.sqrt(body.mass))
     return out, singular
+
+
+def symmetry(moments: np.ndarray, C: np.ndarray, arm: np.ndarray) -> tuple[int, np.ndarray]:
+    """(kind, axis) in the table of bodies; ``arm``: centre of mass [m] times the root of the mass.
+
+    What is taken for symmetric decides on the length of steps only.
+    """
+    low, middle, high = moments
+    equal = SYMMETRIC * high
+    if middle - low < equal and high - middle < equal:
+        return (2, np.zeros(3)) if arm @ arm < equal else (1, arm / np.sqrt(arm @ arm))
+    if min(middle - low, high - middle) >= equal:
+        return 0, np.zeros(3)
+    axis = C[:, 2] if middle - low < equal else C[:, 0]
+    off = np.cross(arm, axis)
+    return (1, axis) if off @ off < equal else (0, np.zeros(3))
 
 
 def zero_directions(x: Coordinate) -> tuple[np.ndarray, np.ndarray]:

@@ -8,8 +8,9 @@ from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import check_choice, number
 from ..kernels.layout import Data, Model
+from .memory import Stages, Table, new_stages
 from .method import Method, check_max_step
-from .runge_kutta import Stages, Table, advance, new_stages
+from .runge_kutta import advance
 
 PATIENCE = 2e5  # steps times bodies, some three seconds: what a stiff run may still take before it is stopped
 

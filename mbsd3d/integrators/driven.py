@@ -108,7 +108,7 @@ def poses_to(m, run, t):
 def watch(m, d, s, run, t_new, h):
     """STOPPED, RUNNING or a failure: the run ends where the stop condition comes true before the trial pose."""
     if may_come_true(m, d, run, h, t_new):
-        hermite(run, h)
+        hermite(run, h, run.trial, run.dy, run.trial_rate)
         x = first_crossing(m, d, run, h, t_new)
         if x >= 0.0:
             status, t_stop = land(m, d, s, None, run, h, x * h, advance_to)

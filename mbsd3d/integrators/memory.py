@@ -1,4 +1,4 @@
-"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python."""
+"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python; of explicit methods."""
 
 from typing import NamedTuple
 
@@ -34,6 +34,7 @@ NOW = [
     ("evaluations", int),
     ("fresh", int),  # 1: the tree is new and nothing has been evaluated with it
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
+    ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("written", int),  # samples in the buffer
     ("next_output", int),  # index of the next output time
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
@@ -42,6 +43,7 @@ ROWS = [
     ("pivot", float),  # smallest pivot of the loop rows over the largest it has been, at the end of the last step
     ("ahead", float),  # s, from there to where it would vanish (Runge-Kutta methods)
     ("planned", float),  # s, length of a step before it was shortened to pass over that position; 0 = it was not
+    ("missed", float),  # error of the last step over that position that was rejected; 0 = none was
     ("worn", int),  # 1: rows of a joint have become dependent there: another tree is due
     ("lowest", float),  # the least at the end of any step
     ("least_pivot", float),  # the least of all stages of the step at hand
@@ -65,6 +67,7 @@ class Run(NamedTuple):
     trial_rate: np.ndarray  # (ny,) its rate
     work: np.ndarray  # (ny,) stage or sample state
     work_rate: np.ndarray  # (ny,)
+    spin: np.ndarray  # (n, 3) rad/s, of each body, body axes
     F: np.ndarray  # (terms, ny) dense output of the last step
     task: np.record  # TASK
     now: np.record  # NOW
@@ -75,11 +78,49 @@ class Run(NamedTuple):
     # power of the forces, largest |c| and |J v - b| over all rows
 
 
-def new_run(y: np.ndarray, times: np.ndarray, capacity: int, width: int, terms: int) -> Run:
+def new_run(y: np.ndarray, bodies: int, times: np.ndarray, capacity: int, width: int, terms: int) -> Run:
     """Memory for a start at y; the fields of its records are zero."""
     dy, trial, trial_rate, work, work_rate = np.zeros((5, y.size))
     return Run(
-        y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate, F=np.zeros((terms, y.size)),
+        y=y, dy=dy, trial=trial, trial_rate=trial_rate, work=work, work_rate=work_rate,
+        spin=np.zeros((bodies, 3)), F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), stiffness=single(STIFFNESS),
         times=times, out=np.zeros((capacity, width)),
     )  # fmt: skip
+
+
+@by_reference
+class Table(NamedTuple):
+    """Butcher table of an explicit method with n stages; the rate at the end of the step is stage n + 1."""
+
+    A: np.ndarray  # (n, n)
+    b: np.ndarray  # (n,)
+    c: np.ndarray  # (n,)
+    error: np.ndarray  # (2, n) weights of two error estimates; zero where steps are fixed
+    A_dense: np.ndarray  # (extra, n + 1 + extra) extra stages of the dense output
+    c_dense: np.ndarray  # (extra,)
+    D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
+    order: int
+
+    def widest_gap(self) -> tuple[float, float]:
+        """Two neighbours among the nodes c between which no stage lies."""
+        nodes = np.sort(self.c)
+        k = int(np.argmax(np.diff(nodes)))
+        return float(nodes[k]), float(nodes[k + 1])
+
+
+@by_reference
+class Stages(NamedTuple):
+    """The table and the method's own memory."""
+
+    table: Table
+    gap: tuple[float, float]  # between nodes of the stages, the widest
+    K: np.ndarray  # (n + 1 + extra, ny) stage rates
+    carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
+    trial_carry: np.ndarray  # (ny,) the same of trial
+
+
+def new_stages(table: Table, ny: int) -> Stages:
+    """Memory for states of ny numbers."""
+    stages = table.c.size + 1 + table.c_dense.size
+    return Stages(table, table.widest_gap(), np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))

@@ -6,6 +6,7 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
@@ -89,17 +90,17 @@ def evaluate_start(m, d, s, run):
 
 
 @inner_kernel
-def hermite(run, h):
-    """Coefficients F of the cubic through both ends of the step."""
+def hermite(run, h, end, rate, end_rate):
+    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
     for k in range(run.y.shape[0]):
-        step = run.trial[k] - run.y[k]
+        step = end[k] - run.y[k]
         run.F[0, k] = step
-        run.F[1, k] = h * run.dy[k] - step
-        run.F[2, k] = 2.0 * step - h * (run.trial_rate[k] + run.dy[k])
+        run.F[1, k] = h * rate[k] - step
+        run.F[2, k] = 2.0 * step - h * (end_rate[k] + rate[k])
 
 
 @inner_kernel
-def interpolate(run, x, y):
+def interpolate(m, run, h, x, y):
     """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
     clear(y)
     terms = run.F.shape[0]
@@ -109,6 +110,7 @@ def interpolate(run, x, y):
         for j in range(y.shape[0]):
             y[j] = (y[j] + f[j]) * weight
     add_scaled(y, 1.0, run.y)
+    spin_on(m, run, x * h, y)
 
 
 @inner_kernel
@@ -118,7 +120,7 @@ def samples_before(m, d, s, run, h, t_last):
         if run.now.written == run.out.shape[0] - 2:
             return FULL
         t = run.times[run.now.next_output]
-        interpolate(run, (t - run.now.t) / h, run.work)
+        interpolate(m, run, h, (t - run.now.t) / h, run.work)
         status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
@@ -156,7 +158,7 @@ def may_come_true(m, d, run, h, t_new):
 @inner_kernel
 def condition_inside(m, d, run, h, x):
     """The condition by dense output at the fraction x of the step."""
-    interpolate(run, x, run.work)
+    interpolate(m, run, h, x, run.work)
     return condition(m, d, run, run.now.t + x * h, run.work)
 
 
@@ -253,14 +255,14 @@ def halt(m, d, s, run, t):
 @inner_kernel
 def cubic(m, d, s, own, run, h):
     """The dense output of methods without one of their own: a cubic through both ends of the step and their rates."""
-    hermite(run, h)
+    hermite(run, h, run.trial, run.dy, run.trial_rate)
     return True
 
 
 @inner_kernel
 def along_cubic(m, d, s, own, run, t, x, h):
     """The trial state at t by that cubic, x after the start of the step, projected, with its rate."""
-    interpolate(run, x / h, run.trial)
+    interpolate(m, run, h, x / h, run.trial)
     status, result = project_and_evaluate(m, d, s, t, run.trial, run.trial_rate, FAR)
     run.now.evaluations += 1
     return RUNNING if status == PROJECTED and result == SOLVED and finite(run.trial_rate) else NO_SOLUTION

@@ -7,8 +7,9 @@ import numpy as np
 
 from ..base.checks import number
 from ..kernels.layout import Data, Model
+from .memory import Stages, Table, new_stages
 from .method import Method
-from .runge_kutta import Stages, Table, advance, new_stages
+from .runge_kutta import advance
 
 TABLE = Table(
     A=np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]]),

@@ -1,11 +1,9 @@
 """Explicit Runge-Kutta with projection: a method is its table plus its order; one time loop serves all of them."""
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate
-from ..kernels.by_reference import by_reference
+from ..dynamics.spinning import find_spins, kept, limit_turn, rate_without_spin, spin_on
+from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
@@ -15,6 +13,7 @@ from .outputs import evaluate_start, full, hermite, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
+    good_enough,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -24,49 +23,12 @@ from .step_control import (
     way_to_singular,
 )
 
-# What rounding makes of accelerations near a singular position: over the smallest pivot of a step, and at most.
-AMPLIFIED, MOST_AMPLIFIED = 3e-16, 1e-8
+# What rounding of a pose makes of accelerations near a singular position: over the smallest pivot of a step; at most.
+AMPLIFIED, MOST_AMPLIFIED = 0.3, 1e-8
 
 FAST = 3.4  # h |lambda| above which a motion passes unseen only below some hundred tolerances; stability ends at 6.1
 TEST_EVERY = 32  # steps are tested for stiffness; each one from the first suspicion until CALM tests in a row pass
 SUSPICIOUS, CALM = 15, 6
-
-
-@by_reference
-class Table(NamedTuple):
-    """Butcher table of an explicit method with n stages; the rate at the end of the step is stage n + 1."""
-
-    A: np.ndarray  # (n, n)
-    b: np.ndarray  # (n,)
-    c: np.ndarray  # (n,)
-    error: np.ndarray  # (2, n) weights of two error estimates; zero where steps are fixed
-    A_dense: np.ndarray  # (extra, n + 1 + extra) extra stages of the dense output
-    c_dense: np.ndarray  # (extra,)
-    D: np.ndarray  # (terms, n + 1 + extra) beyond the cubic Hermite terms
-    order: int
-
-    def widest_gap(self) -> tuple[float, float]:
-        """Two neighbours among the nodes c between which no stage lies."""
-        nodes = np.unique(self.c)
-        k = int(np.argmax(np.diff(nodes)))
-        return float(nodes[k]), float(nodes[k + 1])
-
-
-@by_reference
-class Stages(NamedTuple):
-    """The table and the method's own memory."""
-
-    table: Table
-    gap: tuple[float, float]  # between nodes of the stages, the widest
-    K: np.ndarray  # (n + 1 + extra, ny) stage rates
-    carry: np.ndarray  # (ny,) what rounding cut off y: unstable motions amplify it by up to 1e9
-    trial_carry: np.ndarray  # (ny,) the same of trial
-
-
-def new_stages(table: Table, ny: int) -> Stages:
-    """Memory for states of ny numbers."""
-    stages = table.c.size + 1 + table.c_dense.size
-    return Stages(table, table.widest_gap(), np.zeros((stages, ny)), np.zeros(ny), np.zeros(ny))
 
 
 @inner_kernel
@@ -79,12 +41,14 @@ def stages(m, d, s, own, run, h):
     """
     table, K, t = own.table, own.K, run.now.t
     copy(K[0], run.dy)
+    rate_without_spin(m, run, 0.0, run.y, K[0])
     run.rows.least_pivot = run.rows.pivot
     for i in range(1, table.c.shape[0]):
         copy(run.work, run.y)
         for j in range(i):
             if table.A[i, j] != 0.0:
                 add_scaled(run.work, h * table.A[i, j], K[j])
+        spin_on(m, run, table.c[i] * h, run.work)
         run.now.evaluations += 1
         if run.rows.on_manifold == 1:
             status, result = project_and_evaluate(m, d, s, t + table.c[i] * h, run.work, K[i], FAR)
@@ -92,6 +56,7 @@ def stages(m, d, s, own, run, h):
                 return False
         elif evaluate(m, d, s, t + table.c[i] * h, run.work, K[i]) != SOLVED:
             return False
+        rate_without_spin(m, run, table.c[i] * h, run.work, K[i])
         run.rows.least_pivot = min(run.rows.least_pivot, s.state.pivot)
     copy(run.work, own.carry)
     for j in range(table.b.shape[0]):
@@ -99,6 +64,8 @@ def stages(m, d, s, own, run, h):
     for k in range(run.y.shape[0]):  # compensated sum: what rounding cuts off is added in the next step
         run.trial[k] = run.y[k] + run.work[k]
         own.trial_carry[k] = run.work[k] - (run.trial[k] - run.y[k])
+    spin_on(m, run, h, run.trial)
+    spin_on(m, run, h, own.trial_carry)
     return True
 
 
@@ -121,8 +88,8 @@ def error_norm(m, own, run, h):
         return 0.0
     if not np.isfinite(e5 + e3):
         return np.inf
-    rounding = min(MOST_AMPLIFIED, AMPLIFIED / run.rows.least_pivot)
-    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, rounding)
+    unknown = min(MOST_AMPLIFIED, AMPLIFIED * rounding(m, run.y) / run.rows.least_pivot)
+    return e5 / np.sqrt(e5 + 0.01 * e3) / max(LOCAL * run.task.rtol, unknown)
 
 
 @inner_kernel
@@ -130,17 +97,22 @@ def dense(m, d, s, own, run, h):
     """Coefficients F of the dense output: cubic Hermite through the projected ends, plus the method's own terms."""
     table, K = own.table, own.K
     n = table.c.shape[0]
-    hermite(run, h)
+    copy(run.work, run.trial)
+    spin_on(m, run, -h, run.work)
     copy(K[n], run.trial_rate)
+    rate_without_spin(m, run, h, run.trial, K[n])
+    hermite(run, h, run.work, K[0], K[n])
     for i in range(table.c_dense.shape[0]):
         stage = n + 1 + i
         copy(run.work, run.y)
         for j in range(stage):
             if table.A_dense[i, j] != 0.0:
                 add_scaled(run.work, h * table.A_dense[i, j], K[j])
+        spin_on(m, run, table.c_dense[i] * h, run.work)
         run.now.evaluations += 1
         if evaluate(m, d, s, run.now.t + table.c_dense[i] * h, run.work, K[stage]) != SOLVED:
             return False
+        rate_without_spin(m, run, table.c_dense[i] * h, run.work, K[stage])
     for i in range(table.D.shape[0]):
         clear(run.F[3 + i])
         for j in range(table.D.shape[1]):
@@ -177,17 +149,22 @@ def retry(run, step):
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
+    follows = not fixed and run.task.condition < 0  # a condition may come true several times in a turn
     while True:
         run.rows.planned = 0.0
+        if follows:
+            limit_turn(m, run)
         if nearly_singular(run) and not fixed:
             pass_over_singular(run, own.gap, own.table.c[1])
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return STEP_TOO_SMALL, t_new, h, 0.0
+        if follows:
+            find_spins(m, run, h)
         solved = stages(m, d, s, own, run, h)
         error = error_norm(m, own, run, h) if solved and not fixed else 0.0
         judged = solved and np.isfinite(error)
-        if not (solved and error <= 1.0):
+        if not (judged and good_enough(run, h, error)):
             if fixed:
                 return NO_SOLUTION, t_new, h, error
             if nearly_singular(run) and run.rows.on_manifold == 0:
@@ -199,7 +176,10 @@ def attempt(m, d, s, own, run):
         status, result = project_and_evaluate(m, d, s, t_new, run.trial, run.trial_rate, NEAR - run.rows.on_manifold)
         run.now.evaluations += 1
         if status == PROJECTED and result == SOLVED and finite(run.trial_rate) and finite(run.trial):
-            return RUNNING, t_new, h, error
+            if kept(m, run, h):
+                return RUNNING, t_new, h, error
+            retry(run, 0.5 * h)
+            continue
         if fixed:
             return NOT_CLOSING if status != PROJECTED else NO_SOLUTION, t_new, h, error
         retry(run, 0.2 * h)
@@ -216,6 +196,8 @@ def accept(own, run, t_new, h, error):
     if run.task.steps == 0:
         run.now.step = max(h * step_factor(own.table, error, 1.0 if run.now.retried == 1 else 10.0), run.rows.planned)
     run.now.retried = 0
+    if not nearly_singular(run):
+        run.rows.missed = 0.0
 
 
 @inner_kernel
@@ -227,6 +209,7 @@ def fastest_rate(m, own, run, h):
         add_scaled(run.work, h * (table.b[j] - table.A[n - 1, j]), own.K[j])
     apart = state_error(m, run)
     copy(run.work, run.dy)
+    rate_without_spin(m, run, h, run.y, run.work)
     add_scaled(run.work, -1.0, own.K[n - 1])
     return h * np.sqrt(state_error(m, run) / apart) if apart > 0.0 else 0.0
 

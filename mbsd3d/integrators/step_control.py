@@ -5,12 +5,13 @@ import numpy as np
 from ..dynamics.state_rates import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
-from ..saddle.loops import note_independence
+from ..saddle.independence import note_independence
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
 LOCAL = 0.1  # of rtol is what a single step may err, since errors add up over a run
 
 NEARLY_SINGULAR = 0.1  # share of the largest it has been to which a pivot of the loop rows has fallen
+BETTERED, LOST = 0.25, 1e3  # what a shorter step leaves of an error, unless rounding is its cause; more is no step
 
 
 @inner_kernel
@@ -107,6 +108,19 @@ def pass_over_singular(run, gap, first):
         return
     run.now.step = ahead / middle if ahead < middle * step else ahead - middle * step
     run.rows.planned = step
+
+
+@inner_kernel
+def good_enough(run, h, error):
+    """True for a step within the tolerance, or over a singular position where shorter ones gain nothing.
+
+    Their stages lie nearer to it, so rounding counts for more: by shortening on and on the run would end there.
+    """
+    if error <= 1.0 or run.rows.on_manifold == 0 or run.rows.ahead >= h:
+        return error <= 1.0
+    before = run.rows.missed
+    run.rows.missed = error
+    return before > 0.0 and BETTERED * before < error < LOST
 
 
 @inner_kernel

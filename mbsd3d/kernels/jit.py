@@ -66,6 +66,7 @@ def is_warm(part: str = "kernels") -> bool:
     return bool(numba.config.DISABLE_JIT) or marker(part).exists()
 
 
+@cache
 def mark_warm(part: str = "kernels") -> None:
     """Note on disk that a part has been compiled."""
     if not is_warm(part):

@@ -22,6 +22,8 @@ BODY = [
     ("com", float, 3),  # m, r_G from the reference point O, body axes
     ("inertia", float, 9),  # kg m^2, about the centre of mass, body axes
     ("inv_sqrt_inertia", float, 9),  # I_p^(-1/2) C', C the principal axes: its W'W = I_G^-1, body axes
+    ("symmetry", int),  # 1: two equal moments, and the reference point on the axis of the third; 2: three; else 0
+    ("axis", float, 3),  # that axis, body axes
 ]
 PRIMITIVE = [
     ("kind", int),  # one of the constants of kinds.py
@@ -238,6 +240,7 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("row", int),
             ("end", int),  # one past its group: rows between the same bodies, of which the largest pivots come first
             ("first", int),  # first stored column of its line of S, the same for a group
+            ("last", int),  # last line of S that has a column of its number
             ("line", int),  # start of the line
             ("mu", float),  # what is added to the diagonal
             ("at", int),  # the loop row that stands here in the factor

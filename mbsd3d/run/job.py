@@ -80,7 +80,9 @@ class Job:
         widths = (1, y.size, 6 * n, m.row.size, m.coordinate.size, m.force.size, m.force.size, 2)
         capacity = buffer_size(CAPACITY if times is None else times.size + 1, sum(widths)) + 2
         self.samples = Samples(widths, capacity if times is None else times.size + 1)
-        run = new_run(y, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms)
+        run = new_run(
+            y, self.model.body.size, np.zeros(0) if times is None else times, capacity, sum(widths), method.dense_terms
+        )
         task, now = run.task, run.now
         task.t_start, task.t_end, task.rtol, task.tolerance = t, t_end, rtol, max(self.tolerance, 1e-9)
         task.steps = 0 if method.dt is None else max(int(np.ceil((t_end - t) / method.dt - 1e-9)), 1)

@@ -11,21 +11,17 @@ import numpy as np
 
 from ..kernels.jit import fused_kernel, inner_kernel
 from ..kernels.vectors import add_scaled, clear, copy
+from .independence import FELT, UNKNOWN, independence, note_independence
 
 PROXIMAL = (
     1e-8  # times the compliance of the heaviest body of the loop, mu: J's singular values below its root are let go
 )
 WEAK = 1e-2  # pivots below this share of the largest that they have been: the right side is filtered
 UNFELT = 1e-4  # times mu: diagonals below it belong to rows that nothing in the tree yields to, as out of a plane
-# The following are times mu, as `pivot` and `most` of a row are.
-FELT = 1e4  # pivots that have never been above it belong to rows that repeat others
-SOFT = 1e7  # pivots below it may need more than one sweep, which leaves (mu / pivot)^2,
-REPEATS = 1e-3  # unless S does not resist along the row either: the row repeats others
 SWEEPS, MORE_SWEEPS = 1, 40  # as a rule; at most, near a singular position or where rows are soft
 SETTLED = 1e-15  # of the right side: change of the residual that ends the sweeps
 GRADED = 1e6  # largest diagonal over least pivot: S alone has too few digits then,
-REGULAR = 1e7  # pivots below it are judged as if they were this
-UNKNOWN = -1  # softness before the first state
+REGULAR = 1e7  # times mu: pivots below it are judged as if they were this
 FLOOR = 1e-14  # of the diagonal: what rounding leaves of a pivot
 
 
@@ -43,37 +39,6 @@ def assemble_loops(s):
                 share = s.entry[e].e[k] * link.inverse[k]
                 for f in range(first, e + 1):
                     S[line + s.entry[f].place] += share * s.entry[f].e[k]
-
-
-@inner_kernel
-def fallen(row, classes):
-    """(class, share): how far a pivot has fallen, as a share of its largest so far and as a power of two."""
-    share = row.pivot / max(row.most, row.pivot)
-    return min(int(-np.log2(share)) if share > 0.0 else classes, classes - 1), share
-
-
-@inner_kernel
-def independence(s):
-    """How far the least of the independent rows has fallen: the share of its largest pivot so far.
-
-    Which rows come out as independent changes along the motion, how many does not: all but that many may have no pivot.
-    """
-    shares, loop = s.shares, s.loop
-    clear(shares)
-    for i in range(loop.shape[0]):
-        if max(loop[i].most, loop[i].pivot) > FELT:
-            shares[fallen(loop[i], shares.shape[0])[0]] += 1
-    left, last = s.state.rank, -1
-    while left > 0 and last < shares.shape[0] - 1:
-        last += 1
-        left -= shares[last]
-    least = 1.0
-    for i in range(loop.shape[0]):
-        if max(loop[i].most, loop[i].pivot) > FELT:
-            k, share = fallen(loop[i], shares.shape[0])
-            if k <= last:
-                least = min(least, share)
-    return least if left <= 0 else 0.5 ** shares.shape[0]
 
 
 @fused_kernel
@@ -174,39 +139,6 @@ def substitute(s, x):
         x[row.at] = value
         for k in range(row.first, i):
             x[loop[k].at] -= L[row.line + k] * value
-
-
-@inner_kernel
-def resists(s, i):
-    """Whether row i, with a pivot near mu, still does: elsewhere than at c = 0 those that repeat others do too.
-
-    z = (S + mu)^-1 e is nearly the direction along which S resists least: z'Sz / z'mu z = z'e / z'mu z - 1.
-    """
-    z, L, row = s.vector[3], s.skyline[1], s.loop[i]
-    place, mu = row.line + i, s.loop[row.at].mu
-    kept = L[place]
-    L[place] = 1.0 / np.sqrt(row.pivot * mu)  # also where it is left out
-    clear(z)
-    z[row.at] = 1.0
-    substitute(s, z)
-    L[place] = kept
-    held = 0.0
-    for k in range(z.shape[0]):
-        held += s.loop[k].mu * z[k].real * z[k].real
-    return z[row.at].real > (1.0 + REPEATS) * held
-
-
-@inner_kernel
-def note_independence(s):
-    """What the factor at a state with c = 0 says of the rows."""
-    s.state.soft, independent = 0, 0
-    for i in range(s.loop.shape[0]):
-        row = s.loop[i]
-        row.most = max(row.most, row.pivot)
-        independent += row.pivot > FELT
-        if 0.0 < row.pivot < SOFT and resists(s, i):
-            s.state.soft = 1
-    s.state.rank = max(s.state.rank, independent)
 
 
 @inner_kernel

@@ -1,0 +1,123 @@
+"""Coordinates in which bodies with an axis of symmetry do not spin: their steps are as long as their axes allow.
+
+Over one step, with the spin Omega that a body has about its axis at the start of it and tau the time since:
+
+    e = e' o exp(Omega tau / 2)                      e_dot' = (e_dot - e o Omega / 2) o exp(-Omega tau / 2)
+    w = R(-Omega tau) w'    (body axes)              w_dot' = R(Omega tau) (w_dot + Omega x w)
+
+This holds for any Omega. What it takes out is what a wheel or a top only turns by.
+"""
+
+import numpy as np
+
+from ..kernels.jit import inner_kernel, kernel
+from ..kernels.vectors import add, cross, dot, scale, sub, vec
+
+NOTICED = 0.1  # rad: bodies that turn less in a step are left as they are
+SMALL = 1e-4  # of the spin squared: an acceleration that does not count
+FARTHEST = 40.0  # rad in a step
+OTHERWISE = 2.0  # rad by which it may differ from that spin: hinge angles are counted by it
+
+
+@inner_kernel
+def spin_of(fixed, y, u):
+    """Angular velocity about the axis of symmetry, body axes; all of it for bodies without a preferred axis."""
+    w = (y[u + 3], y[u + 4], y[u + 5])
+    return w if fixed.symmetry == 2 else scale(dot(w, vec(fixed.axis)), vec(fixed.axis))
+
+
+@inner_kernel
+def limit_turn(m, run):
+    """Shorten the step to be tried so that no body turns too far in it."""
+    n = m.body.shape[0]
+    for i in range(n):
+        if m.body[i].symmetry > 0:
+            spin = spin_of(m.body[i], run.y, 7 * n + 6 * i)
+            run.now.step = min(run.now.step, FARTHEST / max(np.sqrt(dot(spin, spin)), 1e-300))
+
+
+@inner_kernel
+def steadier_without(fixed, y, dy, u, spin):
+    """True where the angular velocity across the axis changes less when the spin is taken out.
+
+    It does for a wheel, for steady precession, and for free bodies that are longer than wide; nutation of a flat one
+    is slower in body axes.
+    """
+    across = sub((y[u + 3], y[u + 4], y[u + 5]), spin)
+    rate = (dy[u + 3], dy[u + 4], dy[u + 5])
+    rate = sub(rate, scale(dot(rate, vec(fixed.axis)), vec(fixed.axis)))
+    without = add(rate, cross(spin, across))
+    return dot(without, without) ** 0.5 <= dot(rate, rate) ** 0.5 + SMALL * dot(spin, spin)
+
+
+@inner_kernel
+def find_spins(m, run, h):
+    """The spins that are taken out of the step h from run.y on."""
+    n = m.body.shape[0]
+    run.now.spinning = 0
+    for i in range(n):
+        if m.body[i].symmetry > 0:
+            u = 7 * n + 6 * i
+            spin = spin_of(m.body[i], run.y, u)
+            out = dot(spin, spin) * h * h > NOTICED**2 and steadier_without(m.body[i], run.y, run.dy, u, spin)
+            run.now.spinning += out
+            for j in range(3):
+                run.spin[i, j] = spin[j] if out else 0.0
+
+
+@inner_kernel
+def kept(m, run, h):
+    """True unless a spin has changed so much in the step h that hinge angles would be miscounted."""
+    n = m.body.shape[0]
+    for i in range(n if run.now.spinning > 0 else 0):
+        spin = vec(run.spin[i])
+        if spin != (0.0, 0.0, 0.0):
+            now = spin_of(m.body[i], run.trial, 7 * n + 6 * i)
+            change = sub(now, spin)
+            if not dot(change, change) * h * h <= OTHERWISE**2:
+                return False
+    return True
+
+
+@inner_kernel
+def turn_body(x, q, u, spin, tau):
+    """e := e o exp(spin tau / 2), w := R(-spin tau) w in x, whose pose starts at q and velocities at u."""
+    rate = np.sqrt(dot(spin, spin))
+    n, c, s = scale(1.0 / rate, spin), np.cos(0.5 * rate * tau), np.sin(0.5 * rate * tau)
+    e0, e = x[q + 3], (x[q + 4], x[q + 5], x[q + 6])
+    turned = add(add(scale(c, e), scale(s * e0, n)), scale(s, cross(e, n)))
+    x[q + 3] = c * e0 - s * dot(e, n)
+    w = (x[u + 3], x[u + 4], x[u + 5])
+    cosine, sine = c * c - s * s, 2.0 * s * c
+    back = add(add(scale(cosine, w), scale(-sine, cross(n, w))), scale((1.0 - cosine) * dot(n, w), n))
+    for j in range(3):
+        x[q + 4 + j] = turned[j]
+        x[u + 3 + j] = back[j]
+
+
+@kernel
+def spin_on(m, run, tau, x):
+    """x' -> x, a state or a small part of one, tau after the start of the step; -tau: x -> x'."""
+    n = m.body.shape[0]
+    for i in range(n if run.now.spinning > 0 else 0):
+        spin = vec(run.spin[i])
+        if spin != (0.0, 0.0, 0.0):
+            turn_body(x, 7 * i, 7 * n + 6 * i, spin, tau)
+
+
+@kernel
+def rate_without_spin(m, run, tau, y, dy):
+    """dy -> dy' at the state y, tau after the start of the step."""
+    n = m.body.shape[0]
+    for i in range(n if run.now.spinning > 0 else 0):
+        spin = vec(run.spin[i])
+        if spin != (0.0, 0.0, 0.0):
+            q, u = 7 * i, 7 * n + 6 * i
+            e0, e = y[q + 3], (y[q + 4], y[q + 5], y[q + 6])
+            own = add(scale(e0, spin), cross(e, spin))
+            gained = cross(spin, (y[u + 3], y[u + 4], y[u + 5]))
+            dy[q + 3] += 0.5 * dot(e, spin)
+            for j in range(3):
+                dy[q + 4 + j] -= 0.5 * own[j]
+                dy[u + 3 + j] += gained[j]
+            turn_body(dy, q, u, spin, -tau)

@@ -1,0 +1,139 @@
+"""Bodies with an axis of symmetry: their spin is taken out of a step, and nothing else changes."""
+
+import numpy as np
+import pytest
+from closed_forms.rotations import free_symmetric_body
+
+from mbsd3d import (
+    DOP853,
+    GROUND,
+    Body,
+    Revolute,
+    Spherical,
+    SpringDamper,
+    System,
+    Torque,
+    TorsionSpring,
+    measures,
+    rotation,
+    simulate,
+)
+from mbsd3d.base.rotations import matrix
+from mbsd3d.dynamics.spinning import rate_without_spin, spin_on
+from mbsd3d.equations.compiled import compile_system
+from mbsd3d.integrators.memory import new_run
+
+AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
+ALONG = rotation(np.cross([0, 0, 1], AXIS), np.arccos(AXIS[2]))
+ROUND = matrix(ALONG) @ np.diag([0.03, 0.03, 0.05]) @ matrix(ALONG).T  # about AXIS in the body
+
+
+def top(spin, **changes):
+    """A top with its axis askew in its body, on a point; so fast that its weight matters little in a turn."""
+    about = {"mass": 1.3, "inertia": ROUND, "com": 0.2 * AXIS, "orientation": rotation((0.3, 1, -0.4), 0.7)} | changes
+    R = matrix(about["orientation"])
+    body = Body("top", position=(0.1, -0.2, 0.4), omega=R @ (spin * AXIS) + (0.3, -0.2, 0.9), **about)
+    return System([body], [Spherical(GROUND, body, at=(0.1, -0.2, 0.4))], gravity=(0.4, -0.3, -9.7))
+
+
+def as_before(spin):
+    """Steps in which no body turns far enough to be noticed."""
+    return DOP853(max_step=0.09 / spin)
+
+
+def differ(a, b, body):
+    """Largest difference of rotation matrices, and of angular velocities over their size."""
+    apart = np.abs(a.rotation(body) - b.rotation(body)).max()
+    return max(apart, np.abs(a.omega(body) - b.omega(body)).max() / np.abs(a.omega(body)).max())
+
+
+def test_rates_are_those_of_the_coordinates_without_spin():
+    body = top(7.0).bodies[0]
+    model = compile_system(System([body])).model
+    rng = np.random.default_rng(3)
+    run = new_run(np.zeros(13), 1, np.zeros(0), 4, 4, 1)
+    run.spin[0], run.now["spinning"] = (0.7, -1.9, 3.1), 1
+    y0, y1, y2 = rng.normal(size=(3, 13))
+
+    def seen(tau):
+        y = y0 + tau * y1 + tau**2 * y2
+        spin_on(model, run, -tau, y)
+        return y
+
+    tau, h = 0.8, 1e-5
+    y, dy = y0 + tau * y1 + tau**2 * y2, y1 + 2 * tau * y2
+    rate_without_spin(model, run, tau, y, dy)
+    np.testing.assert_allclose(dy, (seen(tau + h) - seen(tau - h)) / (2 * h), atol=1e-8)  # h^2 times third derivatives
+    back = seen(tau)
+    spin_on(model, run, tau, back)
+    np.testing.assert_allclose(back, y, atol=1e-14)
+    R = [matrix(x[3:7]) for x in (y, seen(tau))]
+    turn = rotation(run.spin[0], tau * np.linalg.norm(run.spin[0]))
+    np.testing.assert_allclose(R[1] @ matrix(turn), R[0], atol=1e-14)  # e = e' o turn
+
+
+def test_a_fast_top_moves_as_it_does_by_small_steps():
+    run = simulate(top(240.0), 2.0, output=201, rtol=1e-10)
+    known = simulate(top(240.0), 2.0, output=201, rtol=1e-10, method=as_before(240.0))
+    assert run.certificate.passed
+    assert differ(run, known, "top") < 1e-8  # both err by some hundred tolerances after 76 turns
+
+
+@pytest.mark.parametrize(
+    ("moments", "most"),
+    [((0.03, 0.03, 0.05), 900), ((0.05, 0.05, 0.02), 500), ((0.04, 0.04, 0.04), 60)],
+)  # with its spin: 840 steps each; nutation of the flat body is slower with it, of the long one without
+def test_a_free_body_is_that_of_the_closed_form_between_its_steps_too(moments, most):
+    R = matrix(rotation((1, 2, -1), 1.1))
+    w = np.array([0.5, -0.4, 90.0])
+    body = Body("disc", 2.0, moments, position=(1, 2, 3), orientation=rotation((1, 2, -1), 1.1), velocity=(1, -2, 0.5),
+                omega=R @ w)  # fmt: skip
+    run = simulate(System([body]), 3.0, output=97, rtol=1e-11)
+    known = free_symmetric_body(run.t, moments[0], moments[2], w, body.orientation)
+    assert np.abs(run.rotation(body) - known.rotation).max() < 1e-8  # 43 turns, 1e3 rtol
+    assert run.certificate.steps < most
+
+
+def wheel(load):
+    """A wheel on an axle that is askew, driven against a load; (system, its hinge)."""
+    body = Body("wheel", 4.0, ROUND, com=0.15 * AXIS, position=(0.2, 0.1, -0.3), orientation=ALONG, omega=None)
+    axis = matrix(body.orientation) @ AXIS
+    hinge = Revolute(GROUND, body, at=body.position, axis=axis, name="axle")
+    return System([body], [hinge], load(hinge, axis)), hinge
+
+
+def test_turns_of_a_wheel_that_gathers_speed_are_counted():
+    system, hinge = wheel(lambda hinge, axis: [Torque(hinge.b, 5.0 * axis)])
+    run = simulate(system, 8.0, output=[0.0, 0.3, 2.9, 5.0, 8.0])
+    assert run.angle(hinge) == pytest.approx(0.5 * 5.0 / 0.05 * run.t**2, rel=1e-9)  # 509 turns
+    braked, hinge = wheel(
+        lambda hinge, axis: [Torque(hinge.b, 5.0 * axis), TorsionSpring(hinge, stiffness=0.0, damping=0.04)]
+    )
+    run = simulate(braked, 6.0, output=7)
+    k = 0.04 / 0.05
+    known = 5.0 / 0.04 * (run.t - (1.0 - np.exp(-k * run.t)) / k)
+    assert run.angle(hinge) == pytest.approx(known, rel=1e-8)
+
+
+def test_loads_that_change_within_a_turn_keep_their_steps():
+    """A spring on the rim of a fast wheel: its energy says where the rim is."""
+
+    def load(hinge, axis):
+        body = hinge.b
+        rim = body.position + 0.1 * np.cross(axis, (1, 0, 0)) / np.linalg.norm(np.cross(axis, (1, 0, 0)))
+        return [SpringDamper(GROUND, body, at_a=(1, 1, 1), at_b=rim, stiffness=800.0, length=0.5)]
+
+    system, hinge = wheel(load)
+    start = system.assemble(rates={hinge: 70.0})
+    run = simulate(system, 1.0, state=start, output=301, rtol=1e-9)
+    known = simulate(system, 1.0, state=start, output=301, rtol=1e-9, method=as_before(70.0))
+    assert run.certificate.passed
+    assert differ(run, known, "wheel") < 1e-6
+    assert run.certificate.steps > 50
+
+
+def test_a_condition_on_the_rim_comes_true_in_the_first_turn():
+    system, hinge = wheel(lambda hinge, axis: [])
+    start = system.assemble(rates={hinge: 50.0})
+    run = simulate(system, 5.0, state=start, stop_when=measures.angle(hinge) > 1.0)
+    assert run.t[-1] == pytest.approx(0.02, rel=1e-9)
