@@ -51,7 +51,7 @@ test-perturbed: $(READY)
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures
 	$(BIN)/python docs/make_joint_pictures.py docs/pictures/joints
-	$(BIN)/python docs/make_lesson_pictures.py
+	$(BIN)/python docs/make_page_pictures.py
 	$(BIN)/python docs/make_notebooks.py
 
 # The lessons of docs/teaching as notebooks.

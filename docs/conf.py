@@ -15,7 +15,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.intersphinx", "nu
 exclude_patterns = ["notebooks"]
 html_theme = "furo"
 html_title = f"mbsd3d {release}"
-html_static_path, html_css_files = ["_static"], ["site.css"]
+html_static_path, html_css_files, html_js_files = ["_static"], ["site.css"], ["search.js"]
 html_show_sourcelink = False
 html_theme_options = {"navigation_with_keys": True}
 pygments_style, pygments_dark_style = "friendly", "github-dark"
@@ -30,6 +30,7 @@ numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
 numpydoc_xref_aliases = {name: f"mbsd3d.{name}" for name in public if name[0].isupper()}
 numpydoc_xref_aliases |= {"array_like": ":term:`array_like`", "bool": ":class:`bool`", "Path": "pathlib.Path"}
+numpydoc_xref_aliases |= {"None": "``None``", "callable": ":term:`callable`", "True": "``True``", "False": "``False``"}
 numpydoc_xref_ignore = "all"  # but these
 
 OTHERS = [line.split() for line in Path(__file__).with_name("inventories.txt").read_text("utf-8").splitlines()[2:]]

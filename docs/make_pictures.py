@@ -1,23 +1,30 @@
-"""Makes the pictures of the README: ``python docs/make_pictures.py docs/pictures`` (or ``make pictures``)."""
+"""Makes the pictures of README and gallery: ``python docs/make_pictures.py docs/pictures`` (or ``make pictures``)."""
 
 import io
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from mbsd3d import Body, Solution, System, simulate
+from mbsd3d import Body, Solution, System, demos, simulate
 from mbsd3d.base import inertia
 from mbsd3d.base.paths import write_atomically
 from mbsd3d.base.style import COLOURS
+from mbsd3d.demos import gallery
 from mbsd3d.demos.shafts import cardan
 from mbsd3d.demos.tops import heavy_top
 from mbsd3d.mechanism.shapes import Cylinder
 from mbsd3d.view.scene.drawing import NAMES
 
 BARE = (*NAMES, "ground grid")
+SHOWN = (  # of the gallery, one or two of a family
+    "gimbal_walk", "falling_cat", "tippe_top", "wrist_singularity", "kaleidocycle", "stewart",
+    "swash_plate", "hypoid", "roller_cam", "double_wishbone", "parking", "no_hands",
+)  # fmt: skip
 
 
 def t_handle() -> Solution:
@@ -32,15 +39,36 @@ def t_handle() -> Solution:
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as PNG with 256 colours: a third of the bytes, and no difference to be seen."""
-    raw, small = io.BytesIO(), io.BytesIO()
+    """A figure as PNG."""
+    raw = io.BytesIO()
     figure.savefig(raw, format="png", dpi=130, facecolor=figure.get_facecolor())
-    Image.open(raw).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    return few_colours(Image.open(raw))
+
+
+def few_colours(image: Image.Image) -> bytes:
+    """An image as PNG with 256 colours: a third of the bytes, and no difference to be seen."""
+    small = io.BytesIO()
+    image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     return small.getvalue()
 
 
+def sheet(names: Sequence[str], columns: int) -> bytes:
+    """The small pictures of some demos of the gallery, side by side."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "demo.png"
+        tiles = []
+        for name in names:
+            gallery.picture(demos.run(name), path)
+            tiles.append(Image.open(path).convert("RGB"))
+    width, height = tiles[0].width, min(tile.height for tile in tiles)
+    whole = Image.new("RGB", (columns * width, -(-len(tiles) // columns) * height), tiles[0].getpixel((0, 0)))
+    for k, tile in enumerate(tiles):
+        whole.paste(tile, (k % columns * width, k // columns * height))
+    return few_colours(whole)
+
+
 def make(folder: Path) -> list[Path]:
-    """Write the three pictures into a folder that exists."""
+    """Write the pictures of the README into a folder that exists."""
     flip = np.linspace(0.6, 2.76, 10)
     handle, top = t_handle(), simulate(heavy_top.mechanism(), 1.53, output=601)
     joint = cardan.one_turn(cardan.mechanism(bend_deg=40.0), 10.0)
@@ -55,5 +83,12 @@ def make(folder: Path) -> list[Path]:
     ]
 
 
+def make_sheets(folder: Path) -> None:
+    """Write the pictures of demos into a folder that exists."""
+    write_atomically(folder / "gallery.png", sheet(SHOWN, 4))
+    write_atomically(folder / "cam.png", sheet(["roller_cam"], 1))
+
+
 if __name__ == "__main__":
     make(Path(sys.argv[1]))
+    make_sheets(Path(sys.argv[1]))

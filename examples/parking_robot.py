@@ -5,7 +5,7 @@ Prints::
     it turns up to 17.30 degrees and ends 66.1 mm aside
     speed 0.274 m/s at most, 0.014 at the end; slip below 1e-12: True
     the wheels hold up to 4.03 N
-    way by its wheels and place differ by less than 0.1 mm: True
+    distance by its wheels and place differ by less than 0.1 mm: True
 """
 
 import numpy as np
@@ -37,4 +37,6 @@ print(
 print(f"speed {speed.max():.3f} m/s at most, {speed[-1]:.3f} at the end; slip below 1e-12: {aside.max() < 1e-12}")
 print(f"the wheels hold up to {np.abs(run.reaction(wheels).force).max():.2f} N")
 way = np.trapezoid(speed[:, None] * ahead, run.t, axis=0)
-print(f"way by its wheels and place differ by less than 0.1 mm: {np.abs(way - run.position(robot)[-1]).max() < 1e-4}")
+print(
+    f"distance by its wheels and place differ by less than 0.1 mm: {np.abs(way - run.position(robot)[-1]).max() < 1e-4}"
+)

@@ -19,7 +19,7 @@ STACK = (
 )  # fmt: skip
 PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")
-FACADES = ("validation", "validation.crosscheck.result", "mbsd3d.__main__")
+FACADES = ("validation.crosscheck.result", "mbsd3d.__main__")
 LINES, FILES = 300, 14
 
 

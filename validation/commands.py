@@ -50,7 +50,7 @@ BUDGETS = {True: 0.2, False: 2.0}  # s of an engine for a case: of the short lis
 @click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")
 @click.option("--out", help="Cases: folder for the report, made if missing.  [default: out/validation]")
 def validate(model: str | None, **options: Any) -> None:
-    """Compare MODEL with MuJoCo and Exudyn, or without one: every case.
+    """Compare MODEL, or every reference case, with MuJoCo and Exudyn.
 
     MODEL is a model file (.json, .toml), a model of MuJoCo (.xml) or ROS (.urdf), or a Python file with build(), which
     returns a System. Mass matrix, accelerations, motion, energies, momenta and reactions are compared, each engine at

@@ -78,7 +78,7 @@ def tyre_flags(function: Callable[..., None]) -> Callable[..., None]:
     )  # fmt: skip
     several = click.option(
         "--tyre", "changed", multiple=True, metavar="KEY=VALUE",
-        help="A number of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; several times. Includes --tyres.",
+        help="A parameter of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; repeatable. Implies --tyres.",
     )  # fmt: skip
     usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
     return usual(several(soft(function)))

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @bicycle_argument
 @click.option(
     "--deviation", "given", multiple=True, metavar="SYMBOL=VALUE",
-    help="Standard deviation in SI units, e.g. c=0.005; several times. Default: those of the set or file.",
+    help="Standard deviation in SI units, e.g. c=0.005; repeatable. Default: those of the set or file.",
 )  # fmt: skip
 @click.option(
     "--samples", type=click.IntRange(2, 100_000), default=10_000, show_default=True, help="Of the distribution."
@@ -184,9 +184,7 @@ def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], d
 
 @click.command()
 @bicycle_argument
-@click.option(
-    "--speed", "speeds", type=float, multiple=True, help="Speed [m/s]; may be given several times. Default: 3, 5 and 8."
-)
+@click.option("--speed", "speeds", type=float, multiple=True, help="Speed [m/s]; repeatable. Default: 3, 5 and 8.")
 @click.option("--from", "low", type=float, default=0.1, show_default=True, help="Lowest frequency [rad/s].")
 @click.option("--to", "high", type=float, default=100.0, show_default=True, help="Highest frequency [rad/s].")
 @click.option("--count", type=click.IntRange(2, 100_000), default=301, show_default=True, help="Number of frequencies.")

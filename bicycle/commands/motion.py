@@ -27,10 +27,10 @@ RATE, MOST = 100, 20_000
     "--manoeuvre", type=click.Choice([*MANOEUVRES]), default="push", show_default=True, help="What happens; see --list."
 )
 @click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
-@click.option("--speed", type=float, help="At the start [m/s]; default: as in the manoeuvre.")
+@click.option("--speed", type=float, help="Speed at the start [m/s]; default: as in the manoeuvre.")
 @click.option("--t-end", type=float, help="End of the ride [s]; default: as in the manoeuvre.")
 @click.option(
-    "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends it [°]."
+    "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends the ride [°]."
 )
 @click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
@@ -94,7 +94,7 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
 @bicycle_argument
 @click.option(
     "--speed", "speeds", type=float, multiple=True, default=(3.0, 5.0, 7.0, 9.0), show_default=True,
-    help="Of turns that a steer torque holds [m/s]; may be given several times.",
+    help="Speed of the turns that a steer torque holds [m/s]; repeatable.",
 )  # fmt: skip
 @click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
 @tyre_options

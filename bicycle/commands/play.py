@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @bicycle_argument
-@click.option("--speed", type=float, default=5.0, show_default=True, help="At the start [m/s].")
+@click.option("--speed", type=float, default=5.0, show_default=True, help="Speed at the start [m/s].")
 @click.option("--assist", type=float, default=0.0, show_default=True, help="Balance assist at the start [N m s/rad].")
 @click.option("--torque", type=float, default=2.0, show_default=True, help="Of your arms at most [N m].")
 @port_option

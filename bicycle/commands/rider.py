@@ -27,7 +27,7 @@ SLOWEST, FASTEST, COUNT = 2.0, 12.0, 41
 @click.option(
     "--course", type=click.Choice(COURSE_NAMES), default="lane-change", show_default=True, help="Where to go."
 )
-@click.option("--speed", type=float, default=5.0, show_default=True, help="At the start [m/s].")
+@click.option("--speed", type=float, default=5.0, show_default=True, help="Speed at the start [m/s].")
 @click.option(
     "--gains", type=float, nargs=5, default=None, metavar="STEER RATE ROLL HEADING WAY",
     help="Of the five loops, from the inside out; default: by rule, for this bicycle and speed.",

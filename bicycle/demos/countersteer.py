@@ -72,9 +72,6 @@ demo = Demo(
         "late_steer_per_torque": Quantity("steer at t2 over torque", "rad/(N m)", relative=1e-6),
         "late_lean_per_torque": Quantity("lean at t2 over torque", "rad/(N m)", relative=1e-6),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic", "without gyroscopic moments the handlebar stays where it was pushed", values=lambda: {}
     ),  # fmt: skip

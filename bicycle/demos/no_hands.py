@@ -47,7 +47,7 @@ def capsize_of(values):
 
 
 def small_motions(system: System, terms) -> Linearization:
-    """In lean and steer."""
+    """The linear equations in lean and steer."""
     return linearize(system, outputs=outputs(system), **terms)
 
 
@@ -98,9 +98,6 @@ demo = Demo(
         "weave_damping_1_s": Quantity("growth of the weave", "1/s"),
         "weave_rad_s": Quantity("rate of the weave", "rad/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "spin", "with wheels that have no moment about their axles it rides itself at no speed", {"spin": 0.0}
     ),

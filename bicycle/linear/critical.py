@@ -122,7 +122,7 @@ def double_roots(q: Quartic) -> list[DoubleRoot]:
 
 
 def discriminant(q: Quartic, unit: float) -> Polynomial:
-    """Of p as a polynomial in s; a polynomial in (v / unit)^2, since odd powers of v enter by b v and d v only."""
+    """Discriminant of p(s), a polynomial in (v / unit)^2: odd powers of v enter by b v and d v only."""
     w = Polynomial([0.0, unit**2])
     a, b, c, d, e = q.a, q.b, *(x[0] + x[1] * w for x in (q.c, q.d, q.e))
     bb, bd, dd = b * b * w, b * d * w, d * d * w
@@ -180,7 +180,7 @@ def roots(x: Array) -> Array:
 
 
 def speeds(w: Array) -> Array:
-    """[m/s] for w = v^2, NaN where w is not positive or beyond all speeds."""
+    """Speeds [m/s] of w = v^2, NaN where w is not positive or beyond all speeds."""
     with np.errstate(invalid="ignore"):
         return np.sqrt(np.where((w > 0.0) & (w < FASTEST**2), w, np.nan))
 

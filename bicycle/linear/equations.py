@@ -66,8 +66,8 @@ def canonical(p: Parameters) -> Canonical:
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> canonical(Meijaard2007()).M.round(5)
+    >>> from bicycle import Meijaard2007, equations
+    >>> equations.canonical(Meijaard2007()).M.round(5)
     array([[80.81722,  2.31941],
            [ 2.31941,  0.29784]])
     """

@@ -83,8 +83,8 @@ def response(
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> found = response(Meijaard2007(), 5.0, [1e-6])  # slowly: a steer torque to the right leads into a left turn
+    >>> from bicycle import Meijaard2007, frequency
+    >>> found = frequency.response(Meijaard2007(), 5.0, [1e-6])  # slowly: a torque to the right turns it left
     >>> print(found.H[0, 0, :, 1].real.round(4))
     [-1.0829 -0.4552]
     """

@@ -114,7 +114,7 @@ def followed(found: list) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def named(values: np.ndarray) -> list[str]:
-    """At the fastest speed: oscillations by frequency from weave on, decays from the slowest, capsize, on."""
+    """Names of modes at the fastest speed: oscillations from weave on by frequency, decays from capsize on by rate."""
     waves = iter(("weave", "wobble", "second wobble", "third wobble", "fourth wobble"))
     decays = iter(("capsize", "castering", "tyre decay", "second tyre decay", "third tyre decay", "fourth tyre decay"))
     names = [""] * len(values)

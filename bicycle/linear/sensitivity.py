@@ -104,8 +104,8 @@ def derivatives(parameters: Parameters, build: Build | None = None) -> Derivativ
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> found = derivatives(Meijaard2007())
+    >>> from bicycle import Meijaard2007, sensitivity
+    >>> found = sensitivity.derivatives(Meijaard2007())
     >>> print(f"{found.speeds['weave']:.6f} m/s, {found.by['weave']['c']:.3f} m/s per metre of trail")
     4.292383 m/s, 11.480 m/s per metre of trail
     """

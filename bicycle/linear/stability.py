@@ -101,8 +101,8 @@ def study(
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> found = study(Meijaard2007(), [0.0, 5.0])
+    >>> from bicycle import Meijaard2007, stability
+    >>> found = stability.study(Meijaard2007(), [0.0, 5.0])
     >>> found.values[1].round(5).tolist()
     [(-0.77534+4.46487j), (-0.77534-4.46487j), (-0.32287+0j), (-14.07839+0j)]
     """

@@ -165,7 +165,7 @@ def between(part: Range) -> float:
 
 
 def growth(A: np.ndarray) -> float:
-    """Of the fastest growing mode [1/s]."""
+    """Growth of the fastest growing mode [1/s]."""
     return float(np.linalg.eigvals(A).real.max())
 
 

@@ -36,7 +36,7 @@ def two_mass_skate() -> Parameters:
 
 
 def quartic_of(parameters: Parameters, build: Build | None) -> Quartic:
-    """In closed form; of the general model for round tyres, which the closed form does not know."""
+    """Characteristic quartic in closed form; from the general model for round tyres, which that form does not know."""
     if build is not None and (parameters.tR or parameters.tF):
         return critical.model_polynomial(parameters, build)
     return critical.polynomial(parameters)
@@ -109,8 +109,8 @@ def ablations(
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
-    >>> found = ablations(Meijaard2007(), None)
+    >>> from bicycle import Meijaard2007, why
+    >>> found = why.ablations(Meijaard2007(), None)
     >>> print(*{row.name: row.ranges for row in found.rows}["no trail"])
     2.933073 ... 3.128986 m/s
     """

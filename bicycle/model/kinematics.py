@@ -54,7 +54,7 @@ def rotation_about(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def foot(axle: np.ndarray, radius: float, crown: float) -> np.ndarray:
-    """From the centre of a wheel down to its contact point: along the disc, then along the vertical."""
+    """Vector from the centre of a wheel down to its contact point: along the disc, then along the vertical."""
     across = Z - axle[2] * axle
     return -(radius - crown) * across / np.sqrt(across @ across) - crown * Z
 

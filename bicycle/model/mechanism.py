@@ -97,7 +97,7 @@ def whipple(
 
     Examples
     --------
-    >>> from bicycle import Meijaard2007
+    >>> from bicycle import Meijaard2007, whipple
     >>> found = whipple(Meijaard2007(), speed=4.0, lean=0.1, steer=-0.2).check()
     >>> found.configuration_freedom, found.velocity_freedom
     (7, 3)

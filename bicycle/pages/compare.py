@@ -61,7 +61,7 @@ class Entry:
 
     @property
     def height(self) -> float:
-        """Of the centre of mass [m]."""
+        """Height of the centre of mass [m]."""
         p = self.parameters
         return (p.mR * p.rR - p.mB * p.zB - p.mH * p.zH + p.mF * p.rF) / p.mass
 

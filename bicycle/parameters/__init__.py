@@ -91,6 +91,7 @@ def named(name: str, *, unphysical: bool = False) -> Parameters:
 
     Examples
     --------
+    >>> from bicycle import named
     >>> named("Browserins").w
     1.121
     """

@@ -106,7 +106,7 @@ class Parameters:
 
     @property
     def mass(self) -> float:
-        """Of everything [kg]."""
+        """Mass of the whole [kg]."""
         return self.mR + self.mB + self.mH + self.mF
 
     def inertia(self, part: str) -> np.ndarray:

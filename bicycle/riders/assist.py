@@ -64,8 +64,8 @@ def eigenvalues(parameters: Parameters, speeds: ArrayLike, law: Law) -> np.ndarr
 
 
 @on_one_thread
-def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike = GRID) -> list[Range]:
-    """Ranges of self-stable speeds within the first and the last one given [m/s].
+def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike | None = None) -> list[Range]:
+    """Ranges of self-stable speeds within the first and the last one given [m/s]; None = 0.05 ... 15.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def stable_ranges(parameters: Parameters, law: Law, speeds: ArrayLike = GRID) ->
     >>> [(round(x.low, 5), round(x.high, 5)) for x in assist.stable_ranges(Meijaard2007(), assist.roll_rate(-10.0))]
     [(2.81174, 6.02426)]
     """
-    grid = np.unique(np.asarray(speeds, float))
+    grid = GRID if speeds is None else np.unique(np.asarray(speeds, float))
 
     def growth(v: float) -> float:
         return float(eigenvalues(parameters, [v], law).real.max())

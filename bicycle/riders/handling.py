@@ -128,7 +128,34 @@ def spans(speeds: np.ndarray, here: np.ndarray) -> str:
 
 
 def study(parameters: Parameters, speeds: ArrayLike, *, progress: bool | None = None) -> Handling:
-    """Peaks at speeds (n,) [m/s] with the gains of the rule; after Ctrl-C of those that were finished."""
+    """Handling quality over the speed after Hess: the peak of what a rider feeds back, with the gains of the rule.
+
+    Parameters
+    ----------
+    speeds : (n,) array_like
+        Positive [m/s].
+    progress : bool or None
+        Show a progress bar; None = on a terminal, after two seconds.
+
+    Returns
+    -------
+    Handling
+        Gains and peaks; after Ctrl-C of the speeds that were finished, NaN where the rule finds no gains.
+
+    Raises
+    ------
+    ValueError
+        For speeds that are not positive numbers.
+
+    Examples
+    --------
+    >>> from bicycle import Meijaard2007, handling
+    >>> print(handling.study(Meijaard2007(), [3.0, 4.0, 5.0]))
+    Meijaard2007: handling quality by the speed (peak of the metric)
+      level 1, up to 5  5 m/s
+      level 2, up to 8  4 m/s
+      level 3, above    3 m/s
+    """
     speeds = np.unique(checked_speeds(speeds))
     if speeds[0] <= 0.0:
         raise InputError(f"handling: speed = {speeds[0]:g} m/s; give positive ones")

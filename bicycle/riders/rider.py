@@ -29,7 +29,7 @@ FREQUENCIES = np.geomspace(3.0, 60.0, 400)  # [rad/s] where the peaks are
 
 
 class Gains(NamedTuple):
-    """Of the five loops, from the inside out."""
+    """Gains of the five loops, from the inside out."""
 
     steer: float  # [N m/rad]
     roll_rate: float  # [s]
@@ -51,7 +51,7 @@ class Loop(NamedTuple):
 
 
 def open_loop(parameters: Parameters, speed: float) -> Loop:
-    """From the rider's command U to the states at a speed [m/s], on ideal wheels."""
+    """Transfer from the rider's command U to the states at a speed [m/s], on ideal wheels."""
     v, k = number(speed, "rider: speed", positive=True), np.cos(parameters.lam) / parameters.w
     linear = canonical(parameters)
     A = np.zeros((8, 8))
@@ -69,7 +69,7 @@ def open_loop(parameters: Parameters, speed: float) -> Loop:
 
 
 def closed_loops(parameters: Parameters, speed: float, gains: Gains, count: int = 5) -> Loop:
-    """From the command of the outermost of ``count`` closed loops to the states; no loop is `open_loop`."""
+    """Transfer from the command of the outermost of ``count`` closed loops to the states; no loop is `open_loop`."""
     A, B = open_loop(parameters, speed)
     for k, seen, name in zip(gains[:count], SEEN, LOOPS, strict=False):
         B = B * number(k, f"rider: gain of the {name} loop")

@@ -150,7 +150,7 @@ def run(
     rtol: float = 1e-8,
     samples: int = 1201,
 ) -> RiddenCourse:
-    """Ride a course.
+    """Let a rider follow a course on the nonlinear bicycle, on ideal wheels or on tyres.
 
     Parameters
     ----------
@@ -206,12 +206,12 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
             ride.speed[0] * ride.t, course, color=look.muted, linestyle="--", linewidth=LINE, label="course"
         )
         front = ride.contacts["front"].point
-        axes["way"].plot(front[:, 0] - front[0, 0], found.deviation, color=look.colour(0), linewidth=LINE, label="way")
+        axes["way"].plot(front[:, 0] - front[0, 0], found.deviation, color=look.colour(0), linewidth=LINE, label="path")
         axes["way"].invert_yaxis()
-        axes["way"].set_xlabel("way along the first heading [m]")
+        axes["way"].set_xlabel("distance along the first heading [m]")
         legend_above(axes["way"], look)
         labels = {"angles": "angle, right > 0 [°]", "torque": "steer torque [N m]", "roll": "roll [°]"}
-        for name, label in {**labels, "heading": "heading [°]", "way": "way to the right [m]"}.items():
+        for name, label in {**labels, "heading": "heading [°]", "way": "offset to the right [m]"}.items():
             axes[name].set_ylabel(label)
         who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system)
         sheet.suptitle(f"{who}: {title}" if title else who, fontweight="bold")

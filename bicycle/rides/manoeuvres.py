@@ -11,7 +11,7 @@ from mbsd3d import Pulse, Signal, Sine
 
 from ..model.tyres import TYPICAL, both
 
-FALLEN = np.radians(60.0)  # Default tilt of the frame at which a ride ends [rad]
+FALLEN = float(np.radians(60.0))  # Default tilt of the frame at which a ride ends [rad]
 
 
 @dataclass(frozen=True)

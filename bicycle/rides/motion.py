@@ -100,17 +100,17 @@ class Ride:
 
     @property
     def lean_rate(self) -> np.ndarray:
-        """[rad/s]"""
+        """Rate of the lean [rad/s]."""
         return self.axle_rate[:, 2] / np.hypot(self.axle[:, 0], self.axle[:, 1])
 
     @property
     def steer(self) -> np.ndarray:
-        """[rad]"""
+        """Steer angle [rad]."""
         return self.solution.angle("steer")
 
     @property
     def steer_rate(self) -> np.ndarray:
-        """[rad/s]"""
+        """Rate of the steer angle [rad/s]."""
         return self.solution.rate("steer")
 
     @property
@@ -127,7 +127,7 @@ class Ride:
 
     @property
     def pitch(self) -> np.ndarray:
-        """Of the frame about its lateral axis, nose up > 0 [rad]."""
+        """Pitch of the frame about its lateral axis, nose up > 0 [rad]."""
         along = self.solution.rotation("frame") @ X
         ahead = self.ahead(self.axle)
         return np.arctan2(np.sum(np.cross(along, ahead) * self.axle, axis=1), np.sum(ahead * along, axis=1))

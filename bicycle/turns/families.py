@@ -46,7 +46,7 @@ def turned(along: np.ndarray, angle: float) -> np.ndarray:
 
 
 def angle(a: np.ndarray, b: np.ndarray) -> float:
-    """From direction a to direction b [rad]."""
+    """Angle from direction a to direction b [rad]."""
     return float(np.arctan2(across(a) @ b, a @ b))
 
 
@@ -146,7 +146,7 @@ class Search:
         return cls(turner, Curve(lambda x: turner.free(*x)[0], longest), tell)
 
     def square(self, x: np.ndarray) -> float:
-        """Of the scale of velocities [m^2/s^2]."""
+        """Square of the scale of velocities [m^2/s^2]."""
         return self.turner.free(*x)[1]
 
     def turn(self, x: np.ndarray) -> Turn:

@@ -48,17 +48,17 @@ class TyreTurn:
 
     @property
     def steer(self) -> float:
-        """[rad]"""
+        """Steer angle [rad]."""
         return float(self.x[0])
 
     @property
     def yaw_rate(self) -> float:
-        """[rad/s]"""
+        """Yaw rate [rad/s]."""
         return -float(self.x[4])
 
     @property
     def radius(self) -> float:
-        """Of the way of the rear hub [m]; infinite straight ahead."""
+        """Radius of the way of the rear hub [m]; infinite straight ahead."""
         return float(np.hypot(self.speed, self.x[3]) / abs(self.x[4])) if self.x[4] else np.inf
 
     @property
@@ -68,7 +68,7 @@ class TyreTurn:
 
     @property
     def drive_torque(self) -> float:
-        """On the rear wheel, against the drag of the tyres in the turn [N m]."""
+        """Torque on the rear wheel, against the drag of the tyres in the turn [N m]."""
         return float(self.x[8])
 
     @cached_property
@@ -157,7 +157,7 @@ class Balance:
 
 
 def pitch_of(p: Parameters, lean: float, steer: float) -> float:
-    """At which both ideal wheels stand on the ground [rad]."""
+    """Pitch at which both ideal wheels stand on the ground [rad]."""
     upright = rotation_about(X, -lean) @ pose_of(p, lean, steer).frame
     return float(np.arctan2(-upright[2, 0], upright[0, 0]))
 

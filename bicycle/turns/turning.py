@@ -78,7 +78,7 @@ def unit_turn(p: Parameters, at: Pose) -> UnitTurn:
     front_speed = (speed * X + yaw * np.cross(Z, at.contact)) @ ahead
 
     def spin(axle: np.ndarray, radius: float, crown: float, way: np.ndarray, v: float) -> np.ndarray:
-        """Of a wheel whose material point at the contact rests."""
+        """Angular velocity of a wheel about its axle whose material point at the contact rests."""
         return -v / (np.cross(axle, foot(axle, radius, crown)) @ way) * axle
 
     rear, front = spin(at.frame @ Y, p.rR, p.tR, X, speed), spin(at.fork @ Y, p.rF, p.tF, ahead, front_speed)
@@ -197,17 +197,17 @@ class Turn:
 
     @property
     def speed(self) -> float:
-        """Of the rear contact along its track [m/s]."""
+        """Speed of the rear contact along its track [m/s]."""
         return float(np.sqrt(self.square)) * self.direction[0]
 
     @property
     def yaw_rate(self) -> float:
-        """[rad/s]"""
+        """Yaw rate [rad/s]."""
         return float(np.sqrt(self.square)) * self.direction[1]
 
     @property
     def radius(self) -> float:
-        """Of the track of the rear wheel [m], positive in a turn to the right."""
+        """Radius of the track of the rear wheel [m], positive in a turn to the right."""
         return self.direction[0] / self.direction[1] if self.direction[1] else np.inf
 
     @cached_property

@@ -47,7 +47,7 @@ def imported(file: str, suffix: str, drop: tuple[str, ...]) -> tuple[System, lis
 def parameters_of(file: str) -> list[str]:
     """A line per parameter of ``build()`` of a Python file."""
     if Path(file).suffix.lower() != ".py":
-        raise InputError(f"'{file}' is no Python file, only build(...) of one has parameters")
+        raise InputError(f"'{file}' is not a Python file, only build(...) of one has parameters")
     with builder(file) as build:
         return parameter_lines(build)
 

@@ -146,7 +146,7 @@ class System(Mechanism, Drawable):
         return assemble(self, angles, slides, rates, measures, pinned, near, number(t, "assemble: t"))
 
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
-        """The pose at rest that the mechanism comes to from a pose, as if it moved through honey: downhill.
+        """The equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.
 
         Preloaded springs, gravity, own states of forces and nonholonomic rows are taken as they are. A start that is
         an equilibrium is returned as it is, also an unstable one.

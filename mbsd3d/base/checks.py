@@ -64,7 +64,7 @@ def listed(values: Any, what: str, remedy: str) -> tuple:
     try:
         return tuple(values)
     except TypeError:
-        raise InputError(f"{what}: {shown(values)} is no sequence; give {remedy}") from None
+        raise InputError(f"{what}: {shown(values)} is not a sequence; give {remedy}") from None
 
 
 def check_size(array: np.ndarray, what: str) -> None:
@@ -120,7 +120,7 @@ def number(value: float, what: str, *, minimum: float | None = None, positive: b
 def sequence(values: Any, what: str) -> tuple[float, ...]:
     """Finite numbers."""
     if isinstance(values, str | bytes):
-        raise InputError(f"{what}: {shown(values)} is no sequence of numbers; give a tuple")
+        raise InputError(f"{what}: {shown(values)} is not a sequence of numbers; give a tuple")
     try:
         given = tuple(values)
     except TypeError:

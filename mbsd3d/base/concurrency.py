@@ -62,7 +62,7 @@ class Turns:
         self.lock.release()
 
     def close(self) -> None:
-        """From now on every thread that asks ends."""
+        """End every thread that asks from now on."""
         self.closed = True
 
 

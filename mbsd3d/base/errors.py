@@ -77,7 +77,7 @@ class IntegrationError(MbsError):
 
 
 class EquilibriumError(MbsError):
-    """A mechanism comes to no rest, or not near where it was looked for.
+    """No equilibrium was found, or none near the start of the search.
 
     >>> print(EquilibriumError("no equilibrium: body 'stone' falls", advice="hold it"))
     no equilibrium: body 'stone' falls; hold it

@@ -33,7 +33,7 @@ def rotation(axis: str | ArrayLike, angle: ArrayLike, degrees: bool = False) -> 
     >>> rotation("z", 180, degrees=True).round(12)
     array([0., 0., 0., 1.])
     """
-    half = 0.5 * _numbers(angle, "rotation: angle", "a number")
+    half = 0.5 * floats(angle, "rotation: angle", "a number")
     half = np.deg2rad(half) if degrees else half
     return np.concatenate([np.cos(half)[..., None], np.sin(half)[..., None] * _unit_axis(axis)], axis=-1)
 
@@ -45,7 +45,7 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
     the rest is normalised away. ValueError for another shape, a number that is not finite, a length other than 1, or a
     matrix that is not orthonormal or is left-handed.
     """
-    values = _numbers(orientation, what, ORIENTATION)
+    values = floats(orientation, what, ORIENTATION)
     if values.shape == (3, 3):
         _check_rotation(values, what)
         return _largest_column(values)
@@ -91,7 +91,7 @@ def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
 
     R (..., 3, 3), body -> world, must be right-handed, finite and orthonormal to 1e-6, else a ValueError.
     """
-    R = _numbers(R, "R", "a 3x3 rotation matrix")
+    R = floats(R, "R", "a 3x3 rotation matrix")
     if R.shape[-2:] != (3, 3):
         raise InputError(f"R: shape {R.shape} is not a rotation matrix; give (..., 3, 3)")
     _check_rotation(R, "R")
@@ -105,7 +105,7 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
         if axis not in AXES:
             raise InputError(f"rotation: axis is {shown(axis)}; give {remedy}")
         return np.array(AXES[axis])
-    vector = _numbers(axis, "rotation: axis", remedy)
+    vector = floats(axis, "rotation: axis", remedy)
     if vector.shape != (3,):
         raise InputError(f"rotation: axis has shape {vector.shape}; give {remedy}")
     largest = np.max(np.abs(vector))
@@ -113,11 +113,6 @@ def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
         raise InputError("rotation: axis has zero length, its direction is undefined; give a vector that is not zero")
     vector = vector / largest  # first to order 1, so that the squares cannot underflow or overflow
     return vector / np.linalg.norm(vector)
-
-
-def _numbers(values: ArrayLike, what: str, remedy: str) -> np.ndarray:
-    """Float array, or an error that names the quantity."""
-    return floats(values, what, remedy)
 
 
 def _check_rotation(R: np.ndarray, what: str) -> None:

@@ -6,7 +6,7 @@ from ..base.errors import InputError
 from .support import can_view, drop_option, load_system, parameters_option, set_option, watch
 
 port_option = click.option(
-    "--port", type=click.IntRange(0, 65535), default=0, help="Of this machine; without it one that is free."
+    "--port", type=click.IntRange(0, 65535), default=0, help="Port on this machine; default: any free one."
 )
 
 
@@ -29,9 +29,9 @@ def ranges(given: tuple[str, ...]) -> dict[str, tuple[float, float]]:
 @click.argument("file")
 @click.option(
     "--input", "inputs", multiple=True, metavar="NAME=LOW:HIGH",
-    help="Range of an input, e.g. motor=-5:5; gives it a slider and keys. Several times.",
+    help="Range of an input, e.g. motor=-5:5; gives it a slider and keys. Repeatable.",
 )  # fmt: skip
-@click.option("--follow", metavar="BODY", help="The camera goes along and turns with it.")
+@click.option("--follow", metavar="BODY", help="The camera follows this body and turns with it.")
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Local relative error of a step.")
 @port_option
 @drop_option

@@ -41,11 +41,13 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
 @click.command()
 @click.argument("file")
 @click.option("--t-end", type=float, help="End of the run [s]; required.")
-@click.option("--method", type=click.Choice(METHODS), help="Of integration; without it DOP853.")
+@click.option("--method", type=click.Choice(METHODS), help="Integration method; default: DOP853.")
 @click.option("--dt", type=float, help="Fixed step [s] of the method.")
-@click.option("--stiff", type=click.Choice(["stop", "run"]), help="What DOP853 does with a stiff model: stop.")
+@click.option(
+    "--stiff", type=click.Choice(["stop", "run"]), help="Whether DOP853 goes on with a stiff model; default: stop."
+)
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Local relative error of a step.")
-@click.option("--output", type=int, help="Number of equally spaced samples; without it every step.")
+@click.option("--output", type=int, help="Number of equally spaced samples; default: every step.")
 @click.option("--view", "viewed", is_flag=True, help="Also write a page (.html) that shows the motion.")
 @click.option(
     "--report", "reported", is_flag=True, help="Also write a report (_report.html): certificate, tables, curves."

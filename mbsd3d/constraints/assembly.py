@@ -186,7 +186,7 @@ def assemble(
             x = coordinate_of(joint, kind, f"assemble: {kind}s")
             wanted.append((x, number(value, f"assemble: {kind} of '{system.name(joint)}'")))
     if not isinstance(pinned, Sequence) or isinstance(pinned, str):
-        raise InputError(f"assemble: pinned = {shown(pinned)} is no sequence; give a list of bodies")
+        raise InputError(f"assemble: pinned = {shown(pinned)} is not a sequence; give a list of bodies")
     fixed = {compiled.body_index[id(system.part(body))] for body in pinned}
     pose = near or reference_pose(system, t)
     start = State(t, pose.q, pose.v, pose.z, pose.coordinates)
@@ -209,7 +209,7 @@ def assemble(
 def mapping(given: Mapping | None, what: str) -> Mapping:
     """What is asked for; None = nothing."""
     if not isinstance(given, Mapping | None):
-        raise InputError(f"assemble: {what} = {shown(given)} is no mapping; give e.g. {{hinge: 0.3}}")
+        raise InputError(f"assemble: {what} = {shown(given)} is not a mapping; give e.g. {{hinge: 0.3}}")
     return given or {}
 
 

@@ -76,7 +76,7 @@ class Ablation:
 
 @dataclass(frozen=True, eq=False)
 class Demo:
-    """One effect. ``mechanism``, ``measure`` and ``theory`` are called with the parameters they name.
+    """One effect. Its module defines ``mechanism``, ``measure`` and ``theory``, each called with what it names.
 
     The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
     ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches
@@ -91,9 +91,6 @@ class Demo:
     equation: str
     source: str
     quantities: Mapping[str, Quantity]
-    mechanism: Callable[..., System]
-    theory: Callable[..., Numbers]
-    measure: Callable[..., Measured]
     ablation: Ablation
     against: Against | None = None
     alone: str = ""  # why its run is not compared with that of other engines; "" = it is
@@ -110,6 +107,21 @@ class Demo:
         """That of the folder: the first line of its package."""
         text = sys.modules[self.module.rpartition(".")[0]].__doc__ or ""
         return text.splitlines()[0].rstrip(".")
+
+    @property
+    def mechanism(self) -> Callable[..., System]:
+        """That of the module."""
+        return sys.modules[self.module].mechanism
+
+    @property
+    def measure(self) -> Callable[..., Measured]:
+        """That of the module."""
+        return sys.modules[self.module].measure
+
+    @property
+    def theory(self) -> Callable[..., Numbers]:
+        """That of the module."""
+        return sys.modules[self.module].theory
 
     @cached_property
     def parameters(self) -> dict[str, object]:

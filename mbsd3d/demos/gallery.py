@@ -141,7 +141,7 @@ def film(outcome: Outcome, path: Path) -> None:
 
 
 def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], list[str]]:
-    """Of the options of a page those of a picture, and what is hidden in a small one."""
+    """Those options of a page that a picture has too, and what is hidden in a small one."""
     known = {key: options[key] for key in ("traces", "shown") if key in options}
     return known, sorted({"body names", "joint names", *options.get("hidden", ())})
 
@@ -154,22 +154,17 @@ def cells(row: Row) -> Sequence[str]:
 
 def source_of(demo: Demo) -> str:
     """The text of the file a demo stands in."""
-    return inspect.getsource(module_of(demo))
-
-
-def module_of(demo: Demo) -> object:
-    """The module a demo stands in."""
-    return sys.modules[demo.module]
+    return inspect.getsource(sys.modules[demo.module])
 
 
 def digest(demo: Demo) -> str:
-    """Of everything a page depends on: the package without the other demos, the templates, the demo's own file."""
+    """Digest of all that a page depends on: the package without other demos, the templates, the demo's own file."""
     return hashlib.sha256((package_digest() + source_of(demo)).encode()).hexdigest()
 
 
 @cache
 def package_digest() -> str:
-    """Of the package but for the families of demos."""
+    """Digest of the package but for the families of demos."""
     families = PACKAGE / "demos"
     files = [path for path in PACKAGE.rglob("*.py") if families not in path.parent.parents]
     files += sorted(FOLDER.iterdir())

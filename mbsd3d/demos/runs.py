@@ -7,7 +7,7 @@ from mbsd3d.mechanism.measures import Measure
 def next_turn(
     system: System, rate: Measure, about: float, *, rising: bool, state: State | None = None, **settings: object
 ) -> Solution:
-    """From a turning point to the moment at which a rate that is now positive (``rising``) or negative changes sign.
+    """Run from a turning point until a rate that is now positive (``rising``) or negative changes sign.
 
     ``about``: a time of the order of the swing [s]; the search begins after a tenth and ends after a hundred of them.
     """
@@ -20,6 +20,6 @@ def next_turn(
 
 
 def half_swing(system: System, rate: Measure, about: float, *, up: bool = True, **settings: object) -> Solution:
-    """From one turning point to the next, of a rate that is positive at the start (``up``) or negative."""
+    """Run from one turning point to the next, of a rate that is positive at the start (``up``) or negative."""
     first = simulate(system, 100 * about, stop_when=rate < 0 if up else rate > 0, **{"rtol": 1e-13, **settings})
     return next_turn(system, rate, about, rising=not up, state=first.final, **settings)

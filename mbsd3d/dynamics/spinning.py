@@ -66,6 +66,15 @@ def find_spins(m, run, h):
 
 
 @inner_kernel
+def farthest_turn(run, h):
+    """The largest angle [rad] by which a spin taken out turns its body in the step h."""
+    square = 0.0
+    for i in range(run.spin.shape[0] if run.now.spinning > 0 else 0):
+        square = max(square, dot(vec(run.spin[i]), vec(run.spin[i])))
+    return h * square**0.5
+
+
+@inner_kernel
 def kept(m, run, h):
     """True unless a spin has changed so much in the step h that hinge angles would be miscounted."""
     n = m.body.shape[0]

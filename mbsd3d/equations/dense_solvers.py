@@ -91,7 +91,7 @@ def equations(system: Mechanism, state: State) -> tuple[np.ndarray, np.ndarray, 
 
 
 def saddle_matrix(M: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """[[M, J'], [J, 0]]"""
+    """The matrix [[M, J'], [J, 0]]."""
     return np.block([[M, J.T], [J, np.zeros((J.shape[0], J.shape[0]))]])
 
 

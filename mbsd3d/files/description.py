@@ -169,7 +169,7 @@ class Reader:
     def part(self, data: dict, path: tuple, base: type = object) -> Any:
         """A part from its type and fields, checked against the schema and by its own constructor."""
         if not isinstance(data, dict):
-            raise InputError(f"{str(data)[:80]} is no part - at `{place_of(path)}`; give an object with its type")
+            raise InputError(f"{str(data)[:80]} is not a part - at `{place_of(path)}`; give an object with its type")
         kind = types().get(data.get("type")) if isinstance(data.get("type"), str) else None
         if kind is None or not issubclass(kind, base):
             have = ", ".join(sorted(name for name, known in types().items() if issubclass(known, base)))

@@ -88,7 +88,7 @@ FORMS = {
 
 
 def form_of(path: Path) -> Form:
-    """By the suffix."""
+    """Form of a file by its suffix."""
     if path.suffix.lower() not in FORMS:
         raise InputError(f"'{path}': a model file ends in {' or '.join(FORMS)}; give such a name")
     return FORMS[path.suffix.lower()]

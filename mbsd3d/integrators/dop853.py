@@ -33,7 +33,9 @@ TABLE = Table(
 class DOP853(Method):
     """Adaptive explicit Runge-Kutta method of order 8, or with fixed steps when ``dt`` [s] is given.
 
-    The default for everything that is not stiff. Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I.
+    The default for everything that is not stiff. Adaptive steps go over whole turns of bodies that spin about an axis
+    of symmetry, as wheels and tops do: the motion of the axis limits them. Hairer, Norsett, Wanner: Solving Ordinary
+    Differential Equations I.
 
     Parameters
     ----------

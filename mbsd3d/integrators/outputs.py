@@ -6,7 +6,7 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
-from ..dynamics.spinning import spin_on
+from ..dynamics.spinning import farthest_turn, spin_on
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
@@ -18,7 +18,7 @@ from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import note_rows
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
-SCAN = 8  # parts of a step that are searched for an event
+SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
@@ -148,8 +148,8 @@ def slope(m, d, run, t, y, dy, h):
 
 @inner_kernel
 def may_come_true(m, d, run, h, t_new):
-    """True if the condition holds at the end of the step, rises at its start and falls at its end, or is not armed."""
-    if run.now.armed == 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
+    """True if the condition holds at the end of the step, rises and falls, or is not armed; or may, once in a turn."""
+    if run.now.armed == 0 or run.now.spinning > 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
     rises = slope(m, d, run, run.now.t, run.y, run.dy, h) > 0.0
     return rises and slope(m, d, run, t_new, run.trial, run.trial_rate, h) < 0.0
@@ -180,22 +180,23 @@ def locate(m, d, run, h, low, high):
 def first_crossing(m, d, run, h, t_new):
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
-    Looked for at SCAN points and at the peak between them: two peaks less than h/SCAN apart may pass for one. A run
+    Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one. A run
     that starts where the condition just comes true is not armed until it has been false.
     """
+    parts = SCAN * (1 + int(farthest_turn(run, h)))
     place, greatest, first = 0.0, -np.inf, 0.0 if run.now.armed == 1 else 2.0
-    for k in range(1, SCAN + 1):
-        x = k / SCAN
-        g = condition_inside(m, d, run, h, x) if k < SCAN else condition(m, d, run, t_new, run.trial)
+    for k in range(1, parts + 1):
+        x = k / parts
+        g = condition_inside(m, d, run, h, x) if k < parts else condition(m, d, run, t_new, run.trial)
         if x < first:
             first = x if g < -run.task.slack else 2.0
         elif g >= 0.0:
-            return locate(m, d, run, h, (k - 1) / SCAN, x)
+            return locate(m, d, run, h, (k - 1) / parts, x)
         if x >= first and g > greatest:
             place, greatest = x, g
     if first > 1.0:
         return -1.0
-    low, high = max(first, place - 1.0 / SCAN), min(1.0, place + 1.0 / SCAN)
+    low, high = max(first, place - 1.0 / parts), min(1.0, place + 1.0 / parts)
     for _ in range(60):  # golden section
         x, x_high = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         g, g_high = condition_inside(m, d, run, h, x), condition_inside(m, d, run, h, x_high)

@@ -149,17 +149,16 @@ def retry(run, step):
 def attempt(m, d, s, own, run):
     """(RUNNING, t_new, h, error) after a step within the tolerance, projected and evaluated, or why there is none."""
     fixed = run.task.steps > 0
-    follows = not fixed and run.task.condition < 0  # a condition may come true several times in a turn
     while True:
         run.rows.planned = 0.0
-        if follows:
+        if not fixed:
             limit_turn(m, run)
         if nearly_singular(run) and not fixed:
             pass_over_singular(run, own.gap, own.table.c[1])
         t_new, h = end_of_step(run)
         if h < run.task.min_step:
             return STEP_TOO_SMALL, t_new, h, 0.0
-        if follows:
+        if not fixed:
             find_spins(m, run, h)
         solved = stages(m, d, s, own, run, h)
         error = error_norm(m, own, run, h) if solved and not fixed else 0.0

@@ -84,9 +84,9 @@ class Equilibrium:
             return "unstable", f"{label_of(found, values[k])} grows with {values[k].real:.4g} 1/s"
         if (values == 0.0).any():
             return "neutral", f"{int((values == 0.0).sum())} eigenvalues are zero"
-        if (values.real > -calm).any():
-            slowest = values[np.argmin(np.abs(values.imag))]
-            return "stable, undamped", f"the slowest swings with {abs(slowest.imag) / (2.0 * np.pi):.4g} Hz"
+        if (undamped := values.real > -calm).any():
+            slowest = np.abs(values.imag[undamped]).min()
+            return "stable, undamped", f"the slowest swings with {slowest / (2.0 * np.pi):.4g} Hz"
         return "stable", f"the slowest dies out with {-values.real.max():.4g} 1/s"
 
     @property

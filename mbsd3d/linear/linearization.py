@@ -51,7 +51,7 @@ class Linearization:
 
     @property
     def state_units(self) -> tuple[str, ...]:
-        """Their units."""
+        """Units of `states`."""
         return tuple(x.unit for x in self.outputs) or self.space.unit_names(self.compiled.model)
 
     @cached_property
@@ -68,7 +68,7 @@ class Linearization:
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """[1/s] sorted by frequency, then real part."""
+        """Eigenvalues [1/s] sorted by frequency, then real part."""
         return self.spectrum[0]
 
     @cached_property
@@ -144,7 +144,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
     if isinstance(outputs, Measure):
         outputs = (outputs,)
     if not isinstance(outputs, Sequence | None) or isinstance(outputs, str):
-        raise InputError(f"linearize: outputs = {shown(outputs)} is no sequence; give a list of mbsd3d.measures")
+        raise InputError(f"linearize: outputs = {shown(outputs)} is not a sequence; give a list of mbsd3d.measures")
     for x in outputs or ():
         if not isinstance(x, Measure):
             raise InputError(f"linearize: outputs: {shown(x)} is not a measure; build one with mbsd3d.measures")

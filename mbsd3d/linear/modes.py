@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -17,6 +17,9 @@ from ..equations.elimination import eliminate
 from ..mechanism.bodies import Body
 from ..mechanism.joints import Joint
 from ..results.body_motion import Poses
+
+if TYPE_CHECKING:
+    from .linearization import Linearization
 
 ZERO = 1e-13  # singular values of A below this, in units of its norm, are what rounding made of zero
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
@@ -51,7 +54,7 @@ def spectrum(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sorting(value: complex) -> tuple[int, int, bool]:
-    """By frequency, then growth, the conjugate last; rounding does not change the order."""
+    """Key that sorts by frequency, then growth, the conjugate last; rounding does not change the order."""
     return round(abs(value.imag) / 1e-9), round(value.real / 1e-9), value.imag < 0.0
 
 
@@ -59,7 +62,7 @@ def sorting(value: complex) -> tuple[int, int, bool]:
 class Mode:
     """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
-    linearization: Any
+    linearization: "Linearization"
     eigenvalue: complex
     translation: np.ndarray
     rotation: np.ndarray
@@ -82,12 +85,12 @@ class Mode:
 
     @property
     def time_to_double(self) -> float:
-        """[s] for a growing mode, else infinite."""
+        """Time in which the amplitude doubles [s], infinite unless the mode grows."""
         return float(np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real > 0.0 else np.inf
 
     @property
     def time_to_half(self) -> float:
-        """[s] for a decaying mode, else infinite."""
+        """Time in which the amplitude halves [s], infinite unless the mode decays."""
         return float(-np.log(2.0) / self.eigenvalue.real) if self.eigenvalue.real < 0.0 else np.inf
 
     def shape(self, body: Body | str) -> tuple[np.ndarray, np.ndarray]:
@@ -143,7 +146,7 @@ class Motion(Poses):
 
 
 @on_one_thread
-def make_modes(linearization: Any) -> tuple[Mode, ...]:
+def make_modes(linearization: "Linearization") -> tuple[Mode, ...]:
     """Modes of all eigenvalues, one per complex pair."""
     n, values = linearization.compiled.model.body.size, linearization.eigenvalues
     size = linearization.units.x
@@ -163,7 +166,7 @@ def make_modes(linearization: Any) -> tuple[Mode, ...]:
     return tuple(modes)
 
 
-def joint_gradients(linearization: Any) -> list[tuple[Joint, str, np.ndarray]]:
+def joint_gradients(linearization: "Linearization") -> list[tuple[Joint, str, np.ndarray]]:
     """(joint, "angle" or "slide", (6 n,) gradient with respect to (r_G, theta) of all bodies) of all joints."""
     compiled, state, found = linearization.compiled, linearization.state, []
     data, n = compiled.data(), compiled.model.body.size
@@ -197,7 +200,7 @@ def moving_poses(mode: Mode, t: np.ndarray, wave: np.ndarray) -> Motion:
     return Motion(compiled, t, {"q": poses.reshape(t.size, n, 7)})
 
 
-def table(linearization: Any) -> str:
+def table(linearization: "Linearization") -> str:
     """One line per mode."""
     g = linearization.generator
     steady = f", turning at {np.linalg.norm(g.rotation):.6g} rad/s as a whole" if g.turning else ""

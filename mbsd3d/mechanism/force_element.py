@@ -64,7 +64,7 @@ class ForceElement(Part):
         return body, record.points[where] if record.points else body.centre
 
     def state_names(self) -> tuple[str, ...]:
-        """Of its own states, in their order."""
+        """Names of its own states, in their order."""
         return tuple(str(k) for k in range(len(self.record().states)))
 
 

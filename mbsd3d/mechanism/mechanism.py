@@ -22,7 +22,7 @@ def parts_of(given: Any, key: str) -> tuple:
     try:
         return tuple(given)
     except TypeError:
-        raise InputError(f"System: {key} = {short(given)} is no sequence; give a list, {key}=[...]") from None
+        raise InputError(f"System: {key} = {short(given)} is not a sequence; give a list, {key}=[...]") from None
 
 
 def misplaced(part: Any, key: str) -> str:
@@ -60,7 +60,7 @@ class Mechanism(Frozen):
 
     def __post_init__(self) -> None:
         if self.title is not None and (not isinstance(self.title, str) or not self.title.strip()):
-            raise InputError(f"System: name {self.title!r} is no name; give a text, or None")
+            raise InputError(f"System: name {self.title!r} is not a name; give a text, or None")
         if self.title is not None:
             check_name(self.title, "System:")
         for key, kind in KINDS.items():
@@ -130,5 +130,5 @@ class Mechanism(Frozen):
         raise InputError(f"{shown(key)} is not one of the {kind} of this system; there are {have}")
 
     def total_mass(self) -> float:
-        """[kg]"""
+        """Sum of the masses of all bodies [kg]."""
         return float(np.sum([body.mass for body in self.bodies]))

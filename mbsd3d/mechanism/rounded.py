@@ -42,7 +42,7 @@ class Rounded:
         return centre - spread / np.maximum(height, 1e-12 * self.size) - self.tube * normal
 
     def height(self, normal: np.ndarray) -> float:
-        """Of the centre over the plane it touches [m], at the reference pose."""
+        """Height of the centre over the plane it touches [m], at the reference pose."""
         return float(normal @ (self.centre - self.lowest(self.centre, self.axes, normal)))
 
     def moving(self, motion: Motion, a: Body | Ground, b: Body, normal: np.ndarray) -> np.ndarray:

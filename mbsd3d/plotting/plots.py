@@ -172,7 +172,9 @@ def save_figure(figure: Figure, path: str | Path, *, pdf: bool = False) -> list[
     files. ValueError if the folder cannot be written.
     """
     if not isinstance(figure, Figure):
-        raise InputError(f"save_figure: {shown(figure)} is no figure; give one of matplotlib, e.g. of solution.plot()")
+        raise InputError(
+            f"save_figure: {shown(figure)} is not a figure; give one of matplotlib, e.g. of solution.plot()"
+        )
     path, written = as_path(path, "figure"), []
     if (given := path.suffix.lower()) in (".png", ".svg", ".pdf"):
         path, pdf = path.with_suffix(""), pdf or given == ".pdf"

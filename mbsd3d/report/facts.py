@@ -204,7 +204,7 @@ def force_table(solution: RunResult, few: RunResult) -> Table:
 
 
 def tables(solution: RunResult, few: RunResult, diagnosis: Diagnosis) -> list[Table]:
-    """Of all parts; ``few`` has the samples with reactions."""
+    """Tables of all parts; ``few`` has the samples with reactions."""
     parts = [joint_table(solution, few, diagnosis), driver_table(solution, few), force_table(solution, few)]
     return [table for table in (body_table(solution), *parts) if table.rows]
 

@@ -63,7 +63,7 @@ def bearing_load(
     (58.86, 78.48)
     """
     if not isinstance(solution, RunResult):
-        raise InputError(f"bearing_load: {shown(solution)} is no solution; give one of simulate(...)")
+        raise InputError(f"bearing_load: {shown(solution)} is not a solution; give one of simulate(...)")
     part = solution.system.part(joint, "joints")
     what = f"bearing_load: '{solution.system.name(part)}' ({type(part).__name__})"
     if not isinstance(part, PointJoint) or isinstance(part, Prismatic | Fixed):

@@ -139,10 +139,8 @@ def wrenches_about_O(
     wrench, power, shown = np.empty((samples, 6)), np.empty(samples), np.empty((samples, 12))
     own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
     rates = np.empty((samples, own.stop - own.start))
-    data.coordinate["rate"] = 0.0
     for i in range(samples):
         data.coordinate["value"] = arrays["coordinate"][i]  # angles count their turns
-        data.unwrap_time[0] = solution.t[i]
         kinematics(alone, data, arrays["state"][i])
         loads(alone, data, solution.t[i])
         wrench[i] = data.body["Q"][index]

@@ -160,7 +160,7 @@ def controls_of(system: Mechanism, ranges: Mapping[str, Sequence[float]]) -> lis
         what = f"play: input '{name}'"
         pair = listed(given, what, "a range (low, high)")
         if len(pair) != 2:
-            raise InputError(f"{what}: {shown(given)} is no range; give (low, high)")
+            raise InputError(f"{what}: {shown(given)} is not a range; give (low, high)")
         low, high = (number(x, what) for x in pair)
         if not low < high:
             raise InputError(f"{what}: the range {low:g} ... {high:g} is empty or the wrong way round; give low < high")

@@ -134,7 +134,7 @@ class Playing:
         return self.values | self.held
 
     def share(self) -> float:
-        """Of the pace that is reached, over the last frames."""
+        """Share of the pace that is reached, over the last frames."""
         if not self.moving or len(self.reached) < self.reached.maxlen:
             return 1.0
         (clock, t), (last, now) = self.reached[0], self.reached[-1]

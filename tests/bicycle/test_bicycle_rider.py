@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.linalg import solve_continuous_lyapunov
 
 from bicycle import Meijaard2007, assist, course, handling, named, rider, tyres
 from bicycle.linear.general import linearization
@@ -112,6 +113,21 @@ def test_regulator_and_steer_into_the_fall_widen_the_range():
     assert fall.low < 4.0 and fall.high == 12.0
     K = assist.regulator(P)(5.0)
     assert np.linalg.eigvals(assist.canonical(P).A(5.0) - assist.input_of(P) * K).real.max() < 0.0
+
+
+def test_the_regulator_costs_least():
+    """The integral of sum w_i x_i^2 + effort T^2 by Lyapunov's equation grows with every change of the gains."""
+    weights, effort, v = np.array([1.0, 3.0, 0.5, 0.2]), 0.03, 4.0
+    A, B = assist.canonical(P).A(v), assist.input_of(P)
+
+    def cost(K):
+        closed = A - B * K
+        return np.trace(solve_continuous_lyapunov(closed.T, -np.diag(weights) - effort * np.outer(K, K)))
+
+    K = assist.regulator(P, weights, effort)(v)
+    for change in 1e-2 * np.diag(np.abs(K)):
+        more, less = cost(K + change) / cost(K) - 1, cost(K - change) / cost(K) - 1
+        assert min(more, less) > 0.0 and more == pytest.approx(less, rel=0.2)  # of second order in the change
 
 
 @pytest.mark.parametrize("on", [None, tyres.TYPICAL])

@@ -14,6 +14,7 @@ from mbsd3d import (
     GeneralizedAlpha,
     Kinematic,
     PointOnLine,
+    PointOnPlane,
     Polynomial,
     PositionDriver,
     Prismatic,
@@ -33,12 +34,16 @@ from mbsd3d import (
 ROD_AXIS = np.array([0.8, 0.15, -0.5]) / np.linalg.norm([0.8, 0.15, -0.5])
 
 
-def rod(how, radius=0.0):
-    """A slender rod in general position: turned by its orientation or in its own axes, O on or off its line."""
+def rod(how, radius=0.0, aside=0.0):
+    """A slender rod in general position: turned by its orientation or in its own axes, O on or off its line.
+
+    ``aside``: how far it lies from the line between the balls [m].
+    """
     x = np.cross(ROD_AXIS, (0.3, 0.2, 1.0))
     x /= np.linalg.norm(x)
     R = np.column_stack([x, np.cross(ROD_AXIS, x), ROD_AXIS])
-    middle, moments = np.array([0.5, 0.425, -0.05]), inertia.rod(2.0, np.linalg.norm([0.8, 0.15, -0.5]), radius=radius)
+    middle = np.array([0.5, 0.425, -0.05]) + aside * x
+    moments = inertia.rod(2.0, np.linalg.norm([0.8, 0.15, -0.5]), radius=radius)
     O = middle + ([0.1, -0.2, 0.3] if "off" in how else 0.0)
     if "tensor" in how:
         return Body("rod", 2.0, R @ np.diag(moments) @ R.T, position=O, com=middle - O)
@@ -103,6 +108,21 @@ def test_a_passive_spin_is_a_freedom_that_is_named():
         simulate(rssr(rod("turned", radius=0.01), driven=True), 0.1, method=Kinematic())
 
 
+def test_a_thin_rod_beside_the_line_between_its_balls_swings_about_it():
+    """It has no inertia about its own axis, but m d^2 about the line that it is free to turn about."""
+    system = rssr(rod("turned", aside=0.1))
+    assert system.check().verdict == "regular: all rows are independent"
+    assert simulate(system, 0.1).certificate.passed
+
+
+def test_a_joint_beside_the_axis_of_a_spin_is_not_named():
+    """A point of the ground stays in a plane across the rod, wherever the rod turns about its axis."""
+    free = rssr(rod("turned", radius=0.01))
+    guide = PointOnPlane(free.part("rod"), GROUND, at=(0.3, -0.4, 0.2), normal=ROD_AXIS, name="guide")
+    (note,) = (x for x in System(free.bodies, [*free.joints, guide]).check().notes if "spins freely" in x)
+    assert re.search(SPIN, note) and "guide" not in note
+
+
 def test_wheels_and_pendulums_are_not_spins():
     body, frame = Body("wheel", 1.0, (0.1, 0.1, 0.2)), Body("frame", 1.0, (0.1, 0.1, 0.2), com=(0.1, 0, 0))
     axle = Revolute(frame, body, at=(0, 0, 0), axis=(0, 0, 1))
@@ -147,6 +167,16 @@ def test_contradictory_drivers_are_both_named(system, text):
     assert re.search(text, verdict), verdict
     with pytest.raises(AssemblyError, match="contradictory drivers.*'fast' and .*'slow'.*remove one"):
         simulate(system, 0.3)
+
+
+def test_drivers_that_disagreed_before_the_start_are_not_to_blame():
+    """Angles and rates are equal at 1 s only; what is wrong is the angular velocity that the user gave."""
+    body = Body("rotor", 1.0, (0.1, 0.12, 0.2), com=(0.1, 0.05, 0.02), omega=(0.5, 0.1, 0.2))
+    hinge = Revolute(GROUND, body, at=(0.2, 0.1, 0), axis=(1, 2, 3), name="hinge")
+    signals = Polynomial((0.0, 1.0)), Polynomial((0.3, 0.4, 0.3))
+    system = System([body], [hinge, *(AngleDriver(hinge, signal) for signal in signals)])
+    with pytest.raises(AssemblyError, match="the given velocities contradict a joint"):
+        system.assemble(t=1.0)
 
 
 def test_a_driver_of_what_is_locked():

@@ -1,5 +1,6 @@
 """What every demo of a family must do; the test file of a family imports these and says which folder it is."""
 
+import sys
 from functools import cache
 from math import isfinite
 from types import ModuleType
@@ -39,9 +40,12 @@ def small(name, module="plugin_demos"):
     """A demo of another package that misses its theory."""
     system = System([Body("stone", 1.0, (1, 1, 1))])
     found = Measured({"one": 2.0}, (), [Curve("one [-]", [0, 1], [2, 2])])
+    file = ModuleType(f"{module}.{name}")
+    file.mechanism, file.theory, file.measure = lambda: system, lambda: {"one": 1.0}, lambda build, terms: found
+    sys.modules[file.__name__] = file
     return Demo(
-        f"{module}.{name}", "a title", "Why?", "Because.", "1 = 1", "a book", {"one": Quantity("one", "", 1e-9)},
-        lambda: system, lambda: {"one": 1.0}, lambda build, terms: found, Ablation("gyroscopic", "nothing"),
+        file.__name__, "a title", "Why?", "Because.", "1 = 1", "a book", {"one": Quantity("one", "", 1e-9)},
+        Ablation("gyroscopic", "nothing"),
     )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """The pages of docs/: their blocks print what they show, and what they name exists."""
 
+import doctest
 import inspect
 import json
 import re
@@ -18,9 +19,9 @@ from validation.cases.examples import JOINTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SLOW = {  # films, sweeps, other engines, compiled functions: a second or more
-    "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md", "engines.md",
-    "coming_from/mujoco.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md", "how/own_method.md",
-    "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
+    "api/bicycle.md", "api/linkages.md", "api/measures.md", "api/results.md", "bicycles.md", "coming_from/exudyn.md",
+    "coming_from/mujoco.md", "engines.md", "gallery.md", "how/compare.md", "how/files.md", "how/own_force.md",
+    "how/own_method.md", "how/see.md", "how/sweeps.md", "how/tyres.md", "teaching/bicycle.md",
 }  # fmt: skip
 PAGES = {str(path.relative_to(DOCS)): path for path in sorted(DOCS.rglob("*.md"))}
 WITH_BLOCKS = [
@@ -128,6 +129,18 @@ def test_every_public_name_is_in_the_reference_with_an_example(name):
     assert used or shown or name == "GROUND"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", re.findall(r"^\.\. autofunction:: (\S+)$", API["api/bicycle.md"], re.MULTILINE))
+def test_every_function_of_the_other_packages_has_an_example_that_runs(name):
+    found = resolved(name)
+    tests = doctest.DocTestFinder(recurse=False).find(found, name, globs={})
+    if any(test.examples for test in tests):
+        assert not any(doctest.DocTestRunner().run(test).failed for test in tests)
+    else:
+        code = "".join(code for code, _ in blocks(PAGES["api/bicycle.md"]))
+        assert re.search(rf"\b{name.split('.')[-1]}\(", code)
+
+
 def test_every_joint_has_its_row_and_picture():
     text = PAGES["how/joints.md"].read_text(encoding="utf-8")
     for joint in JOINTS:
@@ -157,13 +170,16 @@ def test_notebooks_are_those_of_the_lessons():
 
 
 def test_every_lesson_has_its_pictures():
-    named = {
-        page: set(re.findall(r"\]\(\.\./pictures/lessons/(\S+)\)", text.read_text(encoding="utf-8")))
-        for page, text in PAGES.items()
-        if page.startswith("teaching/") and blocks(text)
+    shown = {
+        page: re.findall(r"\]\([./]*pictures/((?:lessons|pages)/\S+)\)", PAGES[page].read_text("utf-8"))
+        for page in PAGES
     }
-    assert all(len(pictures) >= 2 for pictures in named.values())
-    assert set().union(*named.values()) == {path.name for path in (DOCS / "pictures/lessons").iterdir()}
+    lessons = [names for page, names in shown.items() if page.startswith("teaching/") and blocks(PAGES[page])]
+    assert lessons and all(len(names) >= 2 for names in lessons)
+    made = {
+        f"{folder}/{path.name}" for folder in ("lessons", "pages") for path in (DOCS / "pictures" / folder).iterdir()
+    }
+    assert {name for names in shown.values() for name in names} == made
 
 
 def test_forty_questions_have_a_page():

@@ -181,6 +181,16 @@ def test_loops_have_the_mobility_of_mujoco(tmp_path, closure):
     assert np.abs(parts["pin"].at - parts["pin"].at_b).max() < 1e-15
 
 
+@pytest.mark.parametrize("polynomial", ["0 -1.5 0.2 0 0", "0 -1.5 0 0 0.1", "0.1 -1.5 0 0 0", "0 0 0 0 0"])
+def test_couplings_that_no_gear_has_are_named(tmp_path, polynomial):
+    """y = a0 + a1 x + a2 x^2 ...: a gear has a1 alone."""
+    arms = "".join(f'<body name="arm {k}"><joint name="{k}" axis="1 2 2"/>{INERTIAL.format(1)}</body>' for k in "ab")
+    text = f"""<mujoco><worldbody>{arms}</worldbody>
+      <equality><joint name="bent" joint1="b" joint2="a" polycoef="{polynomial}"/></equality></mujoco>"""
+    with pytest.raises(ValueError, match="cannot import equality: bent"):
+        read_mjcf(written(tmp_path, text))
+
+
 def test_a_coordinate_held_by_an_equality_is_driven(tmp_path):
     text = f"""<mujoco>
     <worldbody><body name="arm"><joint name="arm" axis="1 2 3"/>{INERTIAL.format(1)}</body></worldbody>

@@ -132,8 +132,16 @@ def test_loads_that_change_within_a_turn_keep_their_steps():
     assert run.certificate.steps > 50
 
 
-def test_a_condition_on_the_rim_comes_true_in_the_first_turn():
+def test_a_condition_comes_true_in_the_first_turn():
+    """A point of the rim passes a height once in each turn; the step goes over several."""
     system, hinge = wheel(lambda hinge, axis: [])
     start = system.assemble(rates={hinge: 50.0})
-    run = simulate(system, 5.0, state=start, stop_when=measures.angle(hinge) > 1.0)
-    assert run.t[-1] == pytest.approx(0.02, rel=1e-9)
+    body, axis = system.bodies[0], matrix(ALONG) @ AXIS
+    rim = body.position + 0.1 * np.cross(axis, (1, 0, 0)) / np.linalg.norm(np.cross(axis, (1, 0, 0)))
+    for limit in (0.05, 0.0999):  # m of 0.1; the second for 0.09 rad only
+        passed = measures.offset(GROUND, body, at_a=body.position, at_b=rim, along=np.cross(axis, rim - body.position))
+        run = simulate(system, 5.0, state=start, stop_when=passed > limit)
+        assert run.t[-1] == pytest.approx(np.arcsin(10 * limit) / 50.0, rel=1e-8)
+        later = simulate(system, 5.0, state=start, stop_when=measures.angle(hinge) > 100.0)
+        assert later.t[-1] == pytest.approx(2.0, rel=1e-9)
+        assert later.certificate.steps < 40

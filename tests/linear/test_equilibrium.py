@@ -64,6 +64,18 @@ def test_a_pendulum_comes_down_from_anywhere(start):
     assert rest.stability == "stable, undamped" and "0.4985 Hz" in rest.reason  # sqrt(m g l / I) / 2 pi
 
 
+@pytest.mark.parametrize("damping", [2.0, 400.0])
+def test_what_dies_out_beside_a_swing_is_not_the_swing(damping):
+    """Slower than the pendulum, in 2.4 s to and fro or not at all."""
+    swing, _ = pendulum()
+    cart = Body("cart", 1.5, (0.1, 0.1, 0.2), position=(2.0, 1.0, 0.5))
+    rail = Prismatic(GROUND, cart, at=(2.0, 1.0, 0.5), axis=(1, 2, 0))
+    ends = {"at_a": (1.0, -1.0, 0.5), "at_b": (2.0, 1.0, 0.5)}
+    spring = SpringDamper(GROUND, cart, **ends, stiffness=10.0, damping=damping)
+    rest = System([*swing.bodies, cart], [*swing.joints, rail], [spring]).equilibrium()
+    assert rest.stability == "stable, undamped" and "0.4985 Hz" in rest.reason
+
+
 def test_a_start_that_is_an_equilibrium_stays_one():
     system, hinge = pendulum()
     rest = system.equilibrium(system.assemble(angles={hinge: -np.pi / 2}))

@@ -339,7 +339,7 @@ SYSTEMS = {
         lambda: System(bodies=[ROD, BALL]),
         ["Spherical 'ball' is in bodies", "belongs in joints="],
     ),
-    "one body without a list": (lambda: System(ROD), ["Body 'rod' is no sequence", r"bodies=\[...\]"]),
+    "one body without a list": (lambda: System(ROD), ["Body 'rod' is not a sequence", r"bodies=\[...\]"]),
     "one joint without a list": (lambda: System([ROD], BALL), ["Spherical 'ball'", r"joints=\[...\]"]),
     "joint among the forces": (lambda: System([ROD], [], [BALL]), ["Spherical 'ball' is in forces", "joints="]),
     "class among the joints": (lambda: System([ROD], [Spherical]), ["is a class", r"Spherical\(...\)"]),

@@ -98,6 +98,16 @@ def tangential(torque_a, torque_b, sign):
 
 
 @pytest.mark.parametrize("inside", [False, True], ids=["external", "internal"])
+@pytest.mark.parametrize("helix", [0.0, BETA])
+def test_a_mesh_may_be_told_from_either_gear(inside, helix):
+    """Action and reaction along one line; the helices of an internal mesh have one hand, those of others two."""
+    _, _, (first, second), teeth = pair(1.0, 1.0, inside=inside, helix=helix)
+    turned = helix if inside else -helix
+    other = GearMesh(second, first, at=teeth.at, pressure_angle=ALPHA, helix_angle=turned, flank=-1 if inside else 1)
+    assert other.direction() == pytest.approx(-teeth.direction(), abs=1e-14)
+
+
+@pytest.mark.parametrize("inside", [False, True], ids=["external", "internal"])
 @pytest.mark.parametrize("balanced", [True, False], ids=["steady", "accelerating"])
 def test_tooth_force_of_helical_gears_is_that_of_the_textbook(inside, balanced):
     sign = 1 if inside else -1

@@ -108,6 +108,12 @@ def test_life_of_the_worked_examples():
     assert life.speed == pytest.approx(720 * 2 * np.pi / 60, rel=1e-14)
 
 
+def test_a_life_does_not_ask_when_the_run_began():
+    t, load, speed = np.array([0.0, 1.0, 3.0]), np.array([2.0, 5.0, 3.0]), np.array([6.0, -7.0, 9.0])
+    first, later = (RollingBearing(C=7000.0).life_of(start + t, load, speed) for start in (0.0, 40.0))
+    assert (later.hours, later.speed) == pytest.approx((first.hours, first.speed), rel=1e-13)
+
+
 def test_mean_load_of_the_worked_example():
     """Mott, Machine Elements in Mechanical Design, example 14-6: 650, 750, 250 lb for 30, 10, 20 min: 597 lb."""
     t = np.array([0, 30, 30 + 1e-9, 40, 40 + 1e-9, 60]) * 60.0

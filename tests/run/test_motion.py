@@ -1,5 +1,7 @@
 """Frames, arrows, traces and curves: at a sample they are the solution's, between samples as good as they claim."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_files import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
@@ -199,10 +201,10 @@ def test_traces_follow_the_centres_that_move(solution, frames):
     [
         ([("foot", (0, 0, 0))], "'foot' is not one of the bodies of this system"),
         (["nix"], "'nix' is not one of the bodies of this system"),
-        ([3], "trace 3 is no body and no pair; give a body, or"),
+        ([3], "trace 3 is neither a body nor a pair; give a body, or"),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
-        (7, "traces: 7 is no sequence; give a list"),
+        (7, "traces: 7 is not a sequence; give a list"),
     ],
 )
 def test_wrong_traces_are_named(solution, frames, points, message):
@@ -257,6 +259,19 @@ def test_what_one_door_hinge_carries_is_said_to_be_open():
 def test_wrong_curves_are_named(solution, frames, wanted, message):
     with pytest.raises(ValueError, match=message):
         curves_of(solution, frames, wanted)
+
+
+def test_the_sign_of_a_quaternion_is_no_turn(solution):
+    """e and -e are one pose: between samples of other signs a body moves as before."""
+    rod = Body("rod", 2.0, (0.06, 0.058, 0.004), position=(0.3, 0.2, -0.3), orientation=rotation("z", 0.5))
+    swing = linearize(System([rod], [Revolute(GROUND, rod, at=(0.3, 0.2, 0.0), axis=(1, 2, 0))])).mode(0)
+    for motion in (solution, swing.motion(amplitude=0.3, samples=31)):
+        signs = np.where(np.arange(motion.t.size) % 3 == 1, -1.0, 1.0)[:, None, None]
+        q = np.concatenate([motion.arrays["q"][..., :3], signs * motion.arrays["q"][..., 3:]], axis=2)
+        flipped = replace(motion, arrays={**motion.arrays, "q": q})
+        found, known = (frames_of(x, 2 * q.shape[0] - 1) for x in (flipped, motion))
+        assert np.abs(found.r - known.r).max() < ROUNDING
+        assert np.abs(matrix(found.e) - matrix(known.e)).max() < ROUNDING
 
 
 def test_a_mode_moves_without_velocities():

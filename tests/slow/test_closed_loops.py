@@ -1,14 +1,17 @@
 """Overconstrained loops in general position: any masses, inertias, centres of mass and base poses, all methods."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
-from mbsd3d import RK4, AngleDriver, GeneralizedAlpha, Kinematic, Solution, System, simulate
+from mbsd3d import RK4, AngleDriver, GeneralizedAlpha, Kinematic, Revolute, Solution, System, simulate
+from mbsd3d.extend import matrix
 from mbsd3d.signals import Ramp
-from validation.cases.loops import FAMILIES, as_axes, moved_four_bars
+from validation.cases.loops import FAMILIES, as_axes
+from validation.cases.mechanisms import four_bars
 from validation.suite.trials.closed_forms import rods_frequency
 from validation.theory import pendulum_motion
 
@@ -94,6 +97,22 @@ def test_driven_loops_follow_their_geometry(name, seed):
     k = int(np.argmax(known[:, 0] > 0.15))  # a pose of the free motion, reached again by the driver at its own time
     again = simulate(driven, known[k, 0] / 0.3, method=Kinematic(), output=3)
     assert np.abs(turned(again, system.joints)[-1] - known[k]).max() < 1e-9
+
+
+def moved_four_bars(n: int, seed: int, reach: float = 0.3) -> System:
+    """The n four-bars with every reference point somewhere else, up to ``reach`` [m] in each axis of its body."""
+    rng, base, moved = np.random.default_rng(seed), four_bars(n), {}
+    for body in base.bodies:
+        shift = rng.uniform(-reach, reach, 3)
+        arm = matrix(body.orientation) @ shift
+        moved[body.name] = replace(
+            body, position=body.position + arm, com=-shift, velocity=body.velocity + np.cross(body.omega, arm)
+        )
+    hinges = [
+        Revolute(moved.get(joint.a.name, joint.a), moved[joint.b.name], at=joint.at, axis=joint.axis, name=joint.name)
+        for joint in base.joints
+    ]
+    return System(list(moved.values()), hinges, gravity=base.gravity)
 
 
 @pytest.mark.parametrize("n", [1, 2, 5, 10, 20, 40])

@@ -30,6 +30,8 @@ from sweep_models import (
 from mbsd3d.base.errors import SweepError
 from mbsd3d.extend import Store
 from mbsd3d.sweeps import executors as workers
+from mbsd3d.sweeps.experiment import Outcome
+from mbsd3d.sweeps.ledger import Ledger, LedgerError
 from mbsd3d.sweeps.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
@@ -244,3 +246,14 @@ def test_a_store_refuses_other_work_or_begins_anew(tmp_path):
     other.put("case", 1)
     other.clear()
     assert other.all() == {}
+
+
+@pytest.mark.parametrize("cell", [3, -1, "2"])
+def test_cells_that_the_grid_does_not_have_are_refused(tmp_path, cell):
+    """A file that was changed by hand or belongs to a larger grid with the same settings."""
+    own = {"setting": 1}
+    with_more = Ledger(tmp_path / "work.db", own, 5)
+    with_more.keep(2, Outcome({"value": 0.5}))
+    with_more.put(cell, {"values": {"value": 0.7}, "settings": ""})
+    with pytest.raises(LedgerError, match="holds cells that the grid does not have; delete it"):
+        Ledger(tmp_path / "work.db", own, 3).finished()

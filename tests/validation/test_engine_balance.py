@@ -247,8 +247,8 @@ def test_command_line_fails_if_the_ways_disagree(monkeypatch):
         (["I4", "--gas", "-5"], "gas: peak: -5.0 is not positive"),
         (["--gas", "5"], "study one engine; give a LAYOUT"),
         (["I4", "--pages", ""], "'' names no folder"),
-        (["I4", "--pages", "x", "--sweep", "--ways"], "--pages makes no use of --sweep, --ways; leave out"),
-        (["--truth", "--rpm", "20"], "--truth makes no use of --rpm; leave out"),
+        (["I4", "--pages", "x", "--sweep", "--ways"], "--pages does not use --sweep, --ways; leave one"),
+        (["--truth", "--rpm", "20"], "--truth does not use --rpm; leave one"),
         (["--truth", "I7"], "layout 'I7' is unknown"),
     ],
 )

@@ -33,7 +33,7 @@ from mbsd3d import (
 )
 from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
-from validation.twins.base import EngineFailed, EngineMissing, NotExpressible
+from validation.twins.base import EngineFailed, EngineMissing, Load, Motion, NotExpressible, finite
 from validation.twins.definitions.rows import law_of
 from validation.twins.mujoco import EXPRESSES, REFUSED, twin
 
@@ -231,3 +231,15 @@ def test_settings_say_what_was_done():
     ready = twin(loop(Spherical))
     assert ready.settings.endswith("RK4, solref (16 h, 0.5)") and ready.order == 2.0
     assert twin(loop(Spherical), softness=1.0).model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
+
+
+@pytest.mark.parametrize("what", ["position", "reaction"])
+def test_what_is_no_number_is_a_failure_of_the_engine(what):
+    """NaN compares as neither more nor less, so no verdict would see it, in poses or in reactions."""
+    t, values = np.linspace(0.0, 1.0, 5), np.zeros((5, 2, 3))
+    values[3, 1, 2] = np.nan
+    good, still = np.zeros((5, 2, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (5, 2, 1))
+    position = values if what == "position" else good
+    load = Load(values[:, 1] if what == "reaction" else good[:, 1], good[:, 1])
+    with pytest.raises(EngineFailed, match=rf"^MuJoCo: {what}.* is not finite from t = 0.75 s on"):
+        finite(Motion(t, position, still, good, good, {"hinge": load}), "MuJoCo")

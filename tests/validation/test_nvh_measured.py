@@ -74,7 +74,7 @@ def lines(change: str) -> str:
     ("change", "text"),
     [
         ("gap", "a gap of 0.75 m after point 50, x = 15.25 m; points stand 0.25 m"),
-        ("cell", "line 52: left is ''; a road without a gap"),
+        ("cell", "line 52: left is ''; give a number"),
         ("nan", "line 52: left is 'nan'"),
         ("order", "x goes from 15.25 to 13 m after point 50; give places in order"),
         ("short", "10 points; give 20 or more"),

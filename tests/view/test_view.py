@@ -201,7 +201,7 @@ def test_a_mode_is_animated():
         ({"title": 3}, "title = 3; give a text"),
         ({"dark": "yes"}, "dark = 'yes'; give True, False"),
         ({"curves": ["angles"]}, "quantity 'angles' is unknown"),
-        ({"hidden": 3}, "hidden: 3 is no sequence; give a list"),
+        ({"hidden": 3}, "hidden: 3 is not a sequence; give a list"),
         ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' is in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
         ({"path": 5}, "path = 5 names no file"),

@@ -30,7 +30,7 @@ class Count(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Of one mechanism by all who count."""
+    """Counts of one mechanism by all engines."""
 
     name: str
     ours: Count
@@ -120,7 +120,7 @@ def step_seconds(windows: int = 40, steps: int = 2) -> float:
 
 
 def report() -> list[str]:
-    """Everything."""
+    """The whole report."""
     one = large()
     said = [
         *table(redundancy()),

@@ -136,7 +136,7 @@ def best(climbs: Sequence[Climb], target: float) -> Reached | None:
 
 
 def retimed(climbed: Climb, seconds: dict[int, float]) -> Climb:
-    """With the least time of some points."""
+    """The climb with the least time of some points."""
     points = [
         point._replace(seconds=min(point.seconds, seconds.get(k, np.inf))) for k, point in enumerate(climbed.points)
     ]

@@ -113,7 +113,7 @@ def times(rows: Sequence[Row]) -> list[str]:
 
 
 def ratios(row: Row) -> str:
-    """Of both peers at the middle error."""
+    """Ratios of both peers at the middle error."""
     found = [row.ratio(peer, MIDDLE) for peer in PEERS]
     return "".join(f"{'-' if ratio is None else f'{ratio[1]}{ratio[0]:.3g}':>10}" for ratio in found)
 
@@ -159,7 +159,7 @@ def every(rows: Sequence[Row]) -> list[str]:
 
 
 def report(rows: Sequence[Row]) -> list[str]:
-    """All of it."""
+    """The whole report."""
     return [*times(rows), "", *judged(rows), "", *chosen(rows), "", *every(rows)]
 
 

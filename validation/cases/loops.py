@@ -1,14 +1,12 @@
 """Random closed loops in general position, and the same loop as its axes alone, for `validation.theory`."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
-from mbsd3d import Body, Revolute, System, linkages, rotation
+from mbsd3d import System, linkages, rotation
 from mbsd3d.extend import matrix
 from mbsd3d.inertia import MassProperties
-from validation.cases.mechanisms import four_bars
 from validation.theory import HingeLoop
 
 REST = (0.0, 0.0, 0.0)
@@ -104,19 +102,3 @@ def as_axes(system: System) -> HingeLoop:
         np.array([turn @ body.inertia @ turn.T for body, turn in zip(bodies, R, strict=True)]),
         np.asarray(system.gravity, float),
     )  # fmt: skip
-
-
-def moved_four_bars(n: int, seed: int, reach: float = 0.3) -> System:
-    """The n four-bars with every reference point somewhere else, up to `reach` [m] in each axis of its body."""
-    rng, base, moved = np.random.default_rng(seed), four_bars(n), {}
-    for body in base.bodies:
-        shift = rng.uniform(-reach, reach, 3)
-        arm = matrix(body.orientation) @ shift
-        moved[body.name] = replace(
-            body, position=body.position + arm, com=-shift, velocity=body.velocity + np.cross(body.omega, arm)
-        )
-    hinges = [
-        Revolute(moved.get(joint.a.name, joint.a), moved[joint.b.name], at=joint.at, axis=joint.axis, name=joint.name)
-        for joint in base.joints
-    ]
-    return System(list[Body](moved.values()), hinges, gravity=base.gravity)

@@ -91,6 +91,7 @@ def cross_check(
     Examples
     --------
     >>> from mbsd3d import GROUND, Body, Revolute, System
+    >>> from validation import cross_check
     >>> arm = Body("arm", 1.2, (0.02, 0.1, 0.1), com=(0.4, 0, 0))
     >>> system = System([arm], [Revolute(GROUND, arm, at=(0, 0, 0), axis=(0, -1, 0), name="hinge")])
     >>> cross_check(system, 0.5, engines=["definitions"]).verdict["definitions", "acceleration"]

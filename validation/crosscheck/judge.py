@@ -87,7 +87,7 @@ class Runs:
         self.values = {name: [run[name].values / run[name].scale for run in found] for name in found[0]}
 
     def limit(self, name: str, span: int | None) -> Limit:
-        """Of a quantity, its order observed up to sample ``span``."""
+        """Limit of a quantity, its order observed up to sample ``span``."""
         return best_limit(self.values[name], self.ladder.twin.order, span, beginning(name))
 
 
@@ -196,7 +196,7 @@ def differences(runs: Runs, name: str, span: int) -> tuple[float, ...]:
 
 
 def curves(runs: Runs, span: int) -> tuple[Curve, ...]:
-    """For the plot of convergence."""
+    """Curves for the plot of convergence."""
     end = float(runs.ours.motion.t[-1] - runs.ours.motion.t[0])
     steps = tuple(end / count for count in runs.ladder.steps)
     return tuple(Curve(name, steps, differences(runs, name, span)) for name in runs.values if span)

@@ -69,7 +69,7 @@ def momenta(system: System, motion: Motion) -> tuple[Array, Array, Array, Array]
 
 
 def sizes(system: System, motion: Motion, length: float) -> Sizes:
-    """From a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
+    """Sizes from a motion of a model of a given length [m]; a motion at rest has sizes too, from its weight."""
     span = float(motion.t[-1] - motion.t[0]) or 1.0
     mass = sum(body.mass for body in system.bodies) or 1.0
     pull = float(np.linalg.norm(system.gravity))

@@ -162,7 +162,7 @@ class CrossCheck:
         return self.table()
 
     def table(self) -> str:
-        """As text, one line per engine and quantity."""
+        """The result as text, one line per engine and quantity."""
         return table(self)
 
     def figure(self, dark: bool = False) -> Any:

@@ -87,7 +87,7 @@ def main(
 
 
 def alone(switch: str, allowed: set[str]) -> None:
-    """Refuse options that `switch` makes no use of; LAYOUT it takes."""
+    """Refuse options that `switch` does not use; it takes LAYOUT."""
     context = click.get_current_context()
     given = [
         option.opts[0]
@@ -96,7 +96,7 @@ def alone(switch: str, allowed: set[str]) -> None:
         and option.name not in allowed | {"layout", switch.removeprefix("--")}
     ]
     if given:
-        raise InputError(f"{switch} makes no use of {', '.join(given)}; leave out the one or the other")
+        raise InputError(f"{switch} does not use {', '.join(given)}; leave one of them out")
 
 
 def published(name: str | None) -> str:

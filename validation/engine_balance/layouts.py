@@ -74,7 +74,7 @@ def data() -> dict[str, Any]:
 
 
 def names() -> tuple[str, ...]:
-    """Of all layouts of the data file."""
+    """Names of all layouts of the data file."""
     return tuple(data()["configurations"])
 
 

@@ -18,7 +18,7 @@ def width(engine: Engine) -> float:
 
 
 def bore_radius(engine: Engine) -> float:
-    """Of a piston [m]; bores of one bank are a spacing apart."""
+    """Radius of a piston [m]; bores of one bank are a spacing apart."""
     same = [
         abs(a - b)
         for a, u in zip(engine.stations, engine.layout.bores, strict=True)

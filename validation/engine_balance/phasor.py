@@ -101,7 +101,7 @@ def terms(engine: Any, orders: int) -> int:
 
 
 def mass(engine: Any) -> float:
-    """Of all moving parts of one cylinder [kg]."""
+    """Mass of all moving parts of one cylinder [kg]."""
     return engine.crank_mass + engine.rod_mass + engine.pistons[0]
 
 

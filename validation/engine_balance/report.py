@@ -54,7 +54,7 @@ class Table(NamedTuple):
 
 
 def amplitudes(h: Harmonics) -> dict[str, np.ndarray]:
-    """Of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""
+    """Amplitudes of force and couple (long half axes), torque reaction and driving torque, (orders + 1,) each."""
     turned = [half_axes(h.forward[:, k], h.backward[:, k])[0] for k in (0, 1)]
     return dict(force=turned[0], couple=turned[1], reaction=np.abs(h.moment[:, 2]), torque=np.abs(h.torque))
 

@@ -69,7 +69,7 @@ class Flat:
         return found
 
     def path(self, cancel: Cancel) -> Path:
-        """Of the actuator of ``cancel`` to the force on the car, held over a sample."""
+        """Path of the actuator of ``cancel`` to the force on the car, held over a sample."""
         (k, c), T, M = self.rates, self.heads, self.mass
         head = T[2 * cancel.which + 1]
         both = np.zeros((7, 7))

@@ -197,7 +197,7 @@ class Planes:
 
 
 def verdict(off: float) -> str:
-    """Of a relative difference."""
+    """Verdict on a relative difference."""
     return EXACT if abs(off) < SAME else NEAR
 
 

@@ -1,7 +1,8 @@
 """Engines and cars as records: those of the data files under a name, and a user's own, a file (.json) with one."""
 
+import csv
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,35 @@ def record(kind: str, name: str) -> Record:
     if not isinstance(found, dict):
         raise InputError(f"{kind[:-1]} '{name}': give one record, {{...}}; --export writes an example")
     return found
+
+
+def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list[str], list[tuple[str, list[str]]]]:
+    """Header and (where, cells) of every line of a file of comma-separated values, lines of nothing left out.
+
+    ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
+    """
+    try:
+        rows = csv.reader(path.read_text(encoding="utf-8-sig").splitlines())
+        lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(rows, start=1) if any(row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{kind} '{path}': {why}; give a file of comma-separated values") from None
+    if not lines or lines[0][1] not in headers:
+        heads = " or ".join(f"'{','.join(header)}'" for header in headers)
+        raise InputError(f"{kind} '{path.name}': line 1 must be {heads}")
+    header = lines[0][1]
+    for k, row in lines[1:]:
+        if len(row) != len(header):
+            raise InputError(f"{kind} '{path.name}': line {k} has {len(row)} values; give {len(header)}")
+    return header, [(f"{kind} '{path.name}': line {k}", row) for k, row in lines[1:]]
+
+
+def cell(text: str, what: str) -> float:
+    """A cell as a finite number."""
+    try:
+        return number(float(text), what)
+    except ValueError:
+        raise InputError(f"{what} is '{text}'; give a number") from None
 
 
 def fields(found: Any, needed: Iterable[str], what: str, free: Iterable[str] = ()) -> None:

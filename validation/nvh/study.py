@@ -86,7 +86,7 @@ class Study:
 
     @cached_property
     def modes(self) -> list[RigidMode]:
-        """Of the powertrain at rest."""
+        """Modes of the powertrain at rest."""
         return rigid_modes(self.body.rigid, self.placed)
 
     @cached_property
@@ -111,7 +111,7 @@ class Study:
 
     @cached_property
     def map(self) -> Map:
-        """From idle to redline."""
+        """Linear map from idle to redline."""
         return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, SPEEDS))
 
     @cached_property
@@ -122,7 +122,7 @@ class Study:
 
     @cached_property
     def here(self) -> Map:
-        """At the speed of the study."""
+        """The map at the speed of the study."""
         return self.on_mounts.answer(self.source, [self.rpm])
 
     @cached_property

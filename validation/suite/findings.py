@@ -232,7 +232,7 @@ def counted(records: Sequence[Record]) -> str:
 
 
 def table(records: Sequence[Record]) -> str:
-    """Everything."""
+    """All cases as a table, with what differs and what was left out."""
     parts = [*aligned(lines_of(records, columns_of(records))), "", LEGEND, ""]
     parts += [*differences(records), *omissions(records), counted(records)]
     return "\n".join(parts)

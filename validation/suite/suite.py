@@ -121,7 +121,7 @@ class Suite:
 
     @property
     def records(self) -> list[Record]:
-        """Of the cases that are finished, in the order of the trials."""
+        """Records of the cases that are finished, in the order of the trials."""
         return [self.found[trial.name] for trial in self.trials if trial.name in self.found]
 
     @property

@@ -40,7 +40,7 @@ FORMS = {
 
 
 class Cost(NamedTuple):
-    """Of one form of a mechanism at a fixed step."""
+    """Cost of one form of a mechanism at a fixed step."""
 
     mechanism: str
     form: str
@@ -159,7 +159,7 @@ def design_sweep(cells: int = CELLS) -> dict[str, float]:
 
 
 def measure(rounds: int = ROUNDS, cells: int = CELLS) -> Tax:
-    """Everything, in one process."""
+    """Measure everything, in one process."""
     costs = [row for mechanism in mechanisms() for row in fixed_step(mechanism, rounds)]
     accuracies = [row for mechanism in mechanisms() for row in equal_accuracy(mechanism, rounds)]
     return Tax(machine("numpy", "numba"), costs, accuracies, noise_floors(), design_sweep(cells))

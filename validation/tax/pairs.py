@@ -65,7 +65,7 @@ class Mechanism:
         return 2 * np.pi / abs(self.rate)
 
     def plane(self, *, driven: bool = False, centroidal: bool = False) -> planar.System:
-        """For the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
+        """The mechanism for the planar solver; ``centroidal`` puts every O into the centre of mass (r_G = 0)."""
         bodies = {None: planar.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)[:2]
@@ -77,7 +77,7 @@ class Mechanism:
         return planar.System([bodies[link.name] for link in self.links], joints, gravity=self.gravity)
 
     def space(self, *, redundant: bool = False, driven: bool = False, centroidal: bool = False) -> mbsd3d.System:
-        """For `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
+        """The mechanism for `mbsd3d`; ``redundant`` makes every turning joint a hinge."""
         bodies = {None: mbsd3d.GROUND}
         for k, link in enumerate(self.links):
             origin = np.array(link.centre if centroidal else link.origin)

@@ -27,7 +27,7 @@ def harmonic(angle: np.ndarray, lift: float, half: float) -> tuple[np.ndarray, n
 
 
 def pressure_angle(s: np.ndarray, ds: np.ndarray, pitch: float) -> np.ndarray:
-    """[rad] between the way of a roller that crosses the axis of its cam and the force on it: ``tan = s' / (r + s)``.
+    """Angle [rad] between the way of a roller towards its cam's axis and the force on it: ``tan = s' / (r + s)``.
 
     ``pitch``: r from the axis of the cam to that of the roller where it is lowest [m].
     """

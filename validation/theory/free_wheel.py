@@ -57,7 +57,7 @@ def rotation(e: np.ndarray) -> np.ndarray:
 
 
 def lowest(w: Rubber, axle: np.ndarray) -> np.ndarray:
-    """From the hub to the lowest point of the circle of tube centres, by its angle on it."""
+    """Vector from the hub to the lowest point of the circle of tube centres, by its angle on it."""
     a = np.cross(axle, np.eye(3)[np.argmin(np.abs(axle))])
     a /= np.linalg.norm(a)
     b = np.cross(axle, a)
@@ -90,7 +90,7 @@ def pull(w: Rubber, mu: float | None, bent: np.ndarray) -> tuple[np.ndarray, flo
 
 
 def contact_point(w: Rubber, hub: np.ndarray, axle: np.ndarray) -> np.ndarray:
-    """From the hub to where forces act: below the lowest point of the circle of tube centres."""
+    """Vector from the hub to where forces act: below the lowest point of the circle of tube centres."""
     T = lowest(w, axle)
     return np.array([T[0], T[1], -hub[2]])
 

@@ -45,7 +45,7 @@ def places(p: Any, c: Array) -> tuple[list[Array], list[Array], list[Array]]:
 
 
 def foot(axle: Array, radius: float, crown: float) -> Array:
-    """From the centre of a wheel to its lowest point."""
+    """Vector from the centre of a wheel to its lowest point."""
     down = Z - axle[2] * axle
     return (radius - crown) * down / np.sqrt(down @ down) + crown * Z
 

@@ -27,6 +27,7 @@ WHEELS = {"front left": (1, 1), "front right": (1, -1), "rear left": (-1, 1), "r
 STRUT = 0.5  # length of the springs under load [m]: they act along one line, so it does not matter
 KINGPIN = shapes.Lines([(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
 CRANK = 10.0  # kg of a crankshaft, taken from the mass without the wheels
+SHOW = {"traces": [], "hidden": ["joints", "joint names", "body names"], "follow": "chassis"}  # of every demo
 
 
 class Engine(NamedTuple):
@@ -72,19 +73,19 @@ class Car(NamedTuple):
 
     @property
     def wheelbase(self) -> float:
-        """[m]"""
+        """Distance of the axles [m]."""
         return self.a + self.b
 
     def share(self, wheel: str) -> float:
-        """Of the weight on a wheel at rest."""
+        """Share of the weight on a wheel at rest."""
         return 0.5 * (self.b if wheel.startswith("front") else self.a) / self.wheelbase
 
     def load(self, wheel: str) -> float:
-        """On a wheel at rest [N]."""
+        """Load on a wheel at rest [N]."""
         return (self.ms * self.share(wheel) + self.mw) * G
 
     def place(self, wheel: str) -> np.ndarray:
-        """Of a wheel's centre from the centre of mass of the car."""
+        """Place of a wheel's centre from the centre of mass of the car."""
         x, y = WHEELS[wheel]
         return np.array([self.a if x > 0 else -self.b, 0.5 * y * self.track, self.r - self.h])
 

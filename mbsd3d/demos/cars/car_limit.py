@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car, car
+from .car import SHOW, WHEELS, Car, car
 from .circle import circle, circles
 from .theory import ROLLED, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
@@ -124,19 +124,11 @@ demo = Demo(
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
         "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLLED),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

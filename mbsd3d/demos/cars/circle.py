@@ -41,17 +41,17 @@ class Circle:
 
     @property
     def roll(self) -> float:
-        """[rad]"""
+        """Roll angle [rad]."""
         return float(self.x[0])
 
     @property
     def pitch(self) -> float:
-        """[rad]"""
+        """Pitch angle [rad]."""
         return float(self.x[1])
 
     @property
     def steer(self) -> float:
-        """[rad]"""
+        """Steer angle [rad]."""
         return float(self.x[4])
 
     @property

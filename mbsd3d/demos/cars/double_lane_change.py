@@ -7,7 +7,7 @@ from mbsd3d import Pulse, System, linearize, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car
+from .car import SHOW, WHEELS, Car
 from .driver import closed, followed
 from .linear import Y
 
@@ -146,16 +146,12 @@ demo = Demo(
         "damping_1_s": Quantity("damping of the slowest swing of car and driver", "1/s", relative=1e-7),
         "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
+        **SHOW,
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],
         "traces": ["chassis", "point"],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
     },
     ranges={"a": (1.1, 1.2), "v": (19.0, 24.0)},
 )  # fmt: skip

@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
-from .car import Car, Engine, G, car
+from .car import SHOW, Car, Engine, G, car
 from .circle import circle
 from .theory import axle_stiffnesses
 
@@ -105,9 +105,6 @@ demo = Demo(
         "pitch_by_engine_rad_s2_m": Quantity("pitch by the engine, per acceleration", "rad s^2/m", 1e-6, 1e-9),
         "front_by_engine_kg": Quantity("load to the front by the engine, per acceleration", "kg", 1e-6, 1e-4),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "half of what the engine does is lost; the other half is I dw/dt of the crankshaft",
@@ -115,10 +112,5 @@ demo = Demo(
     ),
     against=Against("Omega", -900.0, 900.0, "speed of the crankshaft [rad/s]", 3),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "front left tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "front left tyre")]},
 )  # fmt: skip

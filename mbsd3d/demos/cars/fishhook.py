@@ -7,7 +7,7 @@ from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import WHEELS, Car, car
+from .car import SHOW, WHEELS, Car, car
 from .linear import ROLL, linear
 
 SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
@@ -44,7 +44,7 @@ def top(t, x, after=0.0):
 
 
 def features(answer):
-    """Of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``, and these rolls.
+    """Features of small motions, whose roll per steer over `TIMES` is ``answer(time of steering back)``; these rolls.
 
     When it is steered back; the roll of the single turn in the end; the largest one to the left over that.
     """
@@ -73,7 +73,7 @@ def theory(*, ms, h, track, kf, kr, damping, v, back):
 
 
 def roll_of(run):
-    """To the right [rad]."""
+    """Roll to the right [rad]."""
     return run.measure(measures.lean(run.system.part("chassis"))).ravel()
 
 
@@ -147,16 +147,8 @@ demo = Demo(
         "roll_gain": Quantity("roll over steer, in the end of a single turn", "", relative=2e-5),
         "swing_over_steady": Quantity("largest roll to the other side, over that", "", relative=5e-5),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("steering_back", "steered straight again only, it swings over by very little", {"back": 0.0}),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.6, 0.72), "damping": (1500.0, 2300.0), "at": None},
 )  # fmt: skip

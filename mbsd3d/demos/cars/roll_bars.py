@@ -6,7 +6,7 @@ from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import Car, car
+from .car import SHOW, Car, car
 from .circle import circle, circles
 from .theory import ROLLED, trims, understeer_gradient
 
@@ -108,9 +108,6 @@ demo = Demo(
         "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=ROLLED),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "load_sensitivity",
         "with grip and stiffness in proportion to the load bars in front cost nothing, and the car steers as if its "
@@ -118,11 +115,6 @@ demo = Demo(
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
 )  # fmt: skip

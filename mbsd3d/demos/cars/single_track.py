@@ -148,9 +148,6 @@ demo = Demo(
         "yaw_gain_1_s": Quantity("yaw rate over steer", "1/s", relative=1e-9),
         "characteristic_m_s": Quantity("characteristic speed", "m/s", relative=1e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "understeer",
         "with the centre of mass all but in the middle both axles slip alike, the yaw rate grows with the speed, and "

@@ -9,7 +9,7 @@ from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
-from .car import Car, car
+from .car import SHOW, Car, car
 from .linear import HEADING, ROLL, SPINNING, STANDING, Y, linear
 
 SMALL, TIGHT = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
@@ -112,19 +112,11 @@ demo = Demo(
         "side_s": Quantity("90 % of the side acceleration after", "s", relative=1e-4),
         "roll_s": Quantity("90 % of the roll after", "s", relative=1e-4),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less, by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
-    show={
-        "curves": [("force", "front right tyre"), ("force", "rear right tyre")],
-        "traces": [],
-        "hidden": ["joints", "joint names", "body names"],
-        "follow": "chassis",
-    },
+    show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

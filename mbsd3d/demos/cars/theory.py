@@ -110,7 +110,7 @@ class Planar:
         return np.array([*over, moment / self.c.wheelbase, *(forces[2:, 0] - 0.5 * x[2])]) / self.m
 
     def trim(self, x: np.ndarray) -> Trim:
-        """Of unknowns that solve the equations."""
+        """The trim that a solution of the equations means."""
         angles, loads, _, used = self.parts(x)
         return Trim(float(x[5]), float(x[1]), angles, loads, used)
 

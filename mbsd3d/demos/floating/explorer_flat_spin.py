@@ -74,9 +74,6 @@ demo = Demo(
         "long_axis_rate_at_t_rad_s": Quantity("rate about the long axis at t", "rad/s", relative=1e-7),
         "final_flat_rate_rad_s": Quantity("rate of the flat spin in the end", "rad/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "losses", "without friction inside it keeps spinning about its long axis", {"c": 0.0}, values=lambda: {}
     ),  # fmt: skip

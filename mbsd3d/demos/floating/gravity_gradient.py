@@ -64,9 +64,6 @@ demo = Demo(
     equation="I_2 a'' = -3 n^2 (I_1 - I_3) sin a cos a",
     source="Hughes, Spacecraft Attitude Dynamics, ch. 9; Goldstein, Classical Mechanics, 5.8",
     quantities={"quarter_period_s": Quantity("time from the release to the vertical", "s")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "length",
         "three equal moments: no pull, and it never comes upright",

@@ -58,9 +58,6 @@ demo = Demo(
         "space_cone_rate_rad_s": Quantity("rate on the space cone", "rad/s"),
         "cone_angle_deg": Quantity("half angle of the cone of the axis", "deg"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the angular velocity stays fixed in the body, and there is no body cone",

@@ -122,9 +122,6 @@ demo = Demo(
         "slip_m_s": Quantity("sliding along the teeth", "m/s"),
         "ratio": Quantity("rate of the pinion over that of the wheel"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "offset", "the shafts meet: spiral bevel gears, a smaller pinion and no sliding", {"offset_angle_deg": 0.0}
     ),

@@ -64,9 +64,6 @@ demo = Demo(
         "follower_turn_deg": Quantity("turn of the next hinge", "deg"),
         "long_side_m": Quantity("length of the other side", "m"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "proportion", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"follower_turn_deg": 0.0}
     ),  # fmt: skip

@@ -34,7 +34,7 @@ class Loop(NamedTuple):
         ])  # fmt: skip
 
     def frames(self, theta: Sequence[float]) -> list[np.ndarray]:
-        """Of all hinges, (4, 4) each, and once more of the first one, around the loop."""
+        """Frames of all hinges, (4, 4) each, and once more of the first one, around the loop."""
         found = [np.eye(4)]
         for k, angle in enumerate(theta):
             found.append(found[-1] @ self.step(k, angle))

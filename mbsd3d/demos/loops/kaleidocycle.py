@@ -18,7 +18,7 @@ def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, tu
 
 
 def closure(f, t, al):
-    """Of the threefold-symmetric ring."""
+    """What is zero where the threefold-symmetric ring closes."""
     c, s = np.cos(al), np.sin(al)
     same = c**2 + s**2 * (np.cos(t) + np.cos(f)) + (1 + c**2) * np.cos(t) * np.cos(f)
     return same - 2 * c * np.sin(t) * np.sin(f)
@@ -62,9 +62,6 @@ demo = Demo(
     equation="right angles: cos t + cos f + cos t cos f = 0",
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "symmetry", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"other_hinge_turn_deg": 0.0}
     ),  # fmt: skip

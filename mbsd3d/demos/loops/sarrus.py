@@ -81,9 +81,6 @@ demo = Demo(
         "mobility": Quantity("freedoms without the motor"),
         "rise_rate_m_s": Quantity("rate of rise", "m/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "planes", "legs in parallel planes leave three freedoms", {"plane_deg": 180.0}, values=lambda: {"mobility": 3.0}
     ),  # fmt: skip

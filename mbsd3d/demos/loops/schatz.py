@@ -57,9 +57,6 @@ demo = Demo(
         "output_turn_deg": Quantity("turn of the other shaft", "deg"),
         "middle_turn_deg": Quantity("turn of a middle hinge", "deg"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "proportion",
         "one side 1 % longer: locked",

@@ -109,7 +109,7 @@ def upright_axes(p, angle, guess=(0.0, 0.0)):
 
 
 def cross_matrix(a):
-    """[a]x."""
+    """Matrix [a]x of the cross product."""
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
 
 
@@ -152,9 +152,6 @@ demo = Demo(
     equation="|U - L|, |T - L|, |T - U|, |T - K| stay; toe and camber from the axle",
     source="Dixon, Suspension Geometry and Computation; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 17",
     quantities={"toe_deg": Quantity("toe", "deg"), "camber_deg": Quantity("camber", "deg")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("travel", "on a flat road it neither steers nor leans", {"arm_deg": 0.0}),
     show={"curves": [("omega", "wheel"), ("angle", "lower axis")], "traces": []},
     ranges={"arm_deg": (-9.0, 9.0), "points": None},

@@ -53,7 +53,7 @@ def error(left, right, track, wheelbase):
 
 
 def right_angle(left, track, kingpin_deg, caster_deg, arm, arm_in_deg):
-    """Of the right kingpin [rad], by the length of the tie rod."""
+    """Steer angle about the right kingpin [rad], by the length of the tie rod."""
     (one, axis1, lever1), (two, axis2, lever2) = (
         geometry(side, track, kingpin_deg, caster_deg, arm, arm_in_deg) for side in (1, -1)
     )
@@ -107,9 +107,6 @@ demo = Demo(
         "right_kingpin_deg": Quantity("angle of the right kingpin", "deg"),
         "ackermann_error": Quantity("cot(outer) - cot(inner) - track/wheelbase"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "lean", "with upright kingpins it is the plane trapezoid", {"kingpin_deg": 0.0, "caster_deg": 0.0}
     ),

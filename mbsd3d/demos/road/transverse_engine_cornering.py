@@ -84,9 +84,6 @@ demo = Demo(
         "right_minus_left_N": Quantity("right less left load", "N"),
         "front_change_N": Quantity("change of the front load", "N", absolute=1e-8),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "half of the engine's share is lost; the other half is I dw/dt of the crankshaft",

@@ -14,7 +14,7 @@ def mechanism(*, bend_deg=20.0, torque=500.0) -> System:
 
 
 def couple(angle, bend_deg, torque):
-    """On the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven = torque."""
+    """Couple on the driving shaft [N m]: the joint's moment M n, n normal to both pins, M n . driven = torque."""
     b = np.radians(bend_deg)
     pin = np.stack([np.zeros_like(angle), np.cos(angle), np.sin(angle)])
     along = np.array([np.cos(b), np.sin(b), 0.0])
@@ -60,9 +60,6 @@ demo = Demo(
         "couple_on_driving_shaft_Nm": Quantity("greatest couple on the driving shaft", "N m"),
         "couple_on_driven_shaft_Nm": Quantity("greatest couple on the driven shaft", "N m"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     alone="its shafts have no mass",
     ablation=Ablation("bend", "shafts in line feel no couple", {"bend_deg": 0.0}),
     against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),

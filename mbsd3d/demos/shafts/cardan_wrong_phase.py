@@ -31,7 +31,7 @@ def mechanism(*, bend_deg=30.0, phase_deg=90.0) -> System:
 
 
 def ratio(angle, bend):
-    """Of one cross: cos b/(1 - sin^2 b cos^2 angle), its driving pin in the plane of the shafts at 0."""
+    """Ratio of one cross: cos b/(1 - sin^2 b cos^2 angle), its driving pin in the plane of the shafts at 0."""
     return np.cos(bend) / (1 - np.sin(bend) ** 2 * np.cos(angle) ** 2)
 
 
@@ -67,9 +67,6 @@ demo = Demo(
         "greatest_ratio": Quantity("greatest output over input rate"),
         "least_ratio": Quantity("least output over input rate"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("phase", "fitted right, the output runs evenly", {"phase_deg": 0.0}),
     against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),
     show={"curves": [("omega_body", "driven")], "traces": []},

@@ -136,9 +136,6 @@ demo = Demo(
         "rocking_1x_Nm": Quantity("rocking moment across the bore, 1x", "N m"),
         "along_1x_without_centripetal_N": Quantity("the force along it without m w x (w x s), 1x", "N"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("centripetal", "the share of the crank is missing", values=without_centripetal),
     show={"curves": [("slide", "bore"), ("reaction", "bearing", "bore")], "shown": ["reaction force"]},
 )  # fmt: skip

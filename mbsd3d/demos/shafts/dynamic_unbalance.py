@@ -50,9 +50,6 @@ demo = Demo(
     equation="F = |C - A| w^2 sin a cos a / span",
     source="Den Hartog, Mechanical Vibrations, ch. 6; ISO 21940",
     quantities={"bearing_force_N": Quantity("force of a bearing", "N")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "nothing shakes, as nothing shakes for A = C or without the tilt",

@@ -84,9 +84,6 @@ demo = Demo(
         "couple_cross_plane_Nm": Quantity("couple on the block, cross plane", "N m"),
         "couple_flat_plane_Nm": Quantity("couple on the block, flat plane", "N m"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "cross",
         "a flat crank has no couple",

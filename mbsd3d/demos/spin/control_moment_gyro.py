@@ -30,12 +30,12 @@ def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) ->
 
 
 def rate(d, *, Is, A, C, Omega):
-    """Of the satellite [rad/s] at a tilt d: the momentum about z stays zero."""
+    """Rate of the satellite [rad/s] at a tilt d: the momentum about z stays zero."""
     return -2 * C * Omega * np.sin(d) / (Is + 2 * A * np.cos(d) ** 2 + 2 * C * np.sin(d) ** 2)
 
 
 def tilt(t, delta_deg, T):
-    """Of the gimbals [rad]: a cubic from rest to rest."""
+    """Tilt of the gimbals [rad]: a cubic from rest to rest."""
     return np.radians(delta_deg) * (3 * (t / T) ** 2 - 2 * (t / T) ** 3)
 
 
@@ -73,9 +73,6 @@ demo = Demo(
         "satellite_rate_rad_s": Quantity("rate of the satellite at the end", "rad/s"),
         "satellite_turn_deg": Quantity("turn of the satellite", "deg"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("spin", "wheels that do not spin turn nothing", {"Omega": 0.0}),
     against=Against("delta_deg", 0.0, 90.0, "tilt of the gimbals [deg]", computed=3),
     show={"curves": [("omega", "satellite")], "shown": ["angular momentum"], "traces": []},

@@ -78,9 +78,6 @@ demo = Demo(
     equation="A_u s'' = -C w W cos(lat) sin s; small swings: T = 2 pi sqrt(A_u / (C w W cos lat))",
     source="Goldstein, Classical Mechanics (gyrocompass); Arnold, Maunder, Gyrodynamics",
     quantities={"time_to_north_s": Quantity("time from the release to north", "s")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic", "half the moment is lost, and it takes longer by sqrt(C/A)", values=without_gyroscopic
     ),  # fmt: skip

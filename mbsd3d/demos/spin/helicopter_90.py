@@ -87,9 +87,6 @@ demo = Demo(
         "lag_deg": Quantity("lag of the flap behind the push", "deg"),
         "flap_rad": Quantity("size of the flap", "rad", absolute=1e-13, relative=1e-7),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic",
         "the spring is that of a point mass, too weak by a quarter, and the lag above 90 degrees",

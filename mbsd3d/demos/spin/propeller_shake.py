@@ -71,9 +71,6 @@ demo = Demo(
         "pitch_moment_mean_Nm": Quantity("pitching moment, mean", "N m"),
         "yaw_moment_amplitude_Nm": Quantity("yawing moment, amplitude", "N m"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("two-blades", "three blades: a steady moment and no shaking", {"blades": 3}),
     show={"curves": [("reaction", "hub")], "shown": ["reaction moment"]},
 )

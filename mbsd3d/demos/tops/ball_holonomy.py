@@ -59,9 +59,6 @@ demo = Demo(
         "net_turn_cos": Quantity("cosine of the net turn"),
         "axis_height": Quantity("height of its axis"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "circle", "on a circle of no size it comes back as it was", {"rho": 1e-6}, values=lambda: {"net_turn_cos": 1.0}
     ),  # fmt: skip

@@ -66,9 +66,6 @@ demo = Demo(
         "precession_rad_s": Quantity("rate of the contact point", "rad/s"),
         "face_turn_rad_s": Quantity("rate of the face", "rad/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "face",
         "a ring instead of a disc is slower by sqrt 2 (w lies along a principal axis, so that "

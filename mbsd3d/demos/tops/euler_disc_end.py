@@ -13,7 +13,7 @@ PER_WEIGHT = 1e6  # 1/m: the table gives way by 1 um, far less than the edge is 
 
 
 def moments(m, a):
-    """Of a thin disc (I1, I1, I3)."""
+    """Moments of inertia of a thin disc (I1, I1, I3)."""
     return np.array([0.25, 0.25, 0.5]) * m * a**2
 
 
@@ -44,7 +44,7 @@ def mechanism(*, m=0.1, a=0.04, rho=0.002, tilt_deg=10.0, mu=0.8, arm=3e-4) -> S
 
 
 def end(a, tilt_deg, arm):
-    """Of a thin disc at a small tilt, where E = 3/2 m g a tilt and E' = -arm m g W tilt, W^2 = 4 g/(a tilt)."""
+    """Time left at a small tilt, of a thin disc: E = 3/2 m g a tilt and E' = -arm m g W tilt, W^2 = 4 g/(a tilt)."""
     return 1.5 * a / arm * np.sqrt(a * np.radians(tilt_deg) / G)
 
 
@@ -113,9 +113,6 @@ demo = Demo(
         "lost_J": Quantity("energy lost by t", "J", relative=1e-3, absolute=1e-6),
         "spare": Quantity("friction to spare at t", absolute=0.03),  # it wobbles by that much
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("loss", "without friction against rolling it goes round for ever", {"arm": 0.0},
                       values=lambda: {"ends_s": np.inf, "lost_J": 0.0}),
     show={"curves": [("omega", "disc")], "traces": [], "speed": 0.1},

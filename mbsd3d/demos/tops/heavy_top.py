@@ -129,9 +129,6 @@ demo = Demo(
         "slow_precession_rad_s": Quantity("slow steady precession", "rad/s"),
         "fast_precession_rad_s": Quantity("fast steady precession", "rad/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic", "the top falls as if its moment about the axis were that across it", values=without_gyroscopic
     ),

@@ -74,9 +74,6 @@ demo = Demo(
         "critical_spin_rad_s": Quantity("spin at which it wakes", "rad/s"),
         "growth_1_s": Quantity("growth of the lean", "1/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "gyroscopic", "the top behaves as if its moment about the axis were that across it", values=without_gyroscopic
     ),

@@ -77,9 +77,6 @@ demo = Demo(
         "jellett_Nms_m": Quantity("Jellett's integral", "kg m^3/s", absolute=1e-14),
         "spin_vertical_rad_s": Quantity("spin about the vertical", "rad/s"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "friction",
         "without friction it precesses for ever (without w x I w it would still turn over: "

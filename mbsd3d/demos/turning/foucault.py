@@ -75,9 +75,6 @@ demo = Demo(
     equation="r'' = g - 2 W x r' - W x (W x r) - k r; small swings turn at -W sin(lat)",
     source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
     quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation("rotation", "on an Earth at rest it swings to and fro in one plane", {"Omega_e": 0.0}),
     show={"curves": [("position", "bob")], "traces": [("bob", (1, 0, -9.95))]},
 )

@@ -75,9 +75,6 @@ demo = Demo(
         "half_nutation_s": Quantity("time from the farthest to the nearest place", "s"),
         "apsidal_angle_deg": Quantity("angle between them", "deg"),
     },
-    mechanism=mechanism,
-    theory=theory,
-    measure=measure,
     ablation=Ablation(
         "sideways", "a small push sideways leaves the quarter turn of a plane swing", {"phi_rate": 0.01}
     ),  # fmt: skip

@@ -81,7 +81,7 @@ class Curve:
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the curve [m]."""
         return float(self.lengths[-1])
 
     @cached_property

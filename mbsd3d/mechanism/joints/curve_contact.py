@@ -30,7 +30,7 @@ class CurveContact(Joint):
 
     - a point on a curve in space, 2 rows: ``n_i(s) . (p - x(s)) = 0`` with two directions n_i across the curve;
     - ``pin=``, 1 row, ``n(s) . (p - x(s)) = radius`` with n at right angles to the curve and to the pin: free are the
-      ways along the curve and along the pin. The roller of a plate cam, or the pin in the groove of a barrel cam;
+      motions along the curve and along the pin. The roller of a plate cam, or the pin in the groove of a barrel cam;
     - ``face=``, 1 row, ``n . (p - x(s)) = 0`` with n the normal of a plane of b: a flat follower.
 
     s is that of the nearest, for a face of the highest point of the curve, found by Newton's method from where it was:
@@ -49,7 +49,7 @@ class CurveContact(Joint):
         Direction of the axis of the pin or roller, fixed in a, or one for each point of the curve.
     radius : float, optional
         Of the roller, >= 0 [m]; it rolls on the side of the curve where ``at`` is, with 0, a knife edge, outside of it.
-        None: a pin that both flanks of a groove hold, and the curve is the way of its centre.
+        None: a pin that both flanks of a groove hold, and the curve is the path of its centre.
     face : (3,) array_like, optional
         Normal of a flat face, away from the curve, world at the reference pose; the curve is flat then, and convex.
     closed : bool

@@ -20,7 +20,7 @@ SERVING = threading.Lock()
 
 
 def new_token() -> str:
-    """Of an address; nobody guesses it."""
+    """Token of an address, which nobody guesses."""
     return secrets.token_urlsafe(16)
 
 

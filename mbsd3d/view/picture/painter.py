@@ -58,7 +58,7 @@ class Mosaic(Artist):
 
     @allow_rasterization
     def draw(self, renderer: RendererBase) -> None:
-        """By one call for all."""
+        """Draw all by one call."""
         gc = renderer.new_gc()
         corners = self.axes.transData.transform(self.triangles.reshape(-1, 2)).reshape(-1, 3, 2)
         renderer.draw_gouraud_triangles(gc, corners, self.colours, IdentityTransform())
@@ -158,7 +158,7 @@ class Painter:
             axes.text(width - 8, height - 8 - 11 * k, legend, **style)
 
     def paint_items(self, axes: Axes, items: Items) -> None:
-        """From far to near."""
+        """Paint items from far to near."""
         depth = self.lens.project(items.corners)[1].mean(axis=1) - items.lift
         order = np.argsort(-depth, kind="stable")
         pen = items.width[order] > 0.0

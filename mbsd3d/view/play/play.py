@@ -118,7 +118,7 @@ class Play(Served):
         self._server.publish(news, np.concatenate([head, curves, frame.poses.ravel()]).astype("<f8").tobytes())
 
     def _remember(self, t: float, curves: np.ndarray) -> None:
-        """For those who come later."""
+        """Keep the curves for those who open the page later."""
         if self._history and self._history[-1][0] > t:  # it was reset
             self._history.clear()
         if not self._history or self._history[-1][0] < t:
@@ -134,7 +134,7 @@ class Play(Served):
         }  # fmt: skip
 
     def _news(self, **more: object) -> str:
-        """As a text."""
+        """What has changed, as JSON."""
         return json.dumps(self._state() | more, allow_nan=False)
 
     def _greeting(self) -> str:

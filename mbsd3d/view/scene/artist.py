@@ -81,7 +81,7 @@ class Artist:
                 self.drawing.pieces.append(Piece(self.system.name(joint), "joints", self.place[id(body)], mesh, MARK))
 
     def names(self) -> None:
-        """Of bodies at their centres of mass, of joints at their points."""
+        """Names of bodies at their centres of mass, of joints at their points."""
         add = self.drawing.tags.append
         for i, body in enumerate(self.system.bodies):
             add(Tag(body.name, "body names", i, body.com, colour(i)))

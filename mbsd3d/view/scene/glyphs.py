@@ -80,17 +80,13 @@ def guides(joint: Joint, size: float) -> list[Glyph]:
     return found
 
 
-def unless_none(first: np.ndarray | None, second: np.ndarray) -> np.ndarray:
-    """The first one that there is."""
-    return second if first is None else first
-
-
 def ends(joint: Joint, body: Body | Ground, point: np.ndarray, size: float) -> list[Glyph]:
     """What shows the point of a joint without an angle; a ball at the other end of a rod too."""
     if joint.angle() is not None:
         return []
     if hasattr(joint, "speed"):
-        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, unless_none(joint.axis, joint.direction))]
+        along = joint.direction if joint.axis is None else joint.axis
+        return [placed(torus(0.62 * size, 0.1 * size), joint.b, point, along)]
     if sum(row.n_rows for row in joint.primitives) >= LOCKED:
         along = joint.axis if hasattr(joint, "axis") else np.array([0.0, 0.0, 1.0])
         return [placed(scaled(block(), 0.7 * size, 0.7 * size, 0.9 * size), body, point, along)]

@@ -158,7 +158,7 @@ def trace_point(system: Mechanism, entry: tuple[Body | str, Iterable[float]]) ->
         body = system.part(entry)
         return body, body.com
     if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise InputError(f"trace {shown(entry)} is no body and no pair; give a body, or (body, (x, y, z))")
+        raise InputError(f"trace {shown(entry)} is neither a body nor a pair; give a body, or (body, (x, y, z))")
     part, point = entry
     body = system.part(part)
     return body, body.local_point(vector(point, f"trace of body '{body.name}'"))

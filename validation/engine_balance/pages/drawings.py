@@ -67,7 +67,7 @@ def arrow(start: complex, end: complex, tint: str) -> str:
 
 
 def axes() -> str:
-    """Of a square drawing, with the circle of the largest amplitude."""
+    """Axes of a square drawing, with the circle of the largest amplitude."""
     lines = f'<path class="axis" d="M-104 0H104M0 104V-104"/><circle class="axis" r="{RADIUS:g}"/>'
     return lines + text(106, -4, "x", "end") + text(4, -98, "y", "start")
 

@@ -90,7 +90,7 @@ class Sheet:
 
     @property
     def engine(self) -> Engine:
-        """Of the comparison."""
+        """Engine of the comparison."""
         return self.comparison.engine
 
     @cached_property
@@ -104,7 +104,7 @@ class Sheet:
         return report.NOISE * self.engine.single
 
     def harmonics(self, kind: str) -> list[Harmonic]:
-        """Of force or couple, one per order, from the spatial model."""
+        """Harmonics of force or couple, one per order, from the spatial model."""
         h, k = self.comparison.ways["spatial"], ("force", "couple").index(kind)
         return [Harmonic(n, kind, complex(h.forward[n, k]), complex(h.backward[n, k]), self.noise) for n in self.orders]
 

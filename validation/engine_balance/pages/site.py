@@ -75,7 +75,7 @@ def playing(view: str) -> str:
 
 
 def file_names(engines: Sequence[Engine]) -> list[str]:
-    """Of the pages: the names of the layouts with "-" for what a file name cannot have.
+    """File names of the pages: names of layouts with "-" for what a file name cannot have.
 
     ValueError if two would be the same.
     """

@@ -113,6 +113,7 @@ def reduce_to_planes(system: System) -> Reduction:
 
     Examples
     --------
+    >>> from validation import reduce_to_planes
     >>> from validation.cases.inline_four import inline_four
     >>> print(reduce_to_planes(inline_four()))
     H1 to H4 hold; 4 planes: z = -0.3 m (rod 1), z = -0.1 m (rod 2), z = 0.1 m (rod 3), z = 0.3 m (rod 4)

@@ -28,7 +28,7 @@ class Unit(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Of its first body."""
+        """Name of its first body."""
         return self.bodies[0].name
 
 

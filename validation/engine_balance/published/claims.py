@@ -48,13 +48,13 @@ def family(beginnings: str) -> tuple[str, ...]:
 
 @cache
 def assumed(name: str, rod_length: float = 2.0) -> Harmonics:
-    """Of a layout with the first toy set, under the article's assumptions."""
+    """Block load of a layout with the first toy set, under the article's assumptions."""
     return phasor.block_load(Engine(name, rod_length=rod_length), article=True, across=False)
 
 
 @cache
 def actual(name: str, rod_length: float = 2.0) -> Harmonics:
-    """Of a layout with the first toy set."""
+    """Block load of a layout with the first toy set."""
     return phasor.block_load(Engine(name, rod_length=rod_length))
 
 

@@ -112,7 +112,7 @@ class Cancel:
 
     @cached_property
     def path(self) -> Path:
-        """From the actuator to the force on the car, held over a sample."""
+        """Path from the actuator to the force on the car, held over a sample."""
         n, head = 12, shift(matrix(self.held.rest[3:]) @ self.mount.at)
         B = self.held.pushed @ head.T[:, 2]  # + u on the powertrain, - u on the car
         both = np.zeros((n + 1, n + 1))

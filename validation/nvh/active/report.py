@@ -59,7 +59,7 @@ class ActiveMount:
 
     @property
     def difference(self) -> float:
-        """Of general model and poles, over the force at the start."""
+        """Difference of general model and poles, over the force at the start."""
         return float(np.abs(self.force - self.known).max() / abs(self.cancel.force))
 
     @cached_property
@@ -75,7 +75,7 @@ class ActiveMount:
 
     @property
     def rows(self) -> list[list[str]]:
-        """As a table."""
+        """Rows of the table."""
         cancel, (step, most), (gain, before, after) = self.cancel, self.steps, self.hook
         left = np.abs(self.force[-int(RATE / 10) :]).max()
         size, power = cancel.actuator

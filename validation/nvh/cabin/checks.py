@@ -1,5 +1,7 @@
 """Shells that theory or the general model knows; quantity -> (computed, exact), as `held.checks`."""
 
+from functools import cached_property
+
 import numpy as np
 
 from mbsd3d import Body, Bushing, System, linearize
@@ -27,14 +29,22 @@ def held_in(car: str, engine: str) -> OnMounts:
     return OnMounts(body, mounts.mounts(mounts.car(car), presets.preset(engine), body.mass))
 
 
+class Rigid(Cabin):
+    """A cabin whose shell has no elastic modes."""
+
+    @cached_property
+    def shell(self) -> ModalShell:
+        """Its rigid motions."""
+        shell = super().shell
+        shapes = [shape for rate, shape in zip(shell.rates, shell.shapes, strict=True) if rate == 0.0]
+        return ModalShell(np.zeros(len(shapes)), np.zeros(len(shapes)), shapes)
+
+
 def rigid_shell(car: str, engine: str, rpm: float = 1700.0) -> Pairs:
     """A shell without elastic modes is a body of the general model."""
     held = held_in(car, engine)
-    cabin = Cabin(mounts.car(car), held)
+    cabin = Rigid(mounts.car(car), held)
     answer = held.answer(Source(presets.preset(engine), 0.7), [rpm])
-    shapes = [shape for rate, shape in zip(cabin.shell.rates, cabin.shell.shapes, strict=True) if rate == 0.0]
-    # a frozen dataclass caches what it computes in its dictionary: there is the shell
-    cabin.__dict__["shell"] = ModalShell(np.zeros(len(shapes)), np.zeros(len(shapes)), shapes)
     return {"seat of a rigid shell": (cabin.seat(answer)[0], of_bodies(cabin, answer))}
 
 

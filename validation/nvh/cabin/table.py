@@ -7,7 +7,6 @@ One line for every mode and place: ``mode``, a name or number; its ``frequency``
 of 1 kg [1/sqrt(kg)], x ahead, y left, z up.
 """
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import numpy as np
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number, write_atomically
 from validation.nvh.cabin.shell import Modes
+from validation.nvh.records import cell, table
 
 HEADER = ["mode", "frequency", "damping", "place", "x", "y", "z"]
 SEAT = "seat"
@@ -39,22 +39,11 @@ def read_modes(path: str | Path) -> ModalTable:
     or dampings, or one that lacks a place, with its line or mode.
     """
     path = Path(path)
-    try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"shell '{path}': {why}; give a file of comma-separated values") from None
-    if not lines or [cell.strip() for cell in lines[0]] != HEADER:
-        raise InputError(f"shell '{path.name}': line 1 must be '{','.join(HEADER)}'")
+    _, lines = table(path, [HEADER], "shell")
     found: dict[str, tuple[tuple[float, float], dict[str, np.ndarray]]] = {}
-    for k, row in enumerate(lines[1:], start=2):
-        if not any(row):
-            continue
-        what = f"shell '{path.name}': line {k}"
-        if len(row) != len(HEADER):
-            raise InputError(f"{what} has {len(row)} values; give {len(HEADER)}")
-        mode, place = row[0].strip(), row[3].strip()
-        frequency, damping, *shape = (numeric(row[i], f"{what}: {HEADER[i]}") for i in (1, 2, 4, 5, 6))
+    for what, row in lines:
+        mode, place = row[0], row[3]
+        frequency, damping, *shape = (cell(row[i], f"{what}: {HEADER[i]}") for i in (1, 2, 4, 5, 6))
         number(frequency, f"{what}: frequency", minimum=0.0)
         number(damping, f"{what}: damping", minimum=0.0)
         own, shapes = found.setdefault(mode, ((frequency, damping), {}))
@@ -69,14 +58,6 @@ def read_modes(path: str | Path) -> ModalTable:
             raise InputError(f"shell '{path.name}': mode '{mode}' and the first differ in {', '.join(sorted(missing))}")
     values = np.array([own for own, _ in found.values()])
     return ModalTable(2 * np.pi * values[:, 0], values[:, 1], [shapes for _, shapes in found.values()])
-
-
-def numeric(cell: str, what: str) -> float:
-    """A cell as a finite number."""
-    try:
-        return number(float(cell), what)
-    except ValueError:
-        raise InputError(f"{what} is '{cell}'; give a number") from None
 
 
 def write_modes(modes: Modes, shapes: np.ndarray, places: Sequence[str], path: str | Path) -> Path:

@@ -111,7 +111,7 @@ def apart(preset: Preset, shafts: Sequence[Shaft], height: float) -> list[Shaft]
 
 
 def described(preset: Preset, shafts: Sequence[Shaft]) -> str:
-    """In a line: unbalances and places."""
+    """Unbalances and places in a line."""
     parts, R = [], upright(preset.layout)
     for shaft in shafts:
         grams = 1e6 * max(abs(u) for u in shaft.unbalance)

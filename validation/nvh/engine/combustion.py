@@ -64,12 +64,12 @@ class Cycle:
 
     @property
     def area(self) -> float:
-        """Of the piston [m^2]."""
+        """Area of the piston [m^2]."""
         return np.pi / 4 * self.bore**2
 
     @property
     def swept(self) -> float:
-        """Of one cylinder [m^3]."""
+        """Volume that one piston sweeps [m^3]."""
         return 2 * self.radius * self.area
 
     @property
@@ -112,7 +112,7 @@ class Cycle:
         return CubicSpline(*self.samples, bc_type="periodic")
 
     def force(self, psi: np.ndarray) -> np.ndarray:
-        """On the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any array."""
+        """Force on the piston towards the crank, against the pressure of the crankcase [N]; psi [rad], any array."""
         return self.area * (self.spline(psi) - CRANKCASE)
 
     @cached_property
@@ -129,7 +129,7 @@ class Cycle:
 
 
 def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: float) -> np.ndarray:
-    """From one pressure to the other along half a cosine."""
+    """Pressure that goes from one to another along half a cosine."""
     if end <= start:
         return before
     share = 0.5 - 0.5 * np.cos(np.pi * np.clip((psi - start) / (end - start), 0.0, 1.0))

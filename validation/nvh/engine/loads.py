@@ -60,7 +60,7 @@ class Source:
 
     @cached_property
     def inertia(self) -> Load:
-        """At 1000 rpm."""
+        """Inertia loads at 1000 rpm."""
         engine = self.preset.engine(RPM)
         h = phasor.block_load(engine, ORDERS, dyno=True)
         R = upright(engine.layout)

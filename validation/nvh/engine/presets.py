@@ -93,7 +93,7 @@ class Preset:
 
     @property
     def displacement(self) -> float:
-        """Of all cylinders [m^3]."""
+        """Displacement of all cylinders [m^3]."""
         return len(self.layout.pins) * np.pi / 4 * self.bore**2 * self.stroke
 
     def engine(self, rpm: float) -> Engine:
@@ -110,7 +110,7 @@ class Preset:
 
 
 def names() -> tuple[str, ...]:
-    """Of all engines of the data file."""
+    """Names of all engines of the data file."""
     return tuple(data("engines")["engines"])
 
 

@@ -105,7 +105,7 @@ class Car:
 
 
 def names() -> tuple[str, ...]:
-    """Of all cars of the data file."""
+    """Names of all cars of the data file."""
     return tuple(data("cars")["cars"])
 
 

@@ -71,7 +71,7 @@ class Guide:
 
     @cached_property
     def mirrored(self) -> "Guide":
-        """Of the right wheel."""
+        """The guide of the right wheel."""
         across = np.array([1.0, -1.0, 1.0])
         links = {name: across * ends for name, ends in self.links.items()}
         return Guide(self.kind, across * self.centre, links, across * self.strut)
@@ -120,7 +120,7 @@ class Guide:
         return System([plate, upright], [slide, *self.hold(GROUND, upright), rest, drive], [strut], gravity=(0, 0, 0))
 
     def run(self, travel: float = TRAVEL) -> Solution:
-        """From the lowest to the highest place of the wheel."""
+        """Kinematic run from the lowest to the highest place of the wheel."""
         swing = np.arcsin(np.linspace(-1.0, 1.0, COUNT)[1:-1]) / (2 * np.pi)
         return simulate(self.rig(travel), 1.25, method=Kinematic(), output=1.0 + swing)
 

@@ -10,7 +10,6 @@ N points at x = k d, on a length of 2 L = 2 (N - 1) d,
 The mean height is left out, and waves shorter than a tyre feels, as in the standard; `Measured.left_out` says how much.
 """
 
-import csv
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -21,6 +20,7 @@ from scipy.fft import dct
 
 from mbsd3d.errors import InputError
 from mbsd3d.extend import number
+from validation.nvh.records import cell, table
 from validation.nvh.road.profile import SHORTEST
 
 GAP = 1.5  # of the usual step: from here on a point is missing
@@ -105,26 +105,7 @@ def read_road(path: str | Path) -> Measured:
     ValueError for a file that cannot be read, another header, or a cell that is not a number, with its line.
     """
     path = Path(path)
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [(k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(file), start=1) if any(row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"road '{path}': {why}; give a file of comma-separated values") from None
-    if not lines or lines[0][1] not in HEADERS:
-        heads = " or ".join(f"'{','.join(head)}'" for head in HEADERS)
-        raise InputError(f"road '{path.name}': line 1 must be {heads} [m]")
-    header, found = lines[0][1], []
-    for k, row in lines[1:]:
-        if len(row) != len(header):
-            raise InputError(f"road '{path.name}': line {k} has {len(row)} values; give {len(header)}")
-        for name, cell in zip(header, row, strict=True):
-            try:
-                number(float(cell), name)
-            except ValueError:
-                raise InputError(
-                    f"road '{path.name}': line {k}: {name} is '{cell}'; a road without a gap has a number there"
-                ) from None
-        found.append([float(cell) for cell in row])
+    header, lines = table(path, HEADERS, "road")
+    found = [[cell(x, f"{where}: {name}") for name, x in zip(header, row, strict=True)] for where, row in lines]
     values = np.array(found).reshape(-1, len(header)).T
     return Measured(path.name, values[0], values[[1, -1]])

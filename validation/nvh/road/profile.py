@@ -48,7 +48,7 @@ class Road:
 
     @property
     def title(self) -> str:
-        """In words."""
+        """The road in words."""
         return f"a road of class {self.kind}"
 
     @cached_property

@@ -84,7 +84,7 @@ class Vehicle:
 
     @property
     def title(self) -> str:
-        """In words."""
+        """The car in words."""
         return f"{self.kind} car{' on links' * self.linked}"
 
     @cached_property
@@ -119,7 +119,7 @@ class Vehicle:
 
     @cached_property
     def guides(self) -> list[Guide]:
-        """Of the front and the rear left wheel."""
+        """Guides of the front and the rear left wheel."""
         track = self.ride["track"]
         return [made("own", x, track) if isinstance(x, dict) else guide(x, track) for x in self.ride["guides"]]
 

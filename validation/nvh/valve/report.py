@@ -33,14 +33,14 @@ class Valve:
 
     @cached_property
     def train(self) -> Train:
-        """At the speed."""
+        """The train at the speed."""
         train = Train(cam(self.law, LIFT, HALF, BASE))
         speed = SHARES[-2] * train.floats_at() if self.rpm is None else number(self.rpm, "valve: rpm", positive=True)
         return Train(train.cam, rpm=speed)
 
     @cached_property
     def floats(self) -> float:
-        """[1/min]."""
+        """Speed of the camshaft from which on the valve floats [1/min]."""
         return Train(self.train.cam).floats_at()
 
     @cached_property
@@ -71,7 +71,7 @@ class Valve:
 
     @property
     def facts(self) -> str:
-        """In a line."""
+        """Cam, valve and spring in a line."""
         radius, train = 1e3 * self.train.cam.radius.min(), self.train
         return (
             f"{self.law} cam, lift {1e3 * LIFT:g} mm, base {1e3 * BASE:g} mm, least radius {radius:.2f} mm; "

@@ -94,7 +94,7 @@ class Train:
 
     @property
     def turn(self) -> float:
-        """Of the camshaft [rad/s]."""
+        """Rate of the camshaft [rad/s]."""
         return 2 * np.pi * self.rpm / 60
 
     @property

@@ -65,7 +65,7 @@ def lagrange(made: Run) -> Iterable[Finding]:
 
 
 def eigenvalues(made: Run) -> Iterable[Finding]:
-    """Of the straight run at the published speeds."""
+    """Eigenvalues of the straight run at the published speeds."""
     rows = cases.read("bicycle_eigenvalues")["reference"]["values"]
     found = general.eigenvalues(whipple, made.source["parameters"], np.array([row["v"] for row in rows]))
     known = np.array([[complex(*pair) for pair in row["eigenvalues"]] for row in rows])

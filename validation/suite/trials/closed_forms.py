@@ -57,7 +57,7 @@ def small(made: Run, frequency: float) -> Pairs:
 
 
 def rods_frequency(n: int) -> float:
-    """Of n four-bars in a row that hang: n + 1 rods of 1 kg and 1 m turn about their feet, n go in a circle [rad/s]."""
+    """Frequency [rad/s] of n hanging four-bars: n + 1 rods of 1 kg, 1 m turn about their feet, n go in a circle."""
     return theory.pendulum_frequency((n + 1) / 3 + n, (n + 1) / 2 + n, 1.0)
 
 

@@ -67,7 +67,7 @@ def ladders(quick: bool) -> list[Trial]:
 
 
 def falling(n: int) -> Run:
-    """From upright over the side and up again."""
+    """Rods that fall from upright over the side and up again."""
     return run(four_bars(n), LADDER_END, output=LADDER_SAMPLES, source=n, rtol=LADDER_RTOL)
 
 
@@ -87,7 +87,7 @@ SHORTEST = 0.01  # s
 
 
 def randoms(quick: bool) -> list[Trial]:
-    """Seeded, so that a name is always the same mechanism."""
+    """Random mechanisms, seeded so that a name is always the same mechanism."""
     return [random(seed) for seed in range(FEW if quick else MANY)]
 
 

@@ -84,7 +84,7 @@ class Motion:
         )
 
     def gap(self, j: Any) -> Series:
-        """From the joint's point on a to that on b."""
+        """Vector from the joint's point on a to that on b."""
         return self.point(j.b, j.at_b) - self.point(j.a, j.at)
 
     def slide(self, j: Any) -> Series:

@@ -112,7 +112,7 @@ class Pose(NamedTuple):
 
 
 def pose(model: Assembly, body: Any, q: Array) -> Pose:
-    """From all coordinates of its node; the ground has no node."""
+    """Pose from all coordinates of its node; the ground has no node."""
     if body is GROUND:
         return Pose(body, np.zeros(3), np.eye(3), np.zeros((3, 0)))
     e = exponential(q[3:]) if model.rotation == "rotation vector" else q[3:]

@@ -40,7 +40,7 @@ class Moving(NamedTuple):
         return self.r + self.R @ (reference - self.body.position)
 
     def velocity(self, point: Array) -> Array:
-        """Of its matter at a point of space."""
+        """Velocity of its matter at a point of space."""
         return self.v + cross(self.omega, point - self.r)
 
 

@@ -161,12 +161,12 @@ def add_joints(made: Sketch, child: Any, piece: Piece, free: Freedoms) -> None:
 
 
 def slide_name(piece: Piece, k: int) -> str:
-    """Of the slide along column k of A."""
+    """Name of the slide along column k of A."""
     return f"{piece.number} slide {k}"
 
 
 def turn_name(piece: Piece, k: int) -> str:
-    """Of hinge k."""
+    """Name of hinge k."""
     return f"{piece.number} turn {k}"
 
 

@@ -116,7 +116,7 @@ MOST_ROWS = 6  # of an equality, a weld
 
 
 def mass_matrix(twin: Any) -> Kinetic:
-    """In MuJoCo's velocities; those of welded pieces are brought together, what drives is left out."""
+    """Mass matrix in MuJoCo's velocities; those of welded pieces are brought together, what drives is left out."""
     mujoco, m, d, layout = twin.made.mujoco, twin.model, twin.data, twin.made.layout
     own, M = twin.own(), np.zeros((m.nv, m.nv))
     mujoco.mj_fullM(m, d, M)

@@ -50,7 +50,7 @@ class Freedoms:
 
 
 def no_angle(R: np.ndarray) -> tuple:
-    """Of a joint without hinges."""
+    """Angles of a joint without hinges: none."""
     return ()
 
 
@@ -163,7 +163,7 @@ class Piece:
 
     @property
     def name(self) -> str:
-        """Of the MuJoCo body."""
+        """Name of the MuJoCo body."""
         return f"piece {self.number}"
 
 

@@ -20,7 +20,7 @@ Wrench = tuple[np.ndarray, np.ndarray]
 
 
 class Reactions:
-    """Of one model; `all` reads them from the data."""
+    """Reactions of one model; `all` reads them from the data."""
 
     def __init__(
         self, made: Sketch, loads: Loads, couplings: list[Coupling], tendons: list, mujoco: Any, model: Any
@@ -125,7 +125,7 @@ class Reactions:
         return total
 
     def of_piece(self, data: Any, piece: Piece, along: dict[str, float]) -> Wrench:
-        """Of the joint of a piece: what its parent does to it, or of body a: the opposite of it."""
+        """Reaction of the joint of a piece: what its parent does to it, or of body a: the opposite of it."""
         joint, free = piece.joint, self.made.joints[piece.number]
         k, sense = self.model.body(piece.name).id, 1.0 if piece.is_b else -1.0
         at = self.point(data, joint.b, joint.point())
@@ -140,7 +140,7 @@ class Reactions:
         return force, moment
 
     def of_closure(self, data: Any, joint: Joint) -> Wrench:
-        """Of points kept together: the site on b comes first, so that the forces act on b."""
+        """Reaction of points kept together: the site on b comes first, so that the forces act on b."""
         at, force, moment = self.point(data, joint.b, joint.point()), np.zeros(3), np.zeros(3)
         for equality in self.made.closures[id(joint)]:
             rows = self.rows(data, equality)
@@ -151,7 +151,7 @@ class Reactions:
         return force, moment
 
     def of_coupling(self, data: Any, coupling: Coupling) -> Wrench:
-        """On body b of the joint it acts through, by every coordinate in the row that this body has a part in."""
+        """Reaction on body b of the joint it acts through, by every coordinate of the row that moves this body."""
         tension, force, moment = self.tension(data, coupling.equality), np.zeros(3), np.zeros(3)
         for x, factor in coupling.coordinates:
             sense = float(x.b is coupling.part.b) - float(x.a is coupling.part.b)

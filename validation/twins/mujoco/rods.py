@@ -51,7 +51,7 @@ def add_joints(mujoco: Any, child: Any, piece: Piece) -> None:
 
 
 def swing_name(piece: Piece, k: int) -> str:
-    """Of the hinges at the parent's end."""
+    """Name of hinge k at the parent's end."""
     return f"{piece.number} swing {k}"
 
 

@@ -148,7 +148,7 @@ class Rolling(PointJoint):
         self.set(along=along if gap > 0 else -along, radius=radius, centre=world)
 
     def normal(self) -> np.ndarray:
-        """Of the line, towards the disc, world at the reference pose."""
+        """Normal of the line, towards the disc, world at the reference pose."""
         return np.array([-self.along[1], self.along[0]])
 
     def point(self) -> np.ndarray:

@@ -18,7 +18,7 @@ from validation.twins.planar.system import Lowered, System, lower
 
 
 class Reaction(NamedTuple):
-    """Of a joint on its body b."""
+    """Reaction of a joint on its body b."""
 
     force: np.ndarray  # (k, 2) world [N]
     moment: np.ndarray  # (k,) about ``point`` [N m]
