@@ -42,6 +42,7 @@ from .mechanism.drivers import Driver as Driver
 from .mechanism.drivers import PositionDriver as PositionDriver
 from .mechanism.drivers import SlideDriver as SlideDriver
 from .mechanism.drivers import SpeedDriver as SpeedDriver
+from .mechanism.forces.brake import Brake as Brake
 from .mechanism.forces.bushing import Bushing as Bushing
 from .mechanism.forces.contact import Contact as Contact
 from .mechanism.forces.custom import CustomForce as CustomForce

@@ -151,6 +151,7 @@ class Model:
             on = self.pick(joints)
             made += [
                 lambda: m.TorsionSpring(on, stiffness=self.number(), damping=self.number(), name=name),
+                lambda: m.Brake(on, torque=self.number(), stiffness=self.number(), damping=self.number(), name=name),
                 lambda: m.JointFriction(on, coulomb=self.number(), transition=self.number(), name=name),
                 lambda: m.StateFeedback(measures=[measures.angle(on)], gains=[self.number()], on=on,
                                         time_constant=self.pick([None, self.number()]), name=name),

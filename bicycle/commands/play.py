@@ -24,8 +24,9 @@ def play(
 ) -> None:  # fmt: skip
     """Ride a bicycle on tyres in the browser: steer by keys, change it while it rides.
 
-    Left and right arrow (or J, L) are the torque of your arms, up and down (I, K) pedal and brake; sliders set speed,
-    balance assist, trail, head angle and the spin of the wheels. Green under the speed: where it stays up by itself.
+    Left and right arrow (or J, L) are the torque of your arms, up and down (I, K) pedal and brake; on a gamepad the
+    left stick, the right trigger and the left one. Sliders set speed, balance assist, trail, head angle and the spin of
+    the wheels. Green under the speed: where it stays up by itself.
     Always on tyres. Ctrl-C ends it. Next: mbsd3d bicycle stability --tyres
     """
     can_view(needed=True)

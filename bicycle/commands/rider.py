@@ -60,6 +60,7 @@ def rider(
     laws = {f"roll-rate feedback {k:4g} N m s/rad": roll_rate(k) for k in ASSIST}
     laws |= {"steer into the fall, -20 N m/rad, -10 N m s/rad": into_the_fall(-20.0, -10.0)}
     laws["linear-quadratic regulator"] = regulator(parameters)
+    click.echo(f"feedback, tried from {ASSISTED[0]:g} to {ASSISTED[-1]:g} m/s:")
     for name, law in laws.items():
         ranges = [f"{low:.5f} ... {high:.5f} m/s" for low, high in stable_ranges(parameters, law, ASSISTED)]
         click.echo(f"{name}: stable on ideal wheels {', '.join(ranges) or 'nowhere'}")

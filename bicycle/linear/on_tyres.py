@@ -20,7 +20,7 @@ from mbsd3d.extend import LINE, THIN, dress
 from ..output import new_figure, write_table
 from ..parameters import Parameters, machines
 from .critical import Range
-from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, growth
+from .tyre_equations import Build, Limit, SpeedBySpeed, eigenvalues, equations, stable_parts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,8 +92,7 @@ def study(parameters: Parameters, speeds: ArrayLike, build: Build) -> TyreStabil
     values, names = followed([np.linalg.eig(linear.A(v)) for v in speeds.tolist()])
     limits = linear.limits(speeds)
     edges = [speeds[0], *(at.speed for at in limits), speeds[-1]]
-    parts = [Range(float(low), float(high)) for low, high in zip(edges, edges[1:], strict=False)]
-    stable = tuple(part for part in parts if growth(linear.A(0.5 * (part.low + part.high))) < 0.0)
+    stable = tuple(stable_parts(linear.A, edges))
     return TyreStability(build, parameters, speeds, values, limits, stable, names)
 
 

@@ -11,12 +11,14 @@ zero or two have the sum zero: det(A0 + v A1) = 0, or det(L0 + v L1) = 0 with L 
 eigenvalues of pencils: no grid of speeds, and no range too narrow to be found.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from mbsd3d import System, linearize, measures
@@ -93,11 +95,27 @@ class SpeedBySpeed(NamedTuple):
 
     def limits(self, speeds: np.ndarray) -> tuple[Limit, ...]:
         """Where the largest growth changes sign between two of the speeds [m/s]."""
-        grown = [growth(self.A(v)) for v in speeds.tolist()]
-        found = []
-        for k in np.flatnonzero(np.diff(np.signbit(grown))):
-            found.append(limit(self.A, speeds[k], speeds[k + 1]))
-        return tuple(found)
+        return limits_between(self.A, speeds)
+
+    def table(self, speeds: np.ndarray) -> "Table":
+        """A(v) found at rising speeds (n,) [m/s], to look up between."""
+        return Table(speeds, CubicSpline(speeds, [self.A(v) for v in speeds.tolist()]))
+
+
+class Table(NamedTuple):
+    """A(v) between speeds at which it is known, and as it is at the ends beyond."""
+
+    speeds: np.ndarray  # (n,) [m/s], rising
+    spline: CubicSpline
+
+    def A(self, speed: float) -> np.ndarray:
+        """(k, k) at a speed [m/s]."""
+        return self.spline(np.clip(speed, self.speeds[0], self.speeds[-1]))
+
+    def stable(self) -> list[Range]:
+        """Self-stable ranges from the first to the last speed."""
+        edges = [self.speeds[0], *(at.speed for at in limits_between(self.A, self.speeds)), self.speeds[-1]]
+        return stable_parts(self.A, edges)
 
 
 class Affine(NamedTuple):
@@ -126,13 +144,24 @@ class Affine(NamedTuple):
     def stable(self) -> list[Range]:
         """Self-stable ranges of all speeds from 0 to `FASTEST`."""
         edges = [0.0, *(at.speed for at in self.limits(np.array([0.0, FASTEST])))]
-        pairs = [Range(low, high) for low, high in zip(edges, [*edges[1:], np.inf], strict=True)]
-        return [part for part in pairs if growth(self.A(between(part))) < 0.0]
+        return stable_parts(self.A, [*edges, np.inf])
+
+
+def stable_parts(A: Callable[[float], np.ndarray], edges: Sequence[float]) -> list[Range]:
+    """Self-stable ones between rising speeds [m/s]."""
+    pairs = [Range(float(low), float(high)) for low, high in pairwise(edges)]
+    return [part for part in pairs if growth(A(between(part))) < 0.0]
+
+
+def limits_between(A: Callable[[float], np.ndarray], speeds: np.ndarray) -> tuple[Limit, ...]:
+    """Where the largest growth changes sign between two rising speeds [m/s]."""
+    grown = [growth(A(v)) for v in speeds.tolist()]
+    return tuple(limit(A, speeds[k], speeds[k + 1]) for k in np.flatnonzero(np.diff(np.signbit(grown))))
 
 
 def between(part: Range) -> float:
     """A speed within a range [m/s], where it is sought."""
-    return 0.5 * (part.low + min(part.high, FASTEST))
+    return 0.5 * (part.low + (part.high if np.isfinite(part.high) else FASTEST))
 
 
 def growth(A: np.ndarray) -> float:

@@ -213,5 +213,6 @@ def figure(found: RiddenCourse, title: str | None = None, *, dark: bool = False)
         labels = {"angles": "angle, right > 0 [°]", "torque": "steer torque [N m]", "roll": "roll [°]"}
         for name, label in {**labels, "heading": "heading [°]", "way": "offset to the right [m]"}.items():
             axes[name].set_ylabel(label)
-        sheet.suptitle(f"{ride.parameters.name}: {title}" if title else ride.parameters.name, fontweight="bold")
+        who = ride.parameters.name + " on tyres" * on_tyres(ride.solution.system)
+        sheet.suptitle(f"{who}: {title}" if title else who, fontweight="bold")
     return sheet

@@ -11,7 +11,7 @@ from mbsd3d import Input, State, StateFeedback, measures
 from mbsd3d.errors import InputError, MbsError
 from mbsd3d.extend import Built, Control, Measure, Panel, Play, Seen, number, play_model
 
-from ..linear.tyre_equations import Affine, equations
+from ..linear.tyre_equations import Affine, SpeedBySpeed, Table, equations
 from ..model.mechanism import Bicycle
 from ..model.tyres import TYPICAL
 from ..parameters import Parameters, check_set
@@ -20,14 +20,19 @@ from .manoeuvres import FALLEN
 from .ride import elevation, ridden
 
 PEDAL, BRAKE = 40.0, 60.0  # [N m] at the rear and the front hub
-FADING = 1.0  # [m/s] below which the brake lets go: it is set 60 times a second, and must not turn anything back
 FASTEST = 50.0  # [m/s]
 ASSIST = 50.0  # [N m s/rad]
 TRAIL, ANGLE = 0.12, 20.0  # [m], [degrees] to both sides
 LEAST_SPIN = 2.0  # [%] of a wheel's inertia about its axle: a wheel without any would have no equation of its own
 BEHIND = (-155.0, 16.0)  # [degrees] the rider, and a little to the right
 STILL = 1e-6  # [rad/s] below which an eigenvalue does not oscillate
+SLOWEST, SPEEDS = 0.02, 31  # [m/s], count: where motions are found of tyres that are damped at rest
 SPEED = 3  # place of the control
+KEYS = {
+    "steer torque": (("ArrowLeft", "ArrowRight"), ("j", "l")),
+    "pedal": (("", "ArrowUp"), ("", "i")),
+    "brake": (("", "ArrowDown"), ("", "k")),
+}
 Key = tuple[Parameters, float]  # a bicycle and its assist
 PANELS = (
     Panel("lean and steer", "°", ("lean", "steer")),
@@ -110,14 +115,12 @@ class Riding:
         return with_assist(ridden(p, push=0.0, speed=speed, **loads, **self.fittings), assist)
 
     def inputs(self, values: Mapping[str, float], measured: Sequence[float]) -> Mapping[str, float]:
-        """Torques; the brake lets go of a wheel that stands, as ABS does, and of a bicycle that stands."""
-        *_, front, x, y = measured
-        brake = values["brake"] * min(float(np.hypot(x, y)) / FADING, 1.0) * (front > 0.0)
-        return {"steer torque": values["steer torque"], "pedal": values["pedal"], "brake": brake}
+        """Torques of the rider."""
+        return {name: values[name] for name in ("steer torque", "pedal", "brake")}
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float]) -> Seen:
         """Angles, speed, growth of small motions about straight running at this speed, torques."""
-        lean, steer, lean_rate, upward, _, *v = map(float, measured)
+        lean, steer, lean_rate, upward, *v = map(float, measured)
         speed = self.held = float(np.hypot(*v))
         over = "" if upward > np.pi / 2 - FALLEN else "fallen: reset (R) stands it up again"
         torques = values["steer torque"], values["balance assist"] * lean_rate
@@ -137,21 +140,23 @@ class Riding:
 
     def linearise(self, key: Key) -> None:
         """Find the small motions of a bicycle with an assist."""
+        fastest = self.controls[SPEED].high
         build = lambda p, speed: self.system(p, key[1], speed)  # noqa: E731
         try:
             found = equations(build, key[0])
+            if isinstance(found, SpeedBySpeed):
+                found = found.table(np.geomspace(SLOWEST, fastest, SPEEDS))
         except MbsError:  # it cannot run straight at all speeds: no curve, no range
             found = None
-        affine, fastest = found if isinstance(found, Affine) else None, self.controls[SPEED].high
-        ranges = [(part.low, min(part.high, fastest)) for part in affine.stable()] if affine else []
-        self.straight = Straight(key, affine, ranges)
+        ranges = [(part.low, min(part.high, fastest)) for part in found.stable()] if found else []
+        self.straight = Straight(key, found, ranges)
 
 
 class Straight(NamedTuple):
     """Small motions of a bicycle about straight running, at all speeds."""
 
     key: Key
-    equations: Affine | None  # None where the speed enters otherwise
+    equations: Affine | Table | None
     ranges: list[tuple[float, float]]  # in which it stays up by itself [m/s]
 
     def growth(self, speed: float) -> list[float]:
@@ -168,9 +173,9 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
     fastest, angle = min(max(12.0, 2.0 * speed), FASTEST), 90.0 - float(np.degrees(p.lam))
     made = [
-        Control("steer torque", -torque, torque, 0.0, "N m", (("ArrowLeft", "ArrowRight"), ("j", "l")), springs=True),
-        Control("pedal", 0.0, PEDAL, 0.0, "N m", (("", "ArrowUp"), ("", "i")), springs=True),
-        Control("brake", 0.0, BRAKE, 0.0, "N m", (("", "ArrowDown"), ("", "k")), springs=True),
+        Control("steer torque", -torque, torque, 0.0, "N m", KEYS["steer torque"], "left stick", springs=True),
+        Control("pedal", 0.0, PEDAL, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
+        Control("brake", 0.0, BRAKE, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
         Control("speed", 0.5, fastest, speed, "m/s", builds=True),
         Control("balance assist", 0.0, ASSIST, number(assist, "play: assist"), "N m s/rad", builds=True),
         Control("trail", p.c - TRAIL, p.c + TRAIL, p.c, "m", builds=True),
@@ -201,14 +206,8 @@ def with_assist(system: Bicycle, gain: float) -> Bicycle:
 
 
 def measures_of(system: Bicycle) -> list[Measure]:
-    """Lean, steer, lean rate, elevation of the frame, rate of the front hub, velocity of the rear hub along x and y."""
+    """Lean, steer, lean rate, elevation of the frame, velocity of the rear hub along x and y."""
     frame, wheel = system.part("frame"), system.part("rear wheel")
-    steer, hub = (system.part(name, "joints") for name in ("steer", "front hub"))
-    seen = [
-        measures.lean(frame),
-        measures.angle(steer),
-        measures.lean_rate(frame),
-        elevation(system),
-        measures.rate(hub),
-    ]
+    angle = measures.angle(system.part("steer", "joints"))
+    seen = [measures.lean(frame), angle, measures.lean_rate(frame), elevation(system)]
     return [*seen, *(measures.velocity(wheel, axis=axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))]

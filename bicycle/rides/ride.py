@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mbsd3d import AeroDrag, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
+from mbsd3d import AeroDrag, Brake, Force, IntegrationError, Signal, Solution, Torque, accelerations, measures, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import Measure, as_signal, explaining, number
 
@@ -17,6 +17,9 @@ from ..model.tyres import Tyres
 from ..parameters import Parameters
 from .manoeuvres import FALLEN
 from .motion import WHEELS, Event, Ride, ground_force, on_tyres
+
+LINING = {"stiffness": 2e4, "damping": 500.0}
+"""Of the brake [N m/rad, N m s/rad]: 100 N m turn a wheel that it holds by 0.3 degrees."""
 
 
 @explaining
@@ -57,7 +60,8 @@ def run(
     push : Signal or float
         Horizontal force on the centre of mass of frame and rider [N], to the right of the first heading > 0.
     drive, brake : Signal or float
-        Torque on the rear wheel, ahead > 0, and on the front wheel against rolling > 0 [N m]; frame and fork bear them.
+        Torque on the rear wheel, ahead > 0, and torque at which the front brake slips, >= 0 [N m]; frame and fork bear
+        them. A wheel that stands is held.
     drag : float
         c_d A of frame and rider in still air of 1.225 kg/m^3 [m^2], at their centre of mass; a rider has about 0.6.
     tyres, steer_damping, head_stiffness, head_damping
@@ -141,19 +145,21 @@ def ridden(
 ) -> Bicycle:
     """The bicycle with the loads of a ride, at its start."""
     system = whipple(parameters, **start)
-    forces = list(system.forces)
+    forces, begun = list(system.forces), system.start
     if torque:
         forces += steer_torque(system, parameters, torque)
     if drive:
         forces += axle_torque(system, "rear wheel", "frame", as_signal(drive, "ride: drive"), "drive")
     if brake:
-        forces += axle_torque(system, "front wheel", "fork", -1.0 * as_signal(brake, "ride: brake"), "brake")
+        hub = system.part("front hub", "joints")
+        forces.append(Brake(hub, torque=as_signal(brake, "ride: brake"), **LINING, name="brake"))
+        begun = replace(begun, z=np.r_[begun.z, 0.0])  # it has not yielded
     if drag:
         forces.append(AeroDrag(system.part("frame"), drag_area=drag, name="drag"))
     if push:
         sideways = -1.0 * as_signal(push, "ride: push")  # world y is to the left
         forces.append(Force(system.part("frame"), (0.0, sideways, 0.0), name="push"))
-    return replace(system, forces=forces) if forces else system
+    return replace(system, forces=forces, start=begun)
 
 
 def axle_torque(system: Bicycle, wheel: str, bearer: str, torque: Signal, name: str) -> list[Torque]:

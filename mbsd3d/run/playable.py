@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from itertools import chain, repeat
 from typing import NamedTuple, Protocol
 
 from ..base.checks import listed, number, shown
@@ -19,7 +20,10 @@ KEYS = (
     (("ArrowLeft", "ArrowRight"), ("j", "l")), (("ArrowDown", "ArrowUp"), ("k", "i")), (("a", "d"),), (("s", "w"),),
 )  # fmt: skip
 """Pairs of keys of the first four inputs, as browsers name them: to the lower end, to the upper end."""
+PADS = ("left stick", "left stick up", "right stick", "right stick up")
+"""Their sticks on a gamepad: to the right or up is to the upper end. There are "left trigger", "right trigger" too."""
 LINES = 6  # of one panel that nobody asked for
+HANDS = tuple(zip(KEYS, PADS, strict=True))
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 PANELS = {
     "rad": "angles", "m": "lengths", "rad/s": "rates", "m/s": "speeds", "N": "forces", "-": "states",
@@ -28,7 +32,10 @@ PANELS = {
 
 @dataclass(frozen=True)
 class Control:
-    """A number with a slider and keys: a pressed key holds an end of its range, released it is what it was."""
+    """A number with a slider, keys, and a stick or trigger of a gamepad, one of `PADS`.
+
+    A pressed key holds an end of its range, a stick its share of the way there; released it is what it was.
+    """
 
     name: str
     low: float
@@ -36,6 +43,7 @@ class Control:
     value: float  # at the start
     unit: str = ""
     keys: tuple[tuple[str, str], ...] = ()
+    pad: str = ""
     springs: bool = False  # the slider goes back when it is let go
     builds: bool = False  # a change makes the model anew, and it goes on from where it is
 
@@ -143,7 +151,7 @@ def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]
         raise InputError(f"play: inputs = {shown(ranges)}; give a dict, e.g. {{'motor': (-5, 5)}}")
     have, made = starts(compile_system(system)), []
     named = {key.name if isinstance(key, Input) else key: given for key, given in ranges.items()}
-    for k, (name, given) in enumerate(named.items()):
+    for (name, given), (keys, pad) in zip(named.items(), chain(HANDS, repeat(((), ""))), strict=False):
         if name not in have:
             near = get_close_matches(str(name), have, 1)
             hint = f", did you mean '{near[0]}'? There" if near else "; there"
@@ -167,7 +175,7 @@ def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]
                 f"{what} prescribes the motion of driver '{driver}', and a jump would tear the joints apart; let it "
                 "set a force, or a reference of a controller"
             )
-        made.append(Control(name, low, high, have[name], keys=KEYS[k] if k < len(KEYS) else ()))
+        made.append(Control(name, low, high, have[name], keys=keys, pad=pad))
     return made
 
 

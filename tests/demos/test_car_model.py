@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from mbsd3d import Pulse, linearize, simulate
 from mbsd3d.demos.cars import single_track
-from mbsd3d.demos.cars.car import WHEELS, Car, Engine, car
+from mbsd3d.demos.cars.car import WHEELS, Car, Engine, G, car
 from mbsd3d.demos.cars.circle import Balance, circle, circles
 from mbsd3d.demos.cars.linear import SPINNING, STANDING, linear
 from mbsd3d.demos.cars.roll_bars import note
@@ -64,6 +65,28 @@ def test_the_single_track_reduction_has_its_closed_forms(v):
     assert theory["characteristic_m_s"] == pytest.approx(known["V_characteristic"], rel=1e-12)
     outcome = demo.run(**named, v=float(v)) if v == "20.0" else None
     assert outcome is None or outcome.quantities["characteristic_m_s"].error < 1e-6
+
+
+@pytest.mark.parametrize("v", [8.0, 31.0])
+def test_the_single_track_is_that_of_commonroad(v):
+    """Its equations with other numbers; a little of its drive shifts the loads, and makes both axles differ."""
+    model = pytest.importorskip("vehiclemodels.vehicle_dynamics_st", reason="pip install commonroad-vehicle-models")
+    m, Iz, a, b, Cf, Cr, h = 1430.0, 2150.0, 1.18, 1.52, 71e3, 88e3, 0.5
+    pull = (G * b - (a + b) * Cf / (Cf + Cr) * G) / h  # h m pull is what its loads shift by
+    tire = SimpleNamespace(p_dy1=1.0, p_ky1=-(Cf + Cr) / (m * G))
+    limits = {"steering": SimpleNamespace(min=-1, max=1, v_min=-1, v_max=1)}
+    limits["longitudinal"] = SimpleNamespace(v_switch=100.0, a_max=20.0, v_min=-1.0, v_max=100.0)
+    p = SimpleNamespace(a=a, b=b, h_s=h, m=m, I_z=Iz, tire=tire, **limits)
+
+    def rates(x):
+        return np.array(model.vehicle_dynamics_st([0, 0, x[2], v, 0, x[0], x[1]], [0.0, pull], p))[5:]
+
+    J = np.column_stack([rates(e) for e in np.eye(3)])  # it is linear in yaw rate, slip angle and steer
+    known = max(np.linalg.eigvals(J[:, :2]), key=lambda s: (s.imag, s.real))
+    numbers = {"m": m, "Iz": Iz, "a": a, "b": b, "Cf": Cf, "Cr": Cr}
+    s, gain = single_track.response(lambda **more: single_track.mechanism(**numbers, **more), v, {})
+    assert abs(s - known) < 1e-6 * abs(known)
+    assert gain == pytest.approx(-np.linalg.solve(J[:, :2], J[:, 2])[0], rel=1e-6)
 
 
 def test_trims_follow_the_circles_to_the_limit():

@@ -15,6 +15,7 @@ from mbsd3d import (
     GROUND,
     AeroDrag,
     Body,
+    Brake,
     Bushing,
     CentralGravity,
     Constant,
@@ -66,6 +67,7 @@ def all_forces(rng):
         Torque(two, (d, e, f), name="torque"),
         SpringDamper(one, two, at_a=rng.normal(size=3), at_b=two.position, stiffness=41.0, damping=0.7, length=0.3),
         TorsionSpring(hinge, stiffness=1.7, damping=0.2, angle=0.3),
+        Brake(rail, torque=0.4, stiffness=30.0, damping=2.0),
         JointFriction(rail, coulomb=0.3, viscous=0.2, transition=0.02),
         Bushing(
             GROUND, two, at=rng.normal(size=3), stiffness=(31.0, 42.0, 53.0), turning_stiffness=(3.0, 4.0, 5.0),

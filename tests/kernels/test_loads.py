@@ -19,6 +19,7 @@ from mbsd3d import (
     GROUND,
     AeroDrag,
     Body,
+    Brake,
     Bushing,
     CentralGravity,
     Contact,
@@ -109,6 +110,7 @@ def _contact(rng, a, b, surface, **numbers):
 
 
 STONE = dict(at=(0.1, -0.2, 0.15), orientation=rotation((1, 2, -1), 0.8))
+LINING = dict(stiffness=1.7, damping=6.0)
 STICKS = dict(
     exponent=1.5, damping=0.02, loss=0.01, friction=3.0, rolling=2.0, spinning=1.5, grip=1.2, grip_damping=0.3
 )
@@ -146,6 +148,8 @@ EXAMPLES = {
     "JointFriction in a slider": lambda rng, a, b: _on(
         _slider(rng, a, b), JointFriction, coulomb=0.8, viscous=0.3, transition=0.5
     ),
+    "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
+    "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),

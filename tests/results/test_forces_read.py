@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from mbsd3d import (
     GROUND,
     AeroDrag,
+    Brake,
     Bushing,
     CentralGravity,
     Constant,
@@ -60,6 +61,7 @@ def machine():
         SpringDamper(a, b, **ends, stiffness=7.0, damping=0.9, length=0.8, name="spring"),
         TorsionSpring(hinge, stiffness=3.0, damping=0.7, angle=0.4, name="torsion"),
         TorsionSpring(slider, stiffness=5.0, damping=0.2, angle=-0.1, name="buffer"),
+        Brake(slider, torque=0.6, stiffness=4.0, damping=0.7, name="brake"),
         JointFriction(slider, coulomb=0.8, viscous=0.3, transition=0.5, name="friction"),
         Bushing(a, b, at=at, axes=turned, stiffness=(5, 7, 3), turning_stiffness=(2, 1.3, 4), damping=(0.4, 0.7, 0.2),
                 turning_damping=(0.3, 0.6, 0.5), name="bushing"),

@@ -285,6 +285,38 @@ def test_keys_are_pressed_and_released(tab):
     keyboard.up("ArrowUp")
 
 
+PAD = """(pads) => {
+    window.pads = pads.map((pad) => ({...pad, connected: true, buttons: Array.from({length: 17}, () => ({value: 0}))}));
+    navigator.getGamepads = () => [null, ...window.pads];
+    window.dispatchEvent(new Event("gamepadconnected"));
+}"""
+
+
+@pytest.mark.slow
+def test_a_gamepad_goes_its_share_of_the_way(tab):
+    seen, ride = tab
+    at_rest = {"mapping": "standard", "axes": [0.03, -0.04, 0.0, 0.0]}
+    other = {"id": "joystick", "mapping": "", "axes": [1.0, 1.0]}  # of no known layout: not used
+    seen.run(PAD, [{"id": "pad", **at_rest}, other])
+    line = seen.page.locator("#pads")
+    assert line.text_content() == (
+        "pad: left stick: push, left stick up: twist; joystick: not of the standard layout, so it is not used"
+    )
+    for axes, push, twist in (
+        ([1.0, 0.0], 6.0, 0.0), ([-1.0, -1.0], -6.0, 2.5), ([0.55, 0.55], 3.2, -0.75), ([0.0, 0.0], 0.4, 0.0)
+    ):  # fmt: skip
+        seen.run("axes => window.pads[0].axes = [...axes, 0, 0]", axes)
+        wanted = pytest.approx({"push": push, "twist": twist}, abs=1e-12)
+        assert until(lambda wanted=wanted: ride.values == wanted)
+    ride.set("push", 2.0)  # a stick at rest holds nothing
+    assert until(lambda: ride.values["push"] == 2.0)
+    seen.run("window.pads[0].axes = [1, 0, 0, 0]")
+    assert until(lambda: ride.values["push"] == 6.0)
+    seen.run("window.pads = []; window.dispatchEvent(new Event('gamepaddisconnected'))")
+    assert until(lambda: ride.values["push"] == 2.0) and line.is_hidden()
+    ride.set("push", 0.4)
+
+
 @pytest.mark.slow
 def test_the_scene_moves_as_the_model_does(tab):
     seen, ride = tab

@@ -8,7 +8,7 @@ from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .car import SHOW, WHEELS, Car, car
 from .circle import circle, circles
-from .theory import limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import ROLLED, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 LINEAR = 3.5  # m/s^2 up to which the closed forms are drawn; then side forces lift the leaning car along its slides
@@ -122,14 +122,14 @@ demo = Demo(
         "understeer_rad_s2_m": Quantity("understeer gradient", "rad s^2/m", absolute=3e-7),
         "lean_percent": Quantity("of the roll, by the lean of the wheels", "%", absolute=1e-4),
         "spin_percent": Quantity("of the roll, by the spin of the wheels", "%", absolute=1e-4),
-        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=1.5e-2),
+        "limit_m_s2": Quantity("largest lateral acceleration", "m/s^2", relative=ROLLED),
     },
     ablation=Ablation(
         "gyroscopic",
         "the car rolls less by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
 )  # fmt: skip

@@ -147,7 +147,7 @@ demo = Demo(
         "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-7),
     },
     ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         **SHOW,
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],

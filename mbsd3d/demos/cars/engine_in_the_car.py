@@ -111,6 +111,6 @@ demo = Demo(
         values=without_gyroscopic,
     ),
     against=Against("Omega", -900.0, 900.0, "speed of the crankshaft [rad/s]", 3),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW, "curves": [("force", "front right tyre"), ("force", "front left tyre")]},
 )  # fmt: skip

@@ -148,7 +148,7 @@ demo = Demo(
         "swing_over_steady": Quantity("largest roll to the other side, over that", "", relative=5e-5),
     },
     ablation=Ablation("steering_back", "steered straight again only, it swings over by very little", {"back": 0.0}),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.6, 0.72), "damping": (1500.0, 2300.0), "at": None},
 )  # fmt: skip

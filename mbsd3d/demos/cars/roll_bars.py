@@ -8,7 +8,7 @@ from ..figure import Line
 from ..form import Ablation, Curve, Demo, Measured, Quantity, require
 from .car import SHOW, Car, car
 from .circle import circle, circles
-from .theory import limit, trims, understeer_gradient
+from .theory import ROLLED, limit, trims, understeer_gradient
 
 SMALL = 1e-3  # m/s^2: what is of second order has no say
 SHARES = (0.0, 0.35, 0.7, 1.0)  # of the bars, in front
@@ -104,8 +104,8 @@ demo = Demo(
     equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + dN^2)/N0), dN = K_i roll/track",
     source="Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
-        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=4e-3),
-        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=4e-3),
+        "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=ROLLED),
+        "limit_front_bars_m_s2": Quantity("largest lateral acceleration, bars in front", "m/s^2", relative=ROLLED),
         "understeer_rad_s2_m": Quantity("understeer gradient, bars or not", "rad s^2/m", absolute=3e-7),
     },
     ablation=Ablation(
@@ -114,7 +114,7 @@ demo = Demo(
         "tyres did not slip; bars at the rear still unload the inner driven wheel until it spins",
         {"less_grip": 0.0, "less_stiffness": 0.0},
     ),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
 )  # fmt: skip

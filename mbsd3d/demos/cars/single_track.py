@@ -154,7 +154,7 @@ demo = Demo(
         "the characteristic speed is out of reach",
         {"a": 1.4999, "b": 1.5001},
     ),
-    alone="no other engine has this tyre",
+    alone="its closed forms say all of it",
     show={"curves": [("force", "front"), ("force", "rear")], "hidden": ["joints", "joint names"], "follow": "car"},
     ranges={"a": (1.3, 1.4), "Cf": (50e3, 58e3), "relaxation": None, "steer": None, "step": None},
 )  # fmt: skip

@@ -117,6 +117,6 @@ demo = Demo(
         "the car rolls less, by half of what its spinning wheels add; the other half is I dw/dt of the wheels",
         values=without_gyroscopic,
     ),
-    alone="no other engine has this tyre",
+    alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """What is known of a car in a steady circle without its mechanism: closed forms, and four tyres under a rigid body.
 
 The closed forms hold where the lateral acceleration is small. The trim holds up to the limit, but for what the lean of
-the wheels and the geometry of a large roll do: some parts in a thousand.
+the wheels and the geometry of a large roll do: up to 1.5 % of it.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,15 @@ import numpy as np
 from scipy.optimize import approx_fprime, root
 
 from ...base.errors import InputError
+from ..form import require
 from .car import WHEELS, Car, G
 
 PLACES = np.array([*WHEELS.values()])  # (4, 2) ahead 1, behind -1; left 1, right -1
 FRONT, SIDE = PLACES[:, 0] > 0, PLACES[:, 1]
-MOST_ROLL = 0.175  # rad; half its square, 1.5 %, is what heights and tracks of the rolled car are off at most
+MOST_ROLL = 0.175  # rad
+ROLLED = 0.5 * MOST_ROLL**2  # of the limit: what heights and tracks of the rolled car are off at most
 LIFTS = 0.05  # of the load at rest: with less a wheel is about to lift off, and loads are no longer linear in ay
-STEP, MOST = 0.1, 100  # of the slip at which a tyre would be used up if it were linear; trims to the limit
+STEP, SHORTEST = 0.1, 0.02  # of the slip at which a tyre would be used up if it were linear; of that step, at the end
 SMALL = 1e-7  # of the unknowns, for derivatives
 
 
@@ -120,20 +122,26 @@ def trims(c: Car, speed: float) -> list[Trim]:
     """Trims at a speed [m/s] whose slip angles, front and rear added up, rise on to the largest acceleration.
 
     They end where the acceleration falls, or where the inner driven wheel spins and there are no more of them.
+
+    Raises
+    ------
+    ValueError
+        If there are none, or an inner wheel lifts before the limit.
     """
+    require(speed > 0.0 and c.mu > 0.0, f"car: no circles at {speed:g} m/s, mu = {c.mu:g}; give numbers above 0")
     planar, found, last = Planar(c, speed), [], np.zeros(6)
-    x = np.array([-0.5 * speed, 0.5, 0.0, 0.0, 0.0, 0.5 * c.cornering * G]) * STEP * c.mu / c.cornering
-    for slip in np.arange(1, MOST) * STEP * c.mu / c.cornering:
-
-        def left(x: np.ndarray, slip: float = slip) -> np.ndarray:
-            both = x[1] - (2.0 * x[0] + (c.a - c.b) * x[5] / speed) / speed
-            return np.append(planar.left_over(x), both - slip)
-
-        solved = root(left, x, jac=lambda x: approx_fprime(x, left, SMALL), tol=1e-12)  # noqa: B023
-        if not np.abs(solved.fun).max() < 1e-9 or solved.x[5] < last[5]:
-            break
-        x, last = 2.0 * solved.x - last, solved.x
-        found.append(planar.trim(last))
+    slip, step = 0.0, STEP * c.mu / c.cornering
+    ahead, shortest = np.array([-0.5 * speed, 0.5, 0.0, 0.0, 0.0, 0.5 * c.cornering * G]), SHORTEST * step
+    while step > shortest:
+        x = solved(planar, last + step * ahead, slip + step)
+        if x is None or x[5] < last[5]:
+            step *= 0.5
+            continue
+        ahead, last, slip = (x - last) / step, x, slip + step
+        found.append(planar.trim(x))
+    least = found[-1].loads.min()
+    lifted = f"car: at the limit a wheel bears {least:.4g} N, so it lifts; give less grip, or a lower or wider car"
+    require(least > 0.0, lifted)
     return found
 
 
@@ -148,3 +156,15 @@ def limit(c: Car, speed: float) -> Trim:
         "theory of the limit is one of small angles and four wheels on the road, and this car rolls far or lifts one; "
         "give less h or mu, more track, or stiffer springs and bars"
     )
+
+
+def solved(planar: Planar, x: np.ndarray, slip: float) -> np.ndarray | None:
+    """(6,) unknowns near some with slip angles that add up [rad]; None if there are none."""
+
+    def left(x: np.ndarray) -> np.ndarray:
+        c, v = planar.c, planar.v
+        both = x[1] - (2.0 * x[0] + (c.a - c.b) * x[5] / v) / v
+        return np.append(planar.left_over(x), both - slip)
+
+    found = root(left, x, jac=lambda x: approx_fprime(x, left, SMALL), tol=1e-12)
+    return found.x if np.abs(found.fun).max() < 1e-9 else None

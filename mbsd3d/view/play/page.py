@@ -19,7 +19,7 @@ from ..scene.drawing import poses_of
 from ..scene.frames import Frames
 
 SCENE = ("unpack.js", "scene.js", "curves.js", "common.js")
-RIDE = ("strips.js", "ride.js")
+RIDE = ("strips.js", "gamepad.js", "ride.js")
 SECONDS = 10.0  # of the model that the live curves show
 SHAPES = ("vertices", "faces", "points")  # of the messages of nodes
 Shapes = Mapping[str, Mapping[str, list[float]]]  # node -> what makes its shape
@@ -69,7 +69,7 @@ def control_data(control: Control) -> dict[str, object]:
     """What the page knows of a control."""
     return {
         "name": control.name, "low": control.low, "high": control.high, "value": control.value, "unit": control.unit,
-        "keys": [list(pair) for pair in control.keys], "springs": control.springs,
+        "keys": [list(pair) for pair in control.keys], "pad": control.pad, "springs": control.springs,
     }  # fmt: skip
 
 

@@ -105,6 +105,7 @@ function onFrame(numbers) {
 // One picture, of the newest frame.
 function tick(now) {
   requestAnimationFrame(tick);
+  readPads();
   if (frame === null || (scene !== null && !scene.idle())) return;
   const [t, late, share] = frame;
   $("time").textContent = `t = ${t.toFixed(2)} s`;
@@ -128,7 +129,7 @@ function connect() {
   socket.onmessage = ({data: said}) => (typeof said === "string" ? onNews(JSON.parse(said)) : onFrame(new Float64Array(said)));
   socket.onopen = () => scene !== null && (say(""), tell({watch: true}));
   socket.onclose = () => {
-    pressed.clear();
+    pressed.clear(), leaned.clear();
     say("The ride has ended: its server was stopped.");
     setTimeout(connect, 1000);
   };
@@ -148,7 +149,7 @@ function setUpPage() {
   $("camera").addEventListener("click", resetCamera);
   strips = data.panels.map((panel) => makeStrip(panel, data.colours[dark ? "dark" : "light"], data.seconds));
   $("curves").append(...strips.map((strip) => strip.figure));
-  makeSwitches(), makeLegend(), setUpDivider();
+  makeSwitches(), makeLegend(), setUpDivider(), setUpPads();
   $("switches").open = false;
   for (const kind of ["keydown", "keyup"]) window.addEventListener(kind, onKey, true);
   window.addEventListener("blur", releaseAll);

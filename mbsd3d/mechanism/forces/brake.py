@@ -1,0 +1,91 @@
+"""A brake or a clutch: dry friction in a hinge or slide that slips at a torque of your own, and holds at rest."""
+
+from dataclasses import dataclass, field
+
+from ...base.checks import number
+from ...base.errors import InputError
+from ...kernels.jit import inner_kernel
+from ...kernels.signals import signal
+from ..force_element import ForceElement, ForceRecord, hinge_coordinate
+from ..joints import Joint
+from ..signals import Constant, Signal, as_signal
+
+SMALL = 1e-3
+"""rad or m: about what a brake yields before it slips."""
+
+
+@inner_kernel
+def brake(m, d, p, out, t):
+    """Load -clip(k z + c x_dot, T) along a hinge coordinate; value = k, c; signal T."""
+    k, c, z = p.value[0], p.value[1], d.z[p.state]
+    most = signal(m, p.signal[0], t)[0]
+    f = k * z + c * out.rate
+    if most.real <= 0.0:
+        f = 0.0 * f
+    elif f.real > most.real:
+        f = most + 0.0 * f
+    elif f.real < -most.real:
+        f = -most + 0.0 * f
+    z_dot = (f - k * z) / c
+    d.state_rate[p.state] = z_dot
+    out.load = -f
+    out.potential = 0.5 * k * z * z
+    out.power = k * z * z_dot - f * out.rate
+
+
+@dataclass(frozen=True, eq=False)
+class Brake(ForceElement):
+    """Dry friction in a hinge or slide with a torque (or force) T that may change: load -clip(k z + c x_dot, T) on b.
+
+    The yielding z is an own state, ``z_dot = (f - k z) / c`` with the f that acts. While f stays within T it is
+    ``z_dot = x_dot``: the brake holds like a spring and a damper and does not creep. Beyond, it slips with T exactly.
+    It never turns anything back by more than T/k, and it dissipates in every case. Energy ``k z^2 / 2``.
+
+    Parameters
+    ----------
+    torque : Signal or float
+        T [N m or N]; a signal below 0 counts as 0, which releases it.
+    stiffness, damping : float
+        k > 0 [N m/rad or N/m], c > 0 [N m s/rad or N s/m]. It yields by T/k before it slips; what it holds, a mass m on
+        a wheel of radius r say, comes to rest without much ringing for c near ``sqrt(k m r^2)``.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Brake, Revolute, System, simulate
+    >>> disc = Body("disc", mass=2.0, inertia=(0.3, 0.3, 0.5), omega=(0, 0, 5.0))
+    >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> stopped = simulate(System([disc], [hinge], [Brake(hinge, torque=2.0, stiffness=2e3, damping=20.0)]), 3.0)
+    >>> round(float(stopped.final.angles[hinge]), 2)  # 0.5 * 5^2 / (2 * 2.0), and it stands
+    3.13
+    """
+
+    law = staticmethod(brake)
+
+    hinge: Joint
+    torque: Signal | float = field(kw_only=True)
+    stiffness: float = field(kw_only=True)
+    damping: float = field(kw_only=True)
+
+    def check(self, what: str) -> None:
+        hinge_coordinate(self.hinge, what)
+        torque = as_signal(self.torque, f"{what}: torque")
+        if isinstance(torque, Constant) and torque.value < 0.0:
+            raise InputError(f"{what}: torque = {torque.value:g}; a brake has none below 0")
+        self.set(
+            torque=torque,
+            stiffness=number(self.stiffness, f"{what}: stiffness", positive=True),
+            damping=number(self.damping, f"{what}: damping", positive=True),
+        )
+
+    def record(self) -> ForceRecord:
+        x = hinge_coordinate(self.hinge, "")
+        return ForceRecord(
+            (x.a, x.b), values=(self.stiffness, self.damping), signals=(self.torque, None, None), coordinate=x,
+            states=(0.0,), scales=((SMALL, 0.0, 0.0),),
+        )  # fmt: skip
+
+    def partners(self) -> tuple:
+        return (self.hinge,)
+
+    def state_names(self) -> tuple[str, ...]:
+        return ("yielding",)
