@@ -4,6 +4,7 @@
 
 from dataclasses import dataclass, field, fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -171,5 +172,5 @@ def check_body(parameters: Parameters, part: str, what: str) -> None:
 
 def check_set(parameters: object, what: str) -> None:
     """ValueError for anything but parameters, such as their name."""
-    if not isinstance(parameters, Parameters):
+    if not isinstance(parameters, Parameters | SimpleNamespace):  # the latter holds stacks of values
         raise InputError(f"{what}: parameters = {parameters!r:.80}; give a set, e.g. bicycle.named('Browserins')")

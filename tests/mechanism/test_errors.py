@@ -470,7 +470,7 @@ NAMES = {
     "reaction": (lambda s: s.reaction("hing"), ["'hing' is not one of the joints", "there are 'hinge'"]),
     "no reaction": (lambda s: s.reaction(), ["no joint given", "give one or more"]),
     "driver": (lambda s: s.effort("hinge"), ["'hinge' .Revolute. is not a driver", "reaction"]),
-    "slide of a hinge": (lambda s: s.slide("hinge"), ["'hinge' .Revolute. has no slide", "e.g. a Prismatic"]),
+    "slide of a hinge": (lambda s: s.slide("hinge"), ["Revolute 'hinge' has no slide", "e.g. a Prismatic"]),
     "foreign body": (lambda s: s.position(OTHER), ["'other' is not one of the bodies", "'rod'"]),
     "time after the end": (lambda s: s.at(2.0), ["t = 2 s", r"0 \.\.\. 0\.1 s"]),
     "time NaN": (lambda s: s.at(NAN), ["solution.at: t", "not finite"]),

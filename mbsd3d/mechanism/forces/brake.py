@@ -55,8 +55,8 @@ class Brake(ForceElement):
     >>> disc = Body("disc", mass=2.0, inertia=(0.3, 0.3, 0.5), omega=(0, 0, 5.0))
     >>> hinge = Revolute(GROUND, disc, at=(0, 0, 0), axis=(0, 0, 1))
     >>> stopped = simulate(System([disc], [hinge], [Brake(hinge, torque=2.0, stiffness=2e3, damping=20.0)]), 3.0)
-    >>> round(float(stopped.final.angles[hinge]), 2)  # 0.5 * 5^2 / (2 * 2.0), and it stands
-    3.13
+    >>> round(float(stopped.angle(hinge)[-1]), 4)  # 0.5 * 5^2 / (2 * 2.0) to the stop, then back by 2.0 / 2e3
+    3.124
     """
 
     law = staticmethod(brake)
