@@ -13,8 +13,8 @@ from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING
 from .method import Method, check_max_step
-from .outputs import evaluate_start, first_crossing, full, halt, hermite, land, may_come_true, watch_on, write
-from .step_control import note_rows, rows_hold, update_scales
+from .outputs import evaluate_start, first_crossing, full, halt, land, may_come_true, watch_on, write
+from .step_control import hermite, note_rows, rows_hold, update_scales
 
 TURN_PER_POSE = 0.3  # rad between poses: Newton stays on its branch
 TOO_FAR = 2.0  # times that is the turn, by the angular velocity found at the new pose, from which on it is not believed

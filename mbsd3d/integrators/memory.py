@@ -36,6 +36,7 @@ NOW = [
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
     ("spinning", int),  # bodies whose spin is taken out of the step at hand: spinning.py
     ("written", int),  # samples in the buffer
+    ("inside", int),  # samples of the step at hand, where every step is one
     ("next_output", int),  # index of the next output time
     ("armed", int),  # 1: the condition has been false since the start, so that it can come true
 ]

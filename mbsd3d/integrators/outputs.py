@@ -6,16 +6,16 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
-from ..dynamics.spinning import farthest_turn, spin_on
+from ..dynamics.spinning import farthest_turn
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
 from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
-from ..kernels.vectors import add_scaled, clear, copy, finite
+from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
-from .step_control import note_rows
+from .step_control import hermite, interpolate, note_rows
 
 LANDINGS = 6  # Newton steps to the time of an event, each a step of the method; the first is good to its dense output
 SCAN = 8  # parts of a step that are searched for an event, or of a radian that a body spins in it
@@ -52,12 +52,6 @@ def write(m, d, run, t, y):
 
 
 @inner_kernel
-def output_before(run, t):
-    """True if the next output time lies before t."""
-    return run.now.next_output < run.times.shape[0] and run.times[run.now.next_output] < t
-
-
-@inner_kernel
 def output_until(run, t):
     """True if the next output time is t or lies before it, or every step is a sample."""
     due = run.now.next_output < run.times.shape[0] and run.times[run.now.next_output] <= t
@@ -90,42 +84,33 @@ def evaluate_start(m, d, s, run):
 
 
 @inner_kernel
-def hermite(run, h, end, rate, end_rate):
-    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
-    for k in range(run.y.shape[0]):
-        step = end[k] - run.y[k]
-        run.F[0, k] = step
-        run.F[1, k] = h * rate[k] - step
-        run.F[2, k] = 2.0 * step - h * (end_rate[k] + rate[k])
-
-
-@inner_kernel
-def interpolate(m, run, h, x, y):
-    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
-    clear(y)
-    terms = run.F.shape[0]
-    for i in range(terms):
-        f = run.F[terms - 1 - i]
-        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
-        for j in range(y.shape[0]):
-            y[j] = (y[j] + f[j]) * weight
-    add_scaled(y, 1.0, run.y)
-    spin_on(m, run, x * h, y)
+def next_inside(run, h):
+    """Time of the next sample within the step h: one asked for, or one in each radian of spin where steps are."""
+    now = run.now
+    if run.task.every_step == 0:
+        return run.times[now.next_output] if now.next_output < run.times.shape[0] else np.inf
+    parts = 1 + int(farthest_turn(run, h))
+    return now.t + h * (now.inside + 1) / parts if now.inside + 1 < parts else np.inf
 
 
 @inner_kernel
 def samples_before(m, d, s, run, h, t_last):
     """Store the samples of the step before t_last, each projected and evaluated; RUNNING, FULL or NO_SOLUTION."""
-    while output_before(run, t_last):
+    t = next_inside(run, h)
+    while t < t_last:
         if run.now.written == run.out.shape[0] - 2:
             return FULL
-        t = run.times[run.now.next_output]
         interpolate(m, run, h, (t - run.now.t) / h, run.work)
         status, result = project_and_evaluate(m, d, s, t, run.work, run.work_rate, FAR)
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
         write(m, d, run, t, run.work)
-        run.now.next_output += 1
+        if run.task.every_step == 1:
+            run.now.inside += 1
+        else:
+            run.now.next_output += 1
+        t = next_inside(run, h)
+    run.now.inside = 0
     return RUNNING
 
 
@@ -273,7 +258,7 @@ def along_cubic(m, d, s, own, run, t, x, h):
 def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     """Store the samples that fall into the accepted step; RUNNING, STOPPED, FULL or NO_SOLUTION."""
     t_last, stopped, watched = t_new, False, run.task.condition >= 0
-    inside = output_before(run, t_new)
+    inside = next_inside(run, h) < t_new
     suspect = watched and may_come_true(m, d, run, h, t_new)
     if inside or suspect:
         if not dense(m, d, s, own, run, h):

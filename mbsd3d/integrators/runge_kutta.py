@@ -2,18 +2,19 @@
 
 import numpy as np
 
-from ..dynamics.spinning import find_spins, kept, limit_turn, rate_without_spin, spin_on
+from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
 from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
-from .outputs import evaluate_start, full, hermite, outputs
+from .outputs import evaluate_start, full, outputs
 from .step_control import (
     LOCAL,
     end_of_step,
     good_enough,
+    hermite,
     nearly_singular,
     note_rows,
     pass_over_singular,
@@ -219,7 +220,7 @@ def is_stiff(m, own, run, h):
     found = run.stiffness
     if found.suspicious == 0 and run.now.steps % TEST_EVERY > 0:
         return False
-    if fastest_rate(m, own, run, h) > FAST:
+    if fastest_rate(m, own, run, h) > FAST + 2.0 * farthest_turn(run, h):  # nutation is no faster than twice a spin
         found.suspicious += 1
         found.calm = 0
     else:

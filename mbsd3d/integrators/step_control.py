@@ -1,10 +1,12 @@
-"""What all time loops share between two steps: length of a step, scales of its error, and whether the rows hold."""
+"""What all time loops share between two steps: its length, scales of its error, whether rows hold, dense output."""
 
 import numpy as np
 
+from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
 from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
+from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
 
 ROUNDING = 1e-15  # of a work or an impulse is what a step may always err: less cannot be had
@@ -135,3 +137,27 @@ def rows_hold(m, d, s, run):
         rows.residual = position
         return position <= tolerance and speed <= tolerance * max(run.now.speed, run.now.turn)
     return True
+
+
+@inner_kernel
+def hermite(run, h, end, rate, end_rate):
+    """Coefficients F of the cubic from run.y to the end of the step, with the rates there."""
+    for k in range(run.y.shape[0]):
+        step = end[k] - run.y[k]
+        run.F[0, k] = step
+        run.F[1, k] = h * rate[k] - step
+        run.F[2, k] = 2.0 * step - h * (end_rate[k] + rate[k])
+
+
+@inner_kernel
+def interpolate(m, run, h, x, y):
+    """Dense output of the last step at the fraction x of it (Horner form of Hairer, Norsett, Wanner)."""
+    clear(y)
+    terms = run.F.shape[0]
+    for i in range(terms):
+        f = run.F[terms - 1 - i]
+        weight = x if (terms - 1 - i) % 2 == 0 else 1.0 - x
+        for j in range(y.shape[0]):
+            y[j] = (y[j] + f[j]) * weight
+    add_scaled(y, 1.0, run.y)
+    spin_on(m, run, x * h, y)
