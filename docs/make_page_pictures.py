@@ -1,6 +1,7 @@
 """Makes the pictures of the pages: ``python docs/make_page_pictures.py [PAGE ...]`` (or ``make pictures``).
 
-The blocks of a page are run one after the other; below a block that names a picture, its ``figure`` is written.
+The blocks of a page are run one after the other; below a block with a picture in ``pages`` or ``lessons``, its
+``figure`` is written. All other pictures are those of ``make_pictures.py``.
 """
 
 import os
@@ -17,12 +18,17 @@ from mbsd3d.base.paths import write_atomically
 DOCS = Path(__file__).parent
 
 
+def is_own(picture: str) -> bool:
+    """True for a picture that a block of its page makes."""
+    return Path(picture).parent.name in ("pages", "lessons")
+
+
 def pictured() -> list[Path]:
     """The pages with a picture right below a block."""
     return [
         page
         for page in sorted(DOCS.rglob("*.md"))
-        if any(picture for *_, picture in BLOCK.findall(page.read_text(encoding="utf-8")))
+        if any(is_own(picture) for *_, picture in BLOCK.findall(page.read_text(encoding="utf-8")))
     ]
 
 
@@ -31,7 +37,7 @@ def make(page: Path) -> list[Path]:
     names, written = {"__name__": page.stem}, []
     for code, _, _, picture in BLOCK.findall(page.read_text(encoding="utf-8")):
         exec(compile(code, page.name, "exec"), names)
-        if picture:
+        if is_own(picture):
             written.append(write_atomically((page.parent / picture).resolve(), png(names["figure"])))
     return written
 
