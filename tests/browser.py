@@ -28,7 +28,7 @@ FLAGS = (
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )
 OUTSIDE = re.compile(r"^(?!file:|data:|blob:|about:)")
-PATIENCE = 180_000  # ms: a page of viser's is up in 1-3 s; a minute is too short beside other suites on two cores
+PATIENCE = 180_000  # ms: a page of viser is up in 1-3 s; a minute is too short beside another suite on two cores
 
 
 def missing(what: str) -> None:

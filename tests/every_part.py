@@ -86,7 +86,10 @@ def parts():
         "at_a": (0, 0, 0), "at_b": (0, 0, 1), "stiffness": 3.0, "damping": 1.0, "length": 0.5
     } | name  # fmt: skip
     yield m.TorsionSpring, {"hinge": HINGE, "stiffness": 3.0, "damping": 0.1, "angle": 0.2} | name
-    yield m.Brake, {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name
+    yield (
+        m.Brake,
+        {"hinge": HINGE, "torque": m.Pulse(3.0, start=0.2, edge=0.1), "stiffness": 900.0, "damping": 20.0} | name,
+    )
     yield m.JointFriction, {"hinge": HINGE, "coulomb": 3.0, "viscous": 0.1, "transition": 0.02} | name
     yield m.Bushing, pair | here | {
         "stiffness": 3.0, "turning_stiffness": 1.0, "damping": 0.1, "turning_damping": 0.1, "axes": (1, 0, 0, 0)
