@@ -32,6 +32,7 @@ mujoco = pytest.importorskip("mujoco")
 
 GRAVITY = (0.4, -0.8, -9.6)
 SETTLED = 1024  # steps to 0.4 s; the rows swing in from rest with a time of 16 steps, much less than the first sample
+LEFT = 4e-6  # m, rad: (w h)^2 of second order, with rates of 10 rad/s and the finer run's steps of 0.4 s / 2048
 
 
 def bodies_of(seed):

@@ -28,7 +28,8 @@ def complexes(pairs):
 @pytest.mark.parametrize(("name", "row"), ROWS, ids=lambda x: x if isinstance(x, str) else f"{x['v']} m per s")
 def test_closed_loops_of_an_independent_program(name, row):
     found = rider.eigenvalues(named(BICYCLES[name]), row["v"], rider.Gains(*row["gains"]))
-    assert found == pytest.approx(complexes(row["eigenvalues"]), abs=1e-11)
+    # the file's numbers, up to 41, are written to 5e-12 and computed to a few of these; ours are good to 3e-13
+    assert found == pytest.approx(complexes(row["eigenvalues"]), abs=3e-11)
 
 
 def test_printed_factors():

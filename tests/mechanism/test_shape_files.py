@@ -21,7 +21,7 @@ def test_mesh_files_are_drawn_from_o_in_their_scale(tmp_path, kind):
     mesh, found = shape.mesh(body), solid(shape, body)
     assert isinstance(shape.path, str) and found.is_watertight
     assert found.volume == pytest.approx(0.084, rel=1e-6)  # STL and GLB hold 4-byte numbers
-    assert np.allclose(found.center_mass, matrix(turn) @ (0.02, 0, 0.09), atol=1e-6)
+    assert np.allclose(found.center_mass, matrix(turn) @ (0.02, 0, 0.09), rtol=0, atol=1e-6)
     assert len(mesh.vertices) == 24  # its edges are sharp
     assert len(mesh.shade) == len(mesh.faces) == 12
 

@@ -102,7 +102,7 @@ def test_a_quantity_over_another_one(solution):
     assert np.array_equal(axes.lines[0].get_ydata(), solution.rate("axle"))
     axes = solution.plot("energy", against=("angle", "axle"), degrees=True).axes[0]
     assert axes.get_xlabel() == "angle of axle [°]" and len(axes.lines) == 4
-    assert np.allclose(axes.lines[2].get_xdata(), np.degrees(solution.angle("axle")), rtol=1e-15)
+    assert np.allclose(axes.lines[2].get_xdata(), np.degrees(solution.angle("axle")), rtol=1e-15, atol=0)
     both = solution.plot("velocity", UPPER_ARM, against=("velocity", UPPER_ARM)).axes[0]
     assert all(np.array_equal(*line.get_data()) for line in both.lines)
 
@@ -119,7 +119,7 @@ def test_angles_in_degrees(solution):
         axes = solution.plot(quantity, part, degrees=True).axes[0]
         assert axes.get_ylabel().replace("\n", " ").endswith(f"[{unit}]")
         values = np.degrees(getattr(solution, quantity)(part).reshape(solution.t.size, -1))
-        assert np.allclose(np.transpose([line.get_ydata() for line in axes.lines]), values, rtol=1e-15)
+        assert np.allclose(np.transpose([line.get_ydata() for line in axes.lines]), values, rtol=1e-15, atol=0)
     assert solution.plot("drift", degrees=True).axes[0].get_ylabel() == "position drift [m or rad]"  # rows of both
 
 

@@ -241,7 +241,8 @@ def test_states_of_a_run_without_projection_have_unit_quaternions(stabilisation)
     raw, state = (q.reshape(-1, 7)[:, 3:] for q in (solution.arrays["q"][-1], solution.final.q))
     assert np.abs(np.linalg.norm(raw, axis=1) - 1.0).max() > 1e-10  # they drift with the steps
     assert np.linalg.norm(state, axis=1) == pytest.approx(np.ones(len(state)), abs=1e-15)  # rounding
-    assert matrix(state) == pytest.approx(matrix(raw), abs=1e-15)  # the same rotations
+    # the same rotations: ten roundings of numbers up to 1
+    assert matrix(state) == pytest.approx(matrix(raw), abs=10 * np.finfo(float).eps)
 
 
 def test_baumgarte_keeps_the_drift_small():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from models import EXAMPLES, across, direction, middle, random_loops
-from mujoco_pairs import GRAVITY, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
+from mujoco_pairs import GRAVITY, LEFT, SETTLED, Pair, bodies_of, instant, loaded, loop, tree
 
 from mbsd3d import (
     GROUND,
@@ -68,7 +68,7 @@ def test_couplings_and_drivers_of_trees(cls):
     mass, apart = instant(pair)
     assert mass < 1e-12 and apart < 1e-10
     orders, fine = pair.orders(SETTLED)
-    assert np.all(np.abs(orders - 2.0) < 0.2) and fine[0] < 1e-7 and fine[2] < 1e-4
+    assert np.all(np.abs(orders - 2.0) < 0.2) and fine[0] < LEFT and fine[2] < 1e2 * LEFT  # of forces of some 10 N
 
 
 def test_a_planet_counts_from_its_carrier():
@@ -86,7 +86,7 @@ def test_a_planet_counts_from_its_carrier():
     assert len(pair.twin.couplings[0].terms) == 3
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(SETTLED)
-    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < 1e-6
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < LEFT
     assert set(pair.twin.run(0.4, 8, 4).reactions) == {pair.system.name(joint) for joint in pair.system.joints}
     assert fine[2] < 1e-5  # a couple instead of the tooth force has the bearings wrong by 3 N
 
@@ -99,7 +99,7 @@ def test_loops_closed_by_equalities(cls):
     assert mass < 1e-12 and apart < 1e-10  # of hard rows, the fourth-order difference of J v in them: 1e-11
     orders, fine = pair.orders(SETTLED)
     assert abs(orders[0] - 2.0) < 0.2 and orders.min() > 1.5
-    assert fine[0] < 2e-6
+    assert fine[0] < LEFT
 
 
 @pytest.mark.parametrize("cls", [Parallel, Perpendicular, Distance, PointOnLine, PositionDriver])
@@ -109,7 +109,7 @@ def test_loops_closed_by_a_piece_of_a_body(cls):
     mass, apart = instant(pair)
     assert mass < 1e-12 and apart < 1e-10
     orders, fine = pair.orders(SETTLED)
-    assert abs(orders[0] - 2.0) < 0.2 and orders.min() > 1.5 and fine[0] < 2e-6
+    assert abs(orders[0] - 2.0) < 0.2 and orders.min() > 1.5 and fine[0] < LEFT
 
 
 @pytest.mark.parametrize("cls", [Prismatic, Planar, PointOnPlane, ConstantVelocity, Fixed])
@@ -162,7 +162,9 @@ def test_drivers_and_couplings_under_load(make):
     pair = Pair(system)
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(256)
-    assert np.all(np.abs(orders[:2] - 2.0) < 0.4) and fine[0] < 1e-3 and fine[2] < 0.1
+    assert (
+        np.all(np.abs(orders[:2] - 2.0) < 0.5) and fine[0] < 1e-3 and fine[2] < 0.1
+    )  # 256 steps are not yet the limit
 
 
 def test_a_speed_driver_begins_where_the_state_is_and_when():
@@ -212,7 +214,7 @@ def test_a_loop_closed_by_parts_built_otherwise(cls):
     assert pair.twin.made.layout.closing == [closing]
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(SETTLED)
-    assert abs(orders[0] - 2.0) < 0.2 and fine[0] < 2e-6 and fine[2] < 1e-3
+    assert abs(orders[0] - 2.0) < 0.2 and fine[0] < LEFT and fine[2] < 1e3 * LEFT  # of forces of some 100 N
 
 
 @pytest.mark.parametrize("cls", [Fixed, Prismatic])
@@ -228,7 +230,7 @@ def test_a_speed_goes_through_what_does_not_turn(cls):
     pair = Pair(System([first, second, third], joints, gravity=GRAVITY))
     assert instant(pair)[1] < 1e-10
     orders, fine = pair.orders(SETTLED)
-    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < 1e-6
+    assert np.all(np.abs(orders[:2] - 2.0) < 0.2) and fine[0] < LEFT
 
 
 def test_a_gear_between_hinges_one_behind_the_other():

@@ -74,8 +74,8 @@ def test_a_frame_shows_the_pose_of_its_time(solution):
     reel = FilmFrames(solution, speed=0.25, **SMALL)
     for name, i in ((UPPER_ARM, 0), (WHEEL, 2)):
         # 5 steps of 0.01 s: the frame's time is that of a sample
-        assert np.allclose(reel.frames.r[5, i], solution.position(name)[5], atol=1e-12)
-    assert np.allclose(reel.traces[0].points[:: reel.finer][5], solution.com(reel.traces[0].name)[5], atol=1e-9)
+        assert np.allclose(reel.frames.r[5, i], solution.position(name)[5], rtol=0, atol=1e-12)
+    assert np.allclose(reel.traces[0].points[:: reel.finer][5], solution.com(reel.traces[0].name)[5], rtol=0, atol=1e-9)
 
 
 def test_the_cursor_runs_over_the_curves(solution):

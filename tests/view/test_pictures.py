@@ -83,7 +83,9 @@ def test_marks_of_the_bodies_lie_on_the_paper_where_they_should(solution):
         np.array([R @ t.point + p for t, R, p in of_tags(draw_system(solution.system).tags, r, e) if t.text != "elbow"])
     )
     expected = (seen_by(CAMERA, spots) - painter.corner) * painter.scale
-    assert np.allclose(drawn[[0, 1, 2]], expected[:3], atol=1e-9) and np.allclose(drawn[4], expected[3], atol=1e-9)
+    assert np.allclose(drawn[[0, 1, 2]], expected[:3], rtol=0, atol=1e-9) and np.allclose(
+        drawn[4], expected[3], rtol=0, atol=1e-9
+    )
     assert np.all(drawn > 0) and np.all(drawn < (360.0, 288.0))
 
 
@@ -144,7 +146,7 @@ def test_small_triangles_make_up_the_large_one():
     cross = np.cross(parts[:, 1] - parts[:, 0], parts[:, 2] - parts[:, 0])
     whole = np.cross(given[:, 1] - given[:, 0], given[:, 2] - given[:, 0])
     for k in range(3):  # vectors of area: their sum says that nothing overlaps and no part is turned over
-        assert np.allclose(cross[parent == k].sum(axis=0), whole[k], atol=1e-12)
+        assert np.allclose(cross[parent == k].sum(axis=0), whole[k], rtol=0, atol=1e-12)
         assert np.allclose(np.linalg.norm(cross[parent == k], axis=1).sum(), np.linalg.norm(whole[k]))
     strokes, _ = split_strokes(given[:, :2], 0.3)
     lengths = np.linalg.norm(strokes[:, 1] - strokes[:, 0], axis=1)
