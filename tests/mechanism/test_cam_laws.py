@@ -183,7 +183,7 @@ def test_a_barrel_cam_in_closed_form():
 
     system = barrel(omega, law, radius)
     assert system.check().mobility == 0 and not system.check().redundant
-    run, angle = turned(system, 361)
+    run, angle = turned(system, 356)  # between the points of the groove
     s, ds, dds = law(omega * run.t)
     good = np.min([np.abs(np.abs(angle) - half), np.abs(angle)], axis=0) > SMOOTH
     groove = system.joints[-1]
@@ -193,7 +193,7 @@ def test_a_barrel_cam_in_closed_form():
     size = np.abs(along).max()
     force = run.reaction(groove).force @ FRAME
     assert force[good, 2] == pytest.approx(along[good], abs=1e-6 * size)
-    assert np.abs(force[:, 0]).max() < 1e-6 * size  # along the pin nothing is held
+    assert np.abs(force[:, 0]).max() < 1e-7 * size  # along the pin, turned by splines, nothing is held
     assert np.abs(np.linalg.norm(force, axis=1) - np.abs(along) / np.cos(tilt))[good].max() < 1e-5 * size
     assert run.effort("motor")[good] == pytest.approx((along * ds)[good], abs=1e-6 * size * lift)
     assert np.abs(groove.normal_force(run))[good] == pytest.approx(np.abs(along / np.cos(tilt))[good], abs=1e-5 * size)

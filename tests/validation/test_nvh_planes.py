@@ -60,7 +60,7 @@ def test_a_plane_is_exact_for_a_mirror_image(mirrored):
     known = np.linalg.eigvals(np.block([[np.zeros((3, 3)), np.eye(3)], [
         -np.linalg.solve(flat.mass, flat.heads.T @ part @ flat.heads) for part in flat.rates]]))  # fmt: skip
     for value in np.abs(known.imag):
-        assert np.abs(space - value).min() < 1e-6 * value
+        assert np.abs(space - value).min() < 1e-10 * value
     car = mounts.car("compact")
     car = replace(car, shell=car.shell | {"engine": [1.3, 0.0, -0.05], "seat": [-0.2, 0.0, -0.3]})
     cabin, found = Cabin(car, mirrored), mirrored.answer(source, rpm)
@@ -77,8 +77,8 @@ def test_an_actuator_in_the_plane_has_the_path_of_the_plane(mirrored):
     held = OnMounts(mirrored.body, [*mirrored.placed, checks.mount((0.0, 0.1, -0.25), (1e5, 1.3e5, 2.1e5), 0.004)])
     cancel = Cancel(held, Source(presets.preset("inline_4"), 0.6), 2400.0, 4, 2.0, 1800.0)
     path = Flat(held).path(cancel)
-    assert path.gain(cancel.W) == pytest.approx(cancel.path.gain(cancel.W), rel=1e-7)
-    assert path.limit(cancel.W) == pytest.approx(cancel.path.limit(cancel.W), rel=1e-7)
+    assert path.gain(cancel.W) == pytest.approx(cancel.path.gain(cancel.W), rel=1e-10)
+    assert path.limit(cancel.W) == pytest.approx(cancel.path.limit(cancel.W), rel=1e-9)
 
 
 def test_the_front_view_is_exact_for_arms_that_turn_about_x():
