@@ -14,7 +14,7 @@ from bicycle import Meijaard2007, named, on_tyres, ride, stability, whipple
 from bicycle.linear import tyre_equations
 from bicycle.parameters import fittings, machines
 from bicycle.turns import on_tyres as turns_on_tyres
-from mbsd3d import Pulse, simulate
+from mbsd3d import Pulse, linearize, simulate
 from mbsd3d.cli import main
 
 TRUTHS = json.loads(Path(__file__).with_name("tyre_truths.json").read_text(encoding="utf-8"))
@@ -232,8 +232,11 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     assert found[-1].lean < np.arctan(0.9)
     circle = found[-1].ride(rtol=1e-10)
     way = circle.solution.position("rear wheel")
-    assert np.linalg.norm(way[-1] - way[0]) < 1e-6  # of a radius of 2.6 m
-    assert np.ptp(circle.lean) < 1e-6 and circle.solution.certificate.passed
+    # it is unstable there: a hundred roundings grow by exp(6.5 t) in the 3.3 s of the circle, of 2.6 m radius, to 1e-4
+    growth = linearize(found[-1].system, found[-1].state).eigenvalues.real.max()
+    limit = 100 * np.finfo(float).eps * np.exp(growth * circle.t[-1])
+    assert np.linalg.norm(way[-1] - way[0]) < limit * found[-1].radius
+    assert np.ptp(circle.lean) < limit < 1e-4 and circle.solution.certificate.passed
     out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
