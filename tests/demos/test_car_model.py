@@ -90,13 +90,13 @@ def test_the_single_track_is_that_of_commonroad(v):
 
 
 def test_trims_follow_the_circles_to_the_limit():
-    """By rows of the circles: what they leave out is the lean of the wheels and what a large roll does."""
+    """By rows of the circles: what they leave out, the lean of the wheels in a large roll, is of second order in it."""
     known = trims(Car(), 20.0)
     a = [one.acceleration for one in known]
     steer, loads = CubicSpline(a, [one.steer for one in known]), CubicSpline(a, [one.loads[MIRROR] for one in known])
     for row in TRUTHS["car_steady_circle"]["rows"][:4]:
-        assert float(steer(row["ay"])) == pytest.approx(row["delta"], rel=5e-3)
-        assert loads(row["ay"]) == pytest.approx(list(row["loads"].values()), rel=0.01)
+        assert float(steer(row["ay"])) == pytest.approx(row["delta"], rel=row["roll"] ** 2)
+        assert loads(row["ay"]) == pytest.approx(list(row["loads"].values()), rel=row["roll"] ** 2)
 
 
 @pytest.mark.slow
