@@ -90,15 +90,15 @@ def test_a_ball_rolls_down_a_slope_or_slides(mu):
     down /= np.linalg.norm(down)
     stone = ball(position=0.1 * up, velocity=(0, 0, 0), omega=(0, 0, 0))
     slope = Contact(GROUND, stone, shapes.Sphere(0.1), stiffness=1e7, damping=2e3, friction=mu, plane=((0, 0, 0), up))
-    run = simulate(System([stone], forces=[slope], gravity=(0, 0, -9.81)), 0.5, method=STIFF, output=6)
+    run = simulate(System([stone], forces=[slope], gravity=(0, 0, -9.81)), 0.5, method=STIFF, rtol=1e-10, output=6)
     load_ = run.force(slope)
     normal = load_.force @ up
     rubs = np.linalg.norm(load_.force - normal[:, None] * up, axis=1)
     rolls = mu > 2 / 7 * np.tan(angle)
     rate = 9.81 * (5 / 7 * np.sin(angle) if rolls else np.sin(angle) - mu * np.cos(angle))
-    # 1e7 N/m turn the 1e-12 m by which a step may err into 1e-5 N of 2.7 N.
-    assert run.acceleration(stone)[3:] @ down == pytest.approx(rate, rel=1e-5)
-    assert rubs[3:] == pytest.approx((2 / 7 * np.sin(angle) if rolls else mu * np.cos(angle)) * 2.0 * 9.81, rel=1e-5)
+    # 1e7 N/m turn the 1e-10 m by which a step may err into 1e-3 N of 1 N or more
+    assert run.acceleration(stone)[3:] @ down == pytest.approx(rate, rel=1e-3)
+    assert rubs[3:] == pytest.approx((2 / 7 * np.sin(angle) if rolls else mu * np.cos(angle)) * 2.0 * 9.81, rel=1e-3)
     assert np.all(rubs <= mu * normal * (1 + 1e-14))
     assert load_.point == pytest.approx(run.position(stone) - 0.1 * up, abs=1e-15)
     assert run.certificate.passed
@@ -134,10 +134,11 @@ def test_rolling_friction_slows_a_ball_that_rolls_and_it_stays():
     r, arm, g, speed = 0.1, 4e-3, 9.81, 0.6
     rolls = ball(position=(0, 0, r - 2.0 * g / 1e6), velocity=(speed, 0, 0), omega=(0, speed / r, 0))
     floor = Contact(GROUND, rolls, shapes.Sphere(r), stiffness=1e6, damping=600.0, friction=0.5, rolling=arm)
-    run = simulate(System([rolls], forces=[floor], gravity=(0, 0, -g)), 3.0, method=STIFF, rtol=1e-9, output=301)
+    run = simulate(System([rolls], forces=[floor], gravity=(0, 0, -g)), 3.0, method=STIFF, rtol=1e-11, output=301)
     slowing = g * arm / (1.4 * r)
     stops = speed / slowing
     before = (run.t > 0.1) & (run.t < 0.9 * stops)
+    # 1e6 N/m turn the 1e-11 m by which a step may err into 1e-5 N of 0.6 N; where stability limits steps, some add up
     assert stops < 2.5 and run.acceleration(rolls)[before, 0] == pytest.approx(-slowing, rel=1e-3)
     assert np.linalg.norm(run.velocity(rolls)[-1]) < 1e-9
     assert run.energy().total[0] - run.energy().total[-1] == pytest.approx(0.7 * 2.0 * speed**2, rel=1e-5)
