@@ -129,8 +129,8 @@ def test_a_parked_wheel_stands_on_a_slope():
     """30 %, down to the fall line at 37 degrees: it stands, where the deflection holds it, without creeping."""
     numbers = dict(cornering=14.0, longitudinal=20.0, relaxation=0.1, mu=0.9, standing_damping=0.5)
     run = simulate(trolley(0.3, **numbers), 20.0, output=[19.0, 20.0])
-    assert np.abs(run.velocity("trolley")[-1]).max() < 1e-9
-    assert np.abs(np.diff(run.position("trolley"), axis=0)).max() < 1e-9
+    assert np.abs(run.velocity("trolley")[-1]).max() < 1e-8  # rtol
+    assert np.abs(np.diff(run.position("trolley"), axis=0)).max() < 1e-8
     used = [run.force(tyre).saturation[-1] for tyre in run.system.forces]
     assert 0.2 < min(used) and max(used) < 0.45  # 0.3/0.9, shared as the loads are not
     assert run.certificate["energy balance"].error < 1e-8
