@@ -84,7 +84,8 @@ def note_rows(s, run):
     rows = run.rows
     rows.pivot, rows.worn = s.state.pivot, s.state.worn
     rows.lowest = min(rows.lowest, rows.pivot)
-    note_independence(s)
+    if s.loop.shape[0] > 0:
+        note_independence(s)
     if not nearly_singular(run):
         rows.on_manifold = 0
 

@@ -16,6 +16,8 @@ from pathlib import Path
 import numba
 
 from .code_files import keep_code
+from .late import late
+from .second import start_second
 
 PAUSE, STALLED = 5.0, 60.0  # s between counts of the kernels, and without a new one until the count ends
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -81,8 +83,10 @@ def announce_compilation(part: str = "kernels") -> None:
     if is_warm(part):
         return
     if part == "kernels" or is_warm():  # one line is enough at the very first run
-        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (a minute or two) ...\n")
+        sys.stderr.write(f"mbsd3d: compiling {part}, once after installation (half a minute) ...\n")
         sys.stderr.flush()
+        if part == "kernels":
+            start_second()
         ended = threading.Event()
         atexit.register(ended.set)
         threading.Thread(target=count_kernels, args=(part, ended), daemon=True).start()
@@ -142,6 +146,11 @@ def merged_kernel(function: Callable) -> Callable:
     On disk nothing can be found by the address of a function.
     """
     return compiled(function, from_python=numba.config.DISABLE_JIT, merged=True)
+
+
+def late_kernel(function: Callable) -> Callable:
+    """An inner kernel that is compiled when it is first called, and not with its callers: see `late`."""
+    return late(inner_kernel(function))
 
 
 def allocating_kernel(function: Callable) -> Callable:

@@ -23,6 +23,7 @@ from ..integrators.outputs import write
 from ..kernels.coordinates import remember
 from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
+from ..kernels.second import wait_for_second
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
 from ..mechanism.measures import Condition
@@ -132,6 +133,7 @@ class Job:
     def loop(self, progress: Progress) -> None:
         """Chunks of about CHUNK seconds."""
         run, budget = self.memory, 16
+        wait_for_second()
         while True:
             began = time.perf_counter()
             status = self.call(budget)
