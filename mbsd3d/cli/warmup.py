@@ -9,7 +9,7 @@ import click
 
 def compile_all() -> None:
     """Every kernel, by two processes where there are two cores: what one has compiled the other finds on disk."""
-    from ..kernels.jit import is_warm
+    from ..compiler.jit import is_warm
     from .workers import working
 
     parts = (compile_explicit, compile_implicit)
@@ -24,7 +24,7 @@ def compile_all() -> None:
 
 def fill_cells(last_first: bool = False) -> None:
     """Compile what no run has called yet: laws of forces, rows, loops."""
-    from ..kernels.late import empty_cells
+    from ..compiler.late import empty_cells
 
     while cells := empty_cells():
         late, passed, number = cells[-1 if last_first else 0]

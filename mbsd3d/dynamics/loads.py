@@ -10,9 +10,9 @@ from collections.abc import Callable
 from importlib import import_module
 
 from ..base.errors import InputError
+from ..compiler.jit import inner_kernel, kernel
+from ..compiler.late import late_choice
 from ..kernels.coordinates import coordinate
-from ..kernels.jit import inner_kernel, kernel
-from ..kernels.late import late_choice
 from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement

@@ -9,10 +9,10 @@ the metric of M.
 
 import numpy as np
 
-from ..kernels.jit import inner_kernel, kernel
+from ..compiler.jit import inner_kernel, kernel
+from ..compiler.late import late
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
-from ..kernels.late import late
 from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add, add6, cross, pair, put, put6, scale, sub, vec
 from ..saddle.solve import SOLVED, factor, solve

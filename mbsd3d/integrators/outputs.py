@@ -6,10 +6,10 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.spinning import farthest_turn
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite

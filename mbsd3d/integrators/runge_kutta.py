@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF

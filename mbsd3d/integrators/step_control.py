@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
-from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence

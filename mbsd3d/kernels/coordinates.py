@@ -11,8 +11,9 @@ import math
 import numpy as np
 from numba.core import types
 
-from .by_reference import Reference
-from .jit import inner_kernel, kernel, late_kernel
+from ..compiler.by_reference import Reference
+from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.late import late
 from .kinds import (
     ANGLE,
     CLEARANCE,
@@ -28,7 +29,6 @@ from .kinds import (
     TURN,
     VELOCITY,
 )
-from .late import late
 from .surfaces import expected, highest, meeting, nearest, pressure
 from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
 

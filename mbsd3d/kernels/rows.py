@@ -8,8 +8,8 @@ A new primitive is one function here and one line in `rows`.
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel
 from .coordinates import coordinate, slide_along
-from .jit import inner_kernel, kernel, late_kernel
 from .kinds import (
     BAUMGARTE,
     COINCIDE,

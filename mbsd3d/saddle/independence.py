@@ -6,7 +6,7 @@ repeats others, or to one along which S resists little.
 
 import numpy as np
 
-from ..kernels.jit import inner_kernel, late_kernel
+from ..compiler.jit import inner_kernel, late_kernel
 from ..kernels.vectors import clear
 
 # The first two are times mu, as `pivot` and `most` of a row are.

@@ -9,7 +9,7 @@ answer with a large multiplier: so where rows are nearly dependent, the right si
 
 import numpy as np
 
-from ..kernels.jit import fused_kernel, inner_kernel, late_kernel
+from ..compiler.jit import fused_kernel, inner_kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 from .independence import FELT, UNKNOWN, independence, note_independence
 

@@ -7,8 +7,8 @@ inertia that only a loop holds), the whole is solved as one dense matrix. A free
 
 import numpy as np
 
-from ..kernels.jit import allocating_kernel, inner_kernel, kernel
-from ..kernels.late import late
+from ..compiler.jit import allocating_kernel, inner_kernel, kernel
+from ..compiler.late import late
 from ..kernels.vectors import add, mat, pair, put, rotate, rotate_back, vec
 from .links import body_inertia, factor_links, load_links, move_links
 from .loops import PROXIMAL, factor_loops, solve_loops

@@ -6,9 +6,9 @@ import numba
 import numpy as np
 import pytest
 
+from mbsd3d.compiler import code_files
+from mbsd3d.compiler.code_files import keep_code
 from mbsd3d.errors import InputError
-from mbsd3d.kernels import code_files
-from mbsd3d.kernels.code_files import keep_code
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 

@@ -25,6 +25,8 @@ from numba.core import cgutils, types
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
+from ..base.errors import InputError
+
 WORD = ir.IntType(64)
 FILL = ir.FunctionType(ir.VoidType(), [])
 SOON = 0.01  # s after a kernel is there, when a Ctrl-C that came before is passed on
@@ -132,7 +134,7 @@ class Late(_Intrinsic):
         made = kernel.overloads[passed]
         found, wanted = types.unliteral(made.signature.return_type), self.returned(passed)
         if found != wanted:
-            raise TypeError(f"{kernel.__name__} returns {found}, not {wanted}")
+            raise InputError(f"{kernel.__name__} returns {found}, not {wanted}")
         return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
 
 

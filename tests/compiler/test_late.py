@@ -1,4 +1,4 @@
-"""Kernels that are compiled when they are first called: none earlier, each once, and with the numbers of plain Python."""
+"""Kernels that are compiled when they are first called: none earlier, each once, with the numbers of plain Python."""
 
 import subprocess
 import sys
@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba.core import types
 
-from mbsd3d.kernels import late as module
-from mbsd3d.kernels.jit import inner_kernel, kernel, late_kernel
-from mbsd3d.kernels.late import FAILED, late_choice
+from mbsd3d.compiler import late as module
+from mbsd3d.compiler.jit import inner_kernel, kernel, late_kernel
+from mbsd3d.compiler.late import FAILED, late_choice
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -97,7 +97,7 @@ def test_ctrl_c_waits_for_the_kernel(monkeypatch):
 
 
 WRONG = """
-from mbsd3d.kernels.jit import kernel, late_kernel
+from mbsd3d.compiler.jit import kernel, late_kernel
 @late_kernel
 def wrong(x) -> int: return 0.5 * x
 @kernel

@@ -25,9 +25,9 @@ A_KERNEL = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
 
 
 def compiled_sources() -> list[Path]:
-    """All files of every folder that holds a kernel: functions and constants that kernels use are in one of them."""
+    """All files of every folder that holds a kernel, and this one: what kernels use is in one of them."""
     files = sorted(PACKAGE.rglob("*.py"))
-    folders = {path.parent for path in files if A_KERNEL.search(path.read_bytes())}
+    folders = {Path(__file__).resolve().parent, *(path.parent for path in files if A_KERNEL.search(path.read_bytes()))}
     return [path for path in files if path.parent in folders]
 
 
