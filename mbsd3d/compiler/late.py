@@ -26,6 +26,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
 from ..base.errors import InputError
+from .announcing import not_silent
 
 WORD = ir.IntType(64)
 FILL = ir.FunctionType(ir.VoidType(), [])
@@ -119,7 +120,8 @@ class Late(_Intrinsic):
         cannot be compiled ends the process.
         """
         try:
-            self.cells[passed].words[number, 0] = self.compiled(passed, number)
+            with not_silent(self.kernels[number].__name__):
+                self.cells[passed].words[number, 0] = self.compiled(passed, number)
         except KeyboardInterrupt:
             self.fill(passed, number)
             threading.Timer(SOON, _thread.interrupt_main).start()

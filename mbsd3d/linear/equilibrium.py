@@ -20,7 +20,8 @@ import scipy.linalg
 from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
-from ..compiler.jit import announce_compilation, mark_warm
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint

@@ -8,7 +8,8 @@ from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
-from ..compiler.jit import announce_compilation, mark_warm
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
 from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
 from ..constraints.row_choice import choose_rows

@@ -9,7 +9,8 @@ from ..base.checks import listed, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
-from ..compiler.jit import announce_compilation, mark_warm
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numba.core import types
 
+from mbsd3d.compiler import announcing
 from mbsd3d.compiler import late as module
 from mbsd3d.compiler.jit import inner_kernel, kernel, late_kernel
 from mbsd3d.compiler.late import FAILED, late_choice
@@ -110,3 +111,12 @@ def test_one_that_cannot_be_compiled_ends_the_process(tmp_path):
     (tmp_path / "wrong.py").write_text(WRONG)
     done = subprocess.run([sys.executable, "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == FAILED and "wrong returns float64, not int64" in done.stderr
+
+
+def test_a_long_compilation_is_said(monkeypatch, capsys):
+    monkeypatch.setattr(announcing, "SILENT", 0.05)
+    with announcing.not_silent("tyre"):
+        time.sleep(0.2)
+    with announcing.not_silent("spring"):
+        pass
+    assert capsys.readouterr().err == "mbsd3d: compiling tyre, once after installation ...\n"
