@@ -21,7 +21,7 @@ def start_second() -> None:
     divided = MARK in os.environ or multiprocessing.parent_process() or (os.cpu_count() or 1) == 1
     if others or divided or not Path(sys.executable).stem.startswith("python"):
         return
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
     with suppress(OSError):
         others.append(subprocess.Popen([sys.executable, "-c", WORK], env=os.environ | {MARK: "1"}, **quiet))
 
