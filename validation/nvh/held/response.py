@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
+from mbsd3d import Body, Force, Signal, Solution, State, System, Table, Torque, linearize, measures, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 from validation.engine_balance.gas import forces as gas_forces
@@ -179,10 +179,15 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
             u = R @ (np.cos(beta), np.sin(beta), 0.0)
             # axes of the piston and of the block, so that both stay opposite while the block rocks
             mine, its = piston.axes.T @ u, bodies[0].axes.T @ u
-            loads.append(Force(piston, tuple(-x * table for x in mine), frame="body", name=f"gas {i}"))
+            loads.append(Force(piston, along(-mine, table), frame="body", name=f"gas {i}"))
             head = piston.position + 0.1 * engine.radius * u
-            loads.append(Force(bodies[0], tuple(x * table for x in its), at=head, frame="body", name=f"head {i}"))
+            loads.append(Force(bodies[0], along(its, table), at=head, frame="body", name=f"head {i}"))
     return System(bodies, joints, loads, gravity=(0, 0, 0), name=f"{source.preset.name} on mounts")
+
+
+def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
+    """Components of a push; a number where there is none, which costs no table."""
+    return tuple(float(x) * push if x else 0.0 for x in direction)
 
 
 def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
