@@ -161,13 +161,14 @@ def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -
 
     rides = report.rides_of(car, road, speed)
     click.echo(f"{car.title.split(',')[0]} on {rides[-1].road.title} at {speed:g} m/s")
-    if missing := report.left_out(rides[-1]):
-        click.echo(missing)
+    for remark in (report.left_out(rides[-1]), report.lifted(rides[-1])):
+        if remark:
+            click.echo(remark)
     show("at the seat", report.comfort(rides))
     show("wheels of the whole car on links", report.struts(rides[-1]))
     show("modes of the whole car on links", report.modes(rides[-1]))
     show("guides of the wheels", report.guides(rides[-1].vehicle))
-    click.echo(f"\n{report.braking(rides[-1].vehicle)}")
+    click.echo(f"\n{report.braking(rides[-1].vehicle)}\n{report.preloads(rides[-1].vehicle)}")
     if page is not None:
         click.echo(report.write_page(car, rides, page))
 

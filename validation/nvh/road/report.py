@@ -80,16 +80,25 @@ def modes(ride: Ride) -> Rows:
 
 def struts(ride: Ride) -> Rows:
     """What springs, dampers and tyres see in the full motion."""
-    rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre load rms [N]"]]
+    rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre rms [N]",
+             "least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
-        strut, tyre = (ride.run.force(f"{part} of {corner.name}") for part in ("spring", "tyre"))
-        travel, force = strut.length - strut.length.mean(), np.linalg.norm(strut.force, axis=1)
-        road = ride.beneath(corner)
-        rate = np.gradient(road, ride.run.t, edge_order=2)
-        load = tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate
-        values = 1e3 * travel.std(), 1e3 * np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), load.std()
+        strut, tyre = ride.run.force(f"spring of {corner.name}"), ride.tyre_load(corner)
+        travel, force = 1e3 * (strut.length - strut.length.mean()), np.linalg.norm(strut.force, axis=1)
+        values = travel.std(), np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), tyre.std(), tyre.min()
         rows.append([corner.name, "", *(f"{x:.4g}" for x in values)])
     return rows
+
+
+def lifted(ride: Ride) -> str:
+    """The wheel that would leave the road first, in a line; nothing if none does."""
+    least, name = min((ride.tyre_load(corner).min(), corner.name) for corner in ride.vehicle.corners)
+    if least >= 0.0:
+        return ""
+    return (
+        f"the {name} would leave the road, where its tyre would have to pull with {-least:.0f} N: what is said of the "
+        "car holds on a smoother road or at less speed"
+    )
 
 
 def guides(vehicle: Vehicle) -> Rows:
@@ -113,6 +122,18 @@ def braking(vehicle: Vehicle) -> str:
     return (
         f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
         f"{BRAKES * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
+    )
+
+
+def preloads(vehicle: Vehicle) -> str:
+    """What the loads of the struts make of the springs at the wheels, in a line."""
+    front, rear = (
+        held.curves.at("bend", 0.0) / held.curves.at("ratio", 0.0) * corner.load / corner.spring
+        for held, corner in zip(vehicle.guides, vehicle.corners[::2], strict=True)
+    )
+    return (
+        f"as the motion ratio changes over the travel, the load of the strut is {front:+.1%} of the stiffness at the "
+        f"wheel in front, {rear:+.1%} behind; the spring is the rest"
     )
 
 
@@ -199,6 +220,7 @@ def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
         car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
         figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort(rides), modes=modes(ride),
         struts=struts(ride), guides=guides(ride.vehicle), braking=braking(ride.vehicle), left_out=left_out(ride),
+        preloads=preloads(ride.vehicle), lifted=lifted(ride),
         guide_figure=Markup(inline_svg(guide_figure(ride.vehicle), "guide-")),
         response=Markup(inline_svg(response_figure(rides), "response-")),
     )  # fmt: skip

@@ -108,6 +108,12 @@ class Ride:
         turned = self.under(corner) * np.exp(1j * self.rates * self.run.t[0])
         return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
 
+    def tyre_load(self, corner: Corner) -> np.ndarray:
+        """(samples,) force of the road on a wheel in the full motion [N]; below 0 a tyre would have to pull."""
+        tyre, road = self.run.force(f"tyre of {corner.name}"), self.beneath(corner)
+        rate = np.gradient(road, self.run.t, edge_order=2)
+        return tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate + corner.borne
+
     @property
     def numbers(self) -> np.ndarray:
         """(k,) of waves on the length of the road."""
