@@ -113,7 +113,11 @@ class Study:
     @cached_property
     def map(self) -> Map:
         """Linear map from idle to redline."""
-        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, SPEEDS))
+        return self.over(SPEEDS)
+
+    def over(self, count: int) -> Map:
+        """Linear map at ``count`` speeds from idle to redline."""
+        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
 
     @cached_property
     def spin(self) -> float:
@@ -169,11 +173,10 @@ class Study:
         """
         if not (2 <= count <= MOST and 1 <= cycles <= MOST):
             raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
-        held = self.on_mounts
-        found = held.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
+        found = self.over(count)
 
         def full(rpm: float) -> np.ndarray:
-            run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles, count=COARSE)
+            run = whole_run(self.source, self.on_mounts, rpm, settle=SETTLE, kept=cycles, count=COARSE)
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
         with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them
