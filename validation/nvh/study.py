@@ -166,7 +166,7 @@ class Study:
         share = np.abs(2 * z / (1 - r**2 + 2j * z * r))
         return order, float(w[share.argmax()] / (2 * np.pi)), float(share.max())
 
-    def sweep(self, count: int, cycles: int = 4) -> "Sweep":
+    def sweep(self, count: int, cycles: int = 4) -> Sweep:
         """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 
         ValueError for a count below 2, no cycle, or more than `MOST` of either.

@@ -200,7 +200,9 @@ def paths(study: Study) -> tuple[str, Rows]:
     for mount, forces in zip(study.placed, parts[order, :, :, way], strict=True):
         for name, path in zip("xyz", forces / seat[order, way], strict=True):
             alone, phase = 1e3 * abs(path * seat[order, way]), np.degrees(np.angle(path))
-            rows.append([mount.name, f"along {name}", figure(alone), f"{phase:.0f}", f"{100 * path.real:.1f}"])
+            rows.append(
+                [mount.name, f"along {name}", figure(alone), f"{phase:.0f}", f"{round(100 * path.real, 1) + 0.0:.1f}"]
+            )
     return title, rows
 
 

@@ -76,7 +76,7 @@ class Car:
 
     ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz], None for mounts with rates of their own;
     ``damping`` [-]; ``ride``: the car on its wheels, ``shell``: its body as a beam, None if nothing is known of them.
-    ValueError for a field that lacks or is unknown, a rate or frequency that is not positive, a negative damping.
+    ValueError for a field that is missing or unknown, a rate or frequency that is not positive, a negative damping.
     """
 
     name: str

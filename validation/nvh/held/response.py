@@ -13,13 +13,13 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from mbsd3d import Body, Force, Signal, Solution, State, System, Table, Torque, linearize, measures, simulate
+from mbsd3d import Body, Force, Solution, State, System, Table, Torque, linearize, measures, simulate
 from mbsd3d.errors import InputError
 from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaternion_from_matrix, skew
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.spectrum import spectrum
-from validation.nvh.engine.loads import Source
+from validation.nvh.engine.loads import Source, along
 from validation.nvh.held.mounts import Mount, bushings
 from validation.nvh.held.powertrain import Equivalent, carried, moving_engine
 from validation.nvh.held.rigid_modes import mass_matrix
@@ -185,11 +185,6 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
     return System(bodies, joints, loads, gravity=(0, 0, 0), name=f"{source.preset.name} on mounts")
 
 
-def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
-    """Components of a push; a number where there is none, which costs no table."""
-    return tuple(float(x) * push if x else 0.0 for x in direction)
-
-
 def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
     """The state at t = 0 of the linear answer: the block where it is on average, plus its small motion and rate."""
     linear, rate = held.answer(source, [rpm]), source.preset.engine(rpm).rate
@@ -197,10 +192,10 @@ def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
     W = (linear.orders * rate)[:, None]
     moved, speed = motion.sum(axis=0).real, (1j * W * motion).sum(axis=0).real
     turn = matrix(exponential(moved[3:])) @ matrix(held.rest[3:])
-    shift, q = held.rest[:3] + moved[:3], []
+    middle, q = held.rest[:3] + moved[:3], []
     for body in system.bodies:
         on_ground = body.name == "dyno"
-        position = body.position if on_ground else shift + turn @ body.position
+        position = body.position if on_ground else middle + turn @ body.position
         axes = body.axes if on_ground else turn @ body.axes
         q.append(np.concatenate([position, quaternion_from_matrix(axes)]))
     near = State(0.0, np.concatenate(q), np.zeros(6 * len(q)))
