@@ -81,7 +81,7 @@ def modes(ride: Ride) -> Rows:
 def struts(ride: Ride) -> Rows:
     """What springs, dampers and tyres see in the full motion."""
     rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre rms [N]",
-             "least [N]"]]  # fmt: skip
+             "tyre least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
         strut, tyre = ride.run.force(f"spring of {corner.name}"), ride.tyre_load(corner)
         travel, force = 1e3 * (strut.length - strut.length.mean()), np.linalg.norm(strut.force, axis=1)
@@ -214,7 +214,8 @@ def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
     run, end = ride.run, float(ride.run.t[0]) + FILM
     film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
-    shown = film.animate(curves=(), traces=(), speed=1.0, title=car.title.split(",")[0]).html
+    title = car.title.split(",")[0]
+    shown = film.animate(curves=(), traces=(), hidden=("body names",), speed=1.0, title=title).html
     write_atomically(folder / view, playing(shown).encode())
     page = page_template("ride.html", TEMPLATES).render(
         car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
