@@ -66,7 +66,8 @@ class Study:
     def __post_init__(self) -> None:
         rpm = number(self.rpm, "nvh: rpm", positive=True)
         if rpm > self.preset.redline:
-            raise InputError(f"nvh: rpm {rpm:g} is beyond the redline of '{self.preset.name}', {self.preset.redline:g}")
+            most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
+            raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
         self.source.cycle  # noqa: B018  # refuses a load
 
     @cached_property

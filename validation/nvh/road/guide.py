@@ -18,6 +18,7 @@ spring at the wheel: of a strut of stiffness k the wheel feels
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
@@ -157,12 +158,24 @@ def guide(kind: str, track: float) -> Guide:
 
 
 def made(kind: str, record: Record, track: float) -> Guide:
-    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field."""
-    fields(record, ("centre", "links", "strut"), f"guide '{kind}'")
-    out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - record["centre"][1], 0.0])
-    centre, strut = np.array(record["centre"]) + out, np.array(record["strut"]) + out
-    links = {name: np.array(ends) + out for name, ends in record["links"].items()}
-    return Guide(kind, centre, links, strut)
+    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field, or points that are
+    none.
+    """
+    what = f"guide '{kind}'"
+    fields(record, ("centre", "links", "strut"), what)
+    centre = np.array(vector(record["centre"], f"{what}: centre"))
+    out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - centre[1], 0.0])
+    if not isinstance(record["links"], dict):
+        raise InputError(f"{what}: links: {record['links']!r}; give names, each with its two points")
+    links = {name: ends_of(ends, f"{what}: {name}") + out for name, ends in record["links"].items()}
+    return Guide(kind, centre + out, links, ends_of(record["strut"], f"{what}: strut") + out)
+
+
+def ends_of(given: Any, what: str) -> np.ndarray:
+    """(2, 3) points of body and upright [m]; ValueError for something else."""
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{what}: {given!r}; give two points [m], of the body and of the upright")
+    return np.array([vector(end, what) for end in given])
 
 
 @dataclass(frozen=True)

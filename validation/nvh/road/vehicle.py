@@ -92,6 +92,11 @@ class Vehicle:
             if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
                 count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
                 raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+        for given in self.ride["guides"]:
+            if not isinstance(given, str | dict):
+                raise InputError(
+                    f"car on wheels: guides: {given!r}; give a name, or a record of centre, links and strut"
+                )
         for value in self.ride["seat"]:
             number(value, "car on wheels: seat")
         for name in ("mass", "roll_inertia", "pitch_inertia", "wheelbase", "track"):
