@@ -95,7 +95,12 @@ def test_a_wheel_that_would_leave_the_road_is_named():
     car = mounts.car("compact")
     smooth, rough = (ride_of(car, "half", road, 25.0, linked=True) for road in "AE")
     assert lifted(smooth) == "" and min(smooth.tyre_load(x).min() for x in smooth.vehicle.corners) > 0.0
-    assert re.search(r"^the (front|rear) left wheel would leave the road, .* pull with \d+ N", lifted(rough))
+    said = re.match(
+        r"the (\w+ left wheel) would leave the road on ([\d.]+) % .* pulls with up to (\d+) N", lifted(rough)
+    )
+    load = rough.tyre_load(next(x for x in rough.vehicle.corners if x.name == said[1]))
+    assert float(said[2]) == pytest.approx(100 * np.mean(load < 0.0), rel=0.05) and 0.5 < float(said[2]) < 30.0
+    assert float(said[3]) == pytest.approx(-load.min(), abs=0.5)
 
 
 def test_what_loads_make_of_the_springs_at_the_wheels():

@@ -91,13 +91,15 @@ def struts(ride: Ride) -> Rows:
 
 
 def lifted(ride: Ride) -> str:
-    """The wheel that would leave the road first, in a line; nothing if none does."""
-    least, name = min((ride.tyre_load(corner).min(), corner.name) for corner in ride.vehicle.corners)
+    """The wheel that would leave the road most, and for how long, in a line; nothing if none does."""
+    loads = {corner.name: ride.tyre_load(corner) for corner in ride.vehicle.corners}
+    name = min(loads, key=lambda wheel: loads[wheel].min())
+    least, share = loads[name].min(), (loads[name] < 0.0).mean()
     if least >= 0.0:
         return ""
     return (
-        f"the {name} would leave the road, where its tyre would have to pull with {-least:.0f} N: what is said of the "
-        "car holds on a smoother road or at less speed"
+        f"the {name} would leave the road on {100 * share:.2g} % of the way: its tyre, a linear one, pulls with up to "
+        f"{-least:.0f} N there"
     )
 
 
