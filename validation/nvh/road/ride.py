@@ -40,7 +40,9 @@ class Ride:
         if not SPEEDS[0] <= speed <= SPEEDS[1]:
             raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
         if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
-            raise InputError(f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel")
+            raise InputError(
+                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel; give uneven heights"
+            )
 
     @cached_property
     def rates(self) -> np.ndarray:
