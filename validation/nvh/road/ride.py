@@ -41,7 +41,7 @@ class Ride:
             raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
         if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
             raise InputError(
-                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel; give uneven heights"
+                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more; give uneven heights"
             )
 
     @cached_property
