@@ -129,10 +129,7 @@ def braking(vehicle: Vehicle) -> str:
 
 def preloads(vehicle: Vehicle) -> str:
     """What the loads of the struts make of the springs at the wheels, in a line."""
-    front, rear = (
-        held.curves.at("bend", 0.0) / held.curves.at("ratio", 0.0) * corner.load / corner.spring
-        for held, corner in zip(vehicle.guides, vehicle.corners[::2], strict=True)
-    )
+    front, rear = vehicle.by_load
     return (
         f"as the motion ratio changes over the travel, the load of the strut is {front:+.1%} of the stiffness at the "
         f"wheel in front, {rear:+.1%} behind; the spring is the rest"

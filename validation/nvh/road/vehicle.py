@@ -161,6 +161,17 @@ class Vehicle:
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
+    @property
+    def by_load(self) -> tuple[float, float]:
+        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``, of a half
+        or whole car on links.
+        """
+        front, rear = (
+            held.curves.at("bend", 0.0) / held.curves.at("ratio", 0.0) * corner.load / corner.spring
+            for held, corner in zip(self.guides, (self.corners[0], self.corners[-1]), strict=True)
+        )
+        return front, rear
+
     def system(self, loads: Sequence[Load] = ()) -> System:
         """The mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
