@@ -163,8 +163,8 @@ class Vehicle:
 
     @property
     def by_load(self) -> tuple[float, float]:
-        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``, of a half
-        or whole car on links.
+        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``; of a
+        half or whole car on links.
         """
         front, rear = (
             held.curves.at("bend", 0.0) / held.curves.at("ratio", 0.0) * corner.load / corner.spring
