@@ -166,7 +166,7 @@ def figure(ride: Ride) -> "Figure":
         upper.loglog(f, band, color=look.colour(0), linewidth=LINE)
         upper.loglog(f, band * np.abs(weight(f)), color=look.ink, linewidth=LINE)
         upper.set(xlabel="frequency [Hz]", ylabel="m/s² per √Hz")
-        upper.set_title("line: small motions; dots: full motion; black: weighted by W_k", loc="left")
+        upper.set_title("lines: small motions, below weighted by W_k; dots: full motion", loc="left")
         for axis in (upper.xaxis, upper.yaxis):
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
