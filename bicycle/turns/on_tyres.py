@@ -4,12 +4,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import root
 
-from mbsd3d import Input, Signal, Solution, State, accelerations, simulate
+from mbsd3d import Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
 from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, number
 
@@ -18,9 +18,8 @@ from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
-from ..rides.motion import Ride
 from ..rides.ride import axle_torque
-from .turning import Turn
+from .turning import SteadyTurn, Turn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +34,7 @@ STEADY = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class TyreTurn:
+class TyreTurn(SteadyTurn):
     """A steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
     parameters: Parameters
@@ -75,13 +74,6 @@ class TyreTurn:
     def saturation(self) -> float:
         """The larger part of the grip that a tyre uses."""
         return max(float(self.at.force(f"{wheel} tyre").saturation[0]) for wheel in ("rear", "front"))
-
-    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
-        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
-        if t_end is None and not self.yaw_rate:
-            raise InputError(f"bicycle '{self.parameters.name}': this turn goes straight and never ends; give t_end")
-        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
-        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
 
     @property
     def friction(self) -> float:

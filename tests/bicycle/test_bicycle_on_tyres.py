@@ -220,6 +220,8 @@ def test_steady_turns_of_an_independent_program(row):
 @pytest.mark.slow
 def test_a_turn_straight_ahead():
     straight = turns_on_tyres.turn(P, BRUSH, speed=5.0, lean=0.0)
+    with pytest.raises(ValueError, match="give t_end"):
+        replace(straight, x=np.where(np.arange(13) == 4, 0.0, straight.x)).ride()
     assert straight.radius > 1e9 and straight.steer == pytest.approx(0.0, abs=1e-12)
     assert straight.saturation < 1e-9 and straight.steer_torque == pytest.approx(0.0, abs=1e-9)
 
