@@ -139,7 +139,8 @@ class Contact(ForceElement):
     Raises
     ------
     ValueError
-        For another surface, a number out of its range, or a default of the grip that a body without mass cannot give.
+        For another surface, a number out of its range, a grip without friction or beside ``creep``, or a default of the
+        grip that a body without mass cannot give.
 
     Examples
     --------
@@ -181,8 +182,12 @@ class Contact(ForceElement):
             self.set(**{name: number(getattr(self, name), f"{what}: {name}", minimum=0.0)})
         if self.creep is not None:
             self.set(creep=number(self.creep, f"{what}: creep", positive=True))
+        unused = [name for name in ("grip", "grip_damping") if getattr(self, name) is not None]
         if self.states():
             self.check_grip(what)
+        elif unused:
+            other = "creep" if self.creep is not None else "no friction, rolling or spinning"
+            raise InputError(f"{what}: {unused[0]} does nothing with {other}; leave out one of them")
 
     def check_grip(self, what: str) -> None:
         """Stiffness and damping of the deflection, given or by default."""

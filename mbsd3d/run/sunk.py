@@ -1,0 +1,38 @@
+"""What starts deep in the ground, by a length in millimetres or a height forgotten, is found before it flies out."""
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..equations.compiled import Compiled
+from ..mechanism.forces.contact import Contact
+from ..mechanism.forces.tyre import Tyre
+from ..results.body_motion import Poses
+
+SUNK = 0.9
+"""Share of the way from the centre down to the lowest point that may be below the plane at the start."""
+
+
+class Start(Poses):
+    """The poses of y, as a motion with one sample."""
+
+    def __init__(self, compiled: Compiled, y: np.ndarray) -> None:
+        n = compiled.model.body.size
+        self.compiled, self.arrays, self.t = compiled, {"q": y[: 7 * n].reshape(1, n, 7)}, np.zeros(1)
+
+
+def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
+    """ValueError for a `Tyre` or `Contact` whose wheel or surface starts in the plane up to its centre, or deeper."""
+    start = Start(compiled, y)
+    for force in compiled.system.forces:
+        if not isinstance(force, Contact | Tyre):
+            continue
+        at, normal = force.plane
+        n, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
+        height = float(n @ (centre - start.body_point(force.a, at)[0]))
+        below = float(n @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
+        if height < (1.0 - SUNK) * below:
+            raise InputError(
+                f"force '{compiled.system.name(force)}' ({type(force).__name__}): '{force.b.name}' starts "
+                f"{below - height:.4g} m deep in the plane, its centre at {height:.4g} m and {below:.4g} m above its "
+                "lowest point; check its size (in m), its position and the plane"
+            )
