@@ -1,4 +1,4 @@
-"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python; of explicit methods."""
+"""Memory of a run with an explicit method: its task, what the time loop writes, its reasons to come back to Python."""
 
 from typing import NamedTuple
 
