@@ -94,7 +94,6 @@ def add_law(model: Assembly, force: Any, bodies: tuple[Any, Any], law: Law, what
 def add_contact(model: Assembly, contact: Contact, what: str) -> None:
     """The lowest point of a rounded ellipsoid presses, rubs, and resists rolling and spinning."""
     form, (at, normal) = contact.outline, contact.plane
-    grip = (contact.grip or 1.0, contact.grip_damping or 1.0)
     sizes = (contact.friction, contact.rolling, contact.spinning)
 
     def law(t: float, a: Moving, b: Moving, z: Array) -> tuple[Array, Array, Array, Array]:
@@ -109,7 +108,7 @@ def add_contact(model: Assembly, contact: Contact, what: str) -> None:
             elastic = contact.stiffness * depth**contact.exponent
             N = max(elastic * (1.0 + contact.loss * rate) + contact.damping * rate, 0.0)
         motions = along @ V, along @ turn, n @ turn
-        against, rates = resistance(contact, [mu * N for mu in sizes], grip, form.size, motions, z)
+        against, rates = resistance(contact, [mu * N for mu in sizes], contact.bristles, form.size, motions, z)
         friction, roll, spin = against
         return N * n - friction @ along, point, -(roll @ along + spin * n), rates
 
