@@ -54,7 +54,7 @@ NAMES = {
     "equations.tables": ("key_of",),
     "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),
-    "kernels.jit": ("CACHE", "compiled_sources"),
+    "compiler.disk": ("CACHE", "compiled_sources"),
 }
 MODULES = {"joints": "mechanism.joints", "kinds": "kernels.kinds"}
 WHERE = {name: module for module, names in NAMES.items() for name in names}
