@@ -28,9 +28,7 @@ def test_a_radius_in_millimetres_is_refused_at_the_start():
     """At 330 m of radius the wheel would be thrown 3 km high, with a certificate that passes."""
     assert accelerations(leaning_wheel(0.33)).force("tyre").normal[0] > 0.0
     for run in (accelerations, lambda system: simulate(system, 0.1)):
-        with pytest.raises(
-            ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*size .in m"
-        ):
+        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*size .in m"):
             run(leaning_wheel(330.0))
 
 
