@@ -1,15 +1,17 @@
-"""What starts deep in the ground, by a length in millimetres or a height forgotten, is found before it flies out."""
+"""Tyres that start deep in the ground, by a radius in millimetres or a height forgotten, are found before they fly out.
+
+A `Contact` may be as soft as one likes, and start from a state of a run in which it sank.
+"""
 
 import numpy as np
 
 from ..base.errors import InputError
 from ..equations.compiled import Compiled
-from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.tyre import Tyre
 from ..results.body_motion import Poses
 
 SUNK = 0.9
-"""Share of the way from the centre down to the lowest point that may be below the plane at the start."""
+"""Share of the way from the hub down to the lowest point that may be below the plane at the start."""
 
 
 class Start(Poses):
@@ -21,10 +23,10 @@ class Start(Poses):
 
 
 def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
-    """ValueError for a `Tyre` or `Contact` whose wheel or surface starts in the plane up to its centre, or deeper."""
+    """ValueError for a `Tyre` whose wheel starts in the plane up to its hub, or deeper."""
     start = Start(compiled, y)
     for force in compiled.system.forces:
-        if not isinstance(force, Contact | Tyre):
+        if not isinstance(force, Tyre):
             continue
         at, normal = force.plane
         n, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
@@ -32,7 +34,7 @@ def check_sunk(compiled: Compiled, y: np.ndarray) -> None:
         below = float(n @ (centre - force.outline.moving(start, force.a, force.b, normal)[0]))
         if height < (1.0 - SUNK) * below:
             raise InputError(
-                f"force '{compiled.system.name(force)}' ({type(force).__name__}): '{force.b.name}' starts "
-                f"{below - height:.4g} m deep in the plane, its centre at {height:.4g} m and {below:.4g} m above its "
-                "lowest point; check its size (in m), its position and the plane"
+                f"force '{compiled.system.name(force)}' (Tyre): '{force.b.name}' starts {below - height:.4g} m deep in "
+                f"the plane, its hub at {height:.4g} m and {below:.4g} m above its lowest point; check its radius (in "
+                "m), its position and the plane"
             )
