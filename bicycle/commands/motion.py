@@ -156,7 +156,7 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
     from ..turns.on_tyres import figure, to_csv, turns
 
     target = ready_folder(out) / f"{parameters.name}_circles_tyres"
-    leans, found, ideal = np.arange(0.05, 1.3, 0.05), [], []
+    leans, found, ideal = np.arange(0.025, 1.3, 0.025), [], []
     interrupted = False
     try:
         for speed in speeds:
