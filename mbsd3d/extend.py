@@ -14,6 +14,7 @@ NAMES = {
     "base.mass_properties": ("check_inertia",),
     "equations.at_state": ("check_quaternions", "driven_coordinates", "load_state", "pack", "unmet", "worst_joint"),
     "run.simulation": ("check_signals", "check_state", "check_system"),
+    "run.rates": ("Rates",),
     # rotations and directions
     "base.directions": ("cross", "matched_perpendiculars", "perpendiculars"),
     "base.quaternions": ("H", "conjugate", "exponential", "logarithm", "multiply", "skew"),

@@ -10,6 +10,8 @@ from mbsd3d import IntegrationError
 from mbsd3d.errors import InputError
 from mbsd3d.extend import INTERRUPTED, can_view, keep, ready_folder
 
+from ..model.tyres import TYPICAL, both
+from ..parameters import fittings as own_fittings
 from ..rides.manoeuvres import FALLEN, MANOEUVRES, Manoeuvre
 from . import bicycle_argument, out_option, report, saved, tyre_options
 
@@ -61,7 +63,7 @@ def ride(
         raise InputError("ride: --speed 0: a manoeuvre needs a bicycle that rolls; give a speed in m/s")
     fittings = chosen.fittings(fittings)
     name = "_".join(
-        [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *["tyres"] * bool(fittings)]
+        [parameters.name, manoeuvre, *changes(chosen, arguments, fallen, held_down), *refitted(parameters, fittings)]
     )
     arguments |= fittings
     target = ready_folder(out) / name
@@ -88,6 +90,17 @@ def changes(chosen: Manoeuvre, arguments: Mapping[str, Any], fallen: float, held
     numbers["fallen"] = fallen, np.degrees(FALLEN)
     texts = {key: [f"{value:.12g}" for value in pair] for key, pair in numbers.items()}
     return [f"{key}{given}" for key, (given, usual) in texts.items() if given != usual] + ["held-down"] * held_down
+
+
+def refitted(parameters: "Parameters", fittings: Mapping[str, Any]) -> list[str]:
+    """For names of files too: "tyres", and what of them and of the head is not as usual."""
+    if not fittings:
+        return []
+    own = own_fittings(parameters)
+    usual, rear = (both(one.get("tyres", TYPICAL))[0] for one in (own, fittings))
+    other = {key: x for key, x in rear.items() if usual.get(key) != x}
+    other |= {key: x for key, x in fittings.items() if key.startswith("head")}
+    return ["tyres", *(f"{key}{x:.12g}" if isinstance(x, float) else f"{key}{x}" for key, x in other.items())]
 
 
 @click.command()
@@ -143,7 +156,7 @@ def circles_on_tyres(parameters: "Parameters", speeds: tuple[float, ...], tyres:
     from ..turns.on_tyres import figure, to_csv, turns
 
     target = ready_folder(out) / f"{parameters.name}_circles_tyres"
-    leans, found, ideal = np.arange(0.05, 1.3, 0.05), [], []
+    leans, found, ideal = np.arange(0.025, 1.3, 0.025), [], []
     interrupted = False
     try:
         for speed in speeds:

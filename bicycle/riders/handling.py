@@ -21,7 +21,7 @@ from mbsd3d.extend import LINE, THIN, dress
 from ..linear.equations import checked_speeds
 from ..output import collected, new_figure, write_table
 from ..parameters import Parameters
-from .rider import Gains, closed_loops, eigenvalues, gains_of
+from .rider import Gains, by_rule, closed_loops, eigenvalues, gains_of, spans
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -120,13 +120,6 @@ class Handling:
 LABELS = (f"level 1, up to {LEVELS[0]:g}", f"level 2, up to {LEVELS[1]:g}", "level 3, above")
 
 
-def spans(speeds: np.ndarray, here: np.ndarray) -> str:
-    """Runs of neighbouring speeds as text."""
-    edges = np.flatnonzero(np.diff(np.r_[False, here, False].astype(int)))
-    parts = [(speeds[a], speeds[b - 1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return ", ".join(f"{a:.4g} ... {b:.4g} m/s" if a < b else f"{a:.4g} m/s" for a, b in parts) or "nowhere"
-
-
 def study(parameters: Parameters, speeds: ArrayLike, *, progress: bool | None = None) -> Handling:
     """Handling quality over the speed after Hess: the peak of what a rider feeds back, with the gains of the rule.
 
@@ -166,10 +159,10 @@ def study(parameters: Parameters, speeds: ArrayLike, *, progress: bool | None = 
 
 def row(parameters: Parameters, speed: float) -> tuple[float, ...]:
     """Gains by rule, peak and its frequency; NaN without such gains."""
+    gains = by_rule(parameters, speed)
     try:
-        gains = gains_of(parameters, speed)
-        return (*gains, *peak(parameters, speed, gains))
-    except InputError:
+        return (np.nan,) * 7 if gains is None else (*gains, *peak(parameters, speed, gains))
+    except InputError:  # they do not balance the bicycle
         return (np.nan,) * 7
 
 

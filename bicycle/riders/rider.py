@@ -25,6 +25,8 @@ CROSSOVER = (2.0, 1.0, 0.5)  # [rad/s] of the loops of roll, heading and lateral
 MUSCLES = (900.0, 42.42)
 PEAK = 10.0  # [dB] of the two inner loops,
 LEVEL = (1.0, 3.0)  # above what they let pass at this frequency [rad/s]
+BRACKETS = (1e-2, 1e4), (-1e-5, -1.0)  # of their gains
+SPEEDS = np.linspace(1.0, 15.0, 29)  # [m/s] at which the rule is tried for who asks where it works
 FREQUENCIES = np.geomspace(3.0, 60.0, 400)  # [rad/s] where the peaks are
 
 
@@ -100,7 +102,8 @@ def gains_of(
     Raises
     ------
     ValueError
-        If no gain makes such a peak; give it then.
+        If no gain makes such a peak: bicycles whose weave is hardly damped, most of them without a rider, peak more by
+        themselves. The text says at which speeds the rule works.
 
     Examples
     --------
@@ -110,33 +113,78 @@ def gains_of(
     [12.6635, 0.1849, 0.0959]
     """
     found: list[float] = []
-    for given, brackets in ((steer, (1.0, 5e3)), (roll_rate, (-1e-3, -1.0))):
-        found.append(peaked(parameters, speed, found, brackets) if given is None else given)
+    for count, given in enumerate((steer, roll_rate)):
+        found.append(peaked(parameters, speed, found) if given is None else number(given, f"rider: {LOOPS[count]}"))
     for frequency in CROSSOVER:
         plant = closed_loops(parameters, speed, Gains(*found, *[0.0] * (5 - len(found))), len(found))
         found.append(float(1.0 / np.abs(plant.response(frequency)[0, SEEN[len(found)]])))
     return Gains(*found)
 
 
-def peaked(parameters: Parameters, speed: float, inner: list[float], brackets: tuple[float, float]) -> float:
+class Tried(NamedTuple):
+    """Gains of an inner loop and the peaks they make; ``gain`` is that of the rule, NaN if none makes its peak."""
+
+    gain: float
+    gains: np.ndarray
+    peaks: np.ndarray  # [dB] above what the closed loop lets pass at `LEVEL`
+
+
+def tried(parameters: Parameters, speed: float, inner: list[float]) -> Tried:
     """The largest gain k of the next loop with which k G/(1 + k G) does not exceed the rule's peak."""
     count = len(inner)
     plant = closed_loops(parameters, speed, Gains(*inner, *[0.0] * (5 - count)), count)
     G = plant.response(np.append(FREQUENCIES, LEVEL[count]))[:, SEEN[count]]
 
-    def excess(gain: float) -> float:
+    def height(gain: float) -> float:
         closed = np.abs(gain * G / (1.0 + gain * G))
-        return float(20.0 * np.log10(closed[:-1].max() / closed[-1]) - PEAK)
+        return float(20.0 * np.log10(closed[:-1].max() / closed[-1]))
 
-    tried = np.geomspace(*brackets, 80)
-    values = np.array([excess(gain) for gain in tried])
-    crossed = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    gains = np.geomspace(*BRACKETS[count], 120)
+    peaks = np.array([height(gain) for gain in gains])
+    crossed = np.flatnonzero((peaks[:-1] < PEAK) & (peaks[1:] >= PEAK))
     if not crossed.size:
+        return Tried(np.nan, gains, peaks)
+    ends = gains[crossed[-1] : crossed[-1] + 2]
+    return Tried(float(brentq(lambda gain: height(gain) - PEAK, *ends, xtol=1e-14)), gains, peaks)
+
+
+def peaked(parameters: Parameters, speed: float, inner: list[float]) -> float:
+    """The gain of the next loop by the rule; InputError says what it misses, and at which speeds it does not."""
+    gain, gains, peaks = tried(parameters, speed, inner)
+    if np.isnan(gain):
+        first = f"{peaks[0]:.3g} dB however small its gain, as the bicycle swings by itself"
+        why = first if peaks[0] >= PEAK else f"{peaks.max():.3g} dB at most, with gains up to {gains[-1]:g}"
+        where = np.array([balances(parameters, v) for v in SPEEDS])
+        cure = "give such a speed, or gains" if where.any() else "give gains"
         raise InputError(
-            f"bicycle '{parameters.name}': at {speed:g} m/s no gain of the {LOOPS[count]} loop makes a peak of "
-            f"{PEAK:g} dB; give this gain"
+            f"bicycle '{parameters.name}': at {speed:g} m/s the {LOOPS[len(inner)]} loop peaks by {why}, where the "
+            f"rule for gains wants {PEAK:g} dB; of {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s the rule balances it at "
+            f"{spans(SPEEDS, where)}; {cure}"
         )
-    return float(brentq(excess, tried[crossed[-1]], tried[crossed[-1] + 1], xtol=1e-14))
+    return gain
+
+
+def by_rule(parameters: Parameters, speed: float) -> Gains | None:
+    """The gains of the rule, None where it finds none."""
+    inner: list[float] = []
+    while len(inner) < len(BRACKETS):
+        inner.append(tried(parameters, speed, inner).gain)
+        if np.isnan(inner[-1]):
+            return None
+    return gains_of(parameters, speed, steer=inner[0], roll_rate=inner[1])
+
+
+def balances(parameters: Parameters, speed: float) -> bool:
+    """Whether the rule finds gains, and the rider stays up with them."""
+    gains = by_rule(parameters, speed)
+    return gains is not None and bool(eigenvalues(parameters, speed, gains).real.max() < 0.0)
+
+
+def spans(speeds: np.ndarray, here: np.ndarray) -> str:
+    """Runs of neighbouring speeds as text."""
+    edges = np.flatnonzero(np.diff(np.r_[False, here, False].astype(int)))
+    parts = [(speeds[a], speeds[b - 1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return ", ".join(f"{a:.4g} ... {b:.4g} m/s" if a < b else f"{a:.4g} m/s" for a, b in parts) or "nowhere"
 
 
 def factors(poles: np.ndarray, digits: int = 4) -> str:

@@ -4,29 +4,28 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import root
 
-from mbsd3d import Solution, State, accelerations, simulate
+from mbsd3d import Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE, as_quaternion, as_signal, cross, dress, number
+from mbsd3d.extend import LINE, Rates, as_signal, cross, dress, number
 
-from ..model.kinematics import X, Y, Z, placed, pose_of, rotation_about, steer_axis
+from ..model.kinematics import Pose, X, Y, Z, placed, pose_of, rotation_about, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
 from ..output import new_figure, write_table
 from ..parameters import Parameters
-from ..rides.motion import Ride
 from ..rides.ride import axle_torque
-from .turning import Turn
+from .turning import SteadyTurn, Turn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZES = np.array([0.1, 0.01, 0.01, 0.1, 0.1, 1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01])
-"""Of the unknowns: steer, pitch and height of the rear hub over those of ideal wheels, its speed to the left, yaw rate,
+"""Of the unknowns: steer, pitch, height of the rear hub over that of an ideal wheel, its speed to the left, yaw rate,
 spins of the wheels over frame and fork, steer and drive torque, deflections of the tyres."""
 STEP = 0.1  # [rad] of lean from one turn to the next
 HALVED = 5
@@ -35,7 +34,7 @@ STEADY = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class TyreTurn:
+class TyreTurn(SteadyTurn):
     """A steady turn; angles, yaw rate and torques are positive to the right, drive ahead."""
 
     parameters: Parameters
@@ -76,13 +75,6 @@ class TyreTurn:
         """The larger part of the grip that a tyre uses."""
         return max(float(self.at.force(f"{wheel} tyre").saturation[0]) for wheel in ("rear", "front"))
 
-    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
-        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
-        if t_end is None and not self.yaw_rate:
-            raise InputError(f"bicycle '{self.parameters.name}': this turn goes straight and never ends; give t_end")
-        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
-        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
-
     @property
     def friction(self) -> float:
         """The larger horizontal force of a wheel over its load."""
@@ -102,58 +94,41 @@ class TyreTurn:
 
 
 class Balance:
-    """What a state lacks to be a steady turn; accelerations are linear in the two torques, so three systems do."""
+    """What a state lacks to be a steady turn."""
 
     def __init__(self, parameters: Parameters, tyres: Tyres, speed: float, lean: float) -> None:
         self.parameters, self.speed, self.lean = parameters, speed, lean
-        free = whipple(parameters, tyres=tyres)
-        steer = steer_torque(free, parameters, 1.0)
-        drive = axle_torque(free, "rear wheel", "frame", as_signal(1.0, "drive"), "drive")
-        self.systems: list[Bicycle] = [free, *(replace(free, forces=[*free.forces, *x]) for x in (steer, drive))]
+        self.free = whipple(parameters, tyres=tyres)
+        self.axis = steer_axis(parameters)[1]
+        start = self.state(guess(parameters, self.free, speed, lean))[0]
+        self.rates = Rates(self.held(Input("steer"), Input("drive")), start)
 
-    def state(self, x: np.ndarray) -> tuple[State, np.ndarray, np.ndarray]:
-        """(state, axles of the rear and the front wheel) of the unknowns."""
-        at = placed(self.parameters, self.lean, x[0], x[1] + pitch_of(self.parameters, self.lean, x[0]))
+    def held(self, steer: Signal | float, drive: Signal | float) -> Bicycle:
+        """The bicycle under a steer and a drive torque [N m]."""
+        forces = [*self.free.forces, *steer_torque(self.free, self.parameters, steer)]
+        forces += axle_torque(self.free, "rear wheel", "frame", as_signal(drive, "turn: drive"), "drive")
+        return replace(self.free, forces=forces)
+
+    def state(self, x: np.ndarray) -> tuple[State, Pose]:
+        """State and pose of the unknowns."""
+        at = placed(self.parameters, self.lean, x[0], x[1])
         shift = np.array([0.0, -at.rear[1], x[2]])
-        rear, front = at.rear + shift, at.front + shift
-        frame, fork = as_quaternion(at.frame, "frame"), as_quaternion(at.fork, "fork")
-        q = np.concatenate([rear, frame, rear, frame, front, fork, front, fork])
-        axle_r, axle_f, turn = at.frame @ Y, at.fork @ Y, x[4] * Z
+        at = at._replace(rear=at.rear + shift, front=at.front + shift)
+        turn = x[4] * Z
         v_r = np.array([self.speed, x[3], 0.0])
-        v_f = v_r + cross(turn, front - rear)
-        v = [v_r, turn + x[5] * axle_r, v_r, turn, v_f, turn, v_f, turn + x[6] * axle_f]
-        return State(0.0, q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), axle_r, axle_f
-
-    def held(self, x: np.ndarray) -> Bicycle:
-        """The bicycle under the torques of the unknowns."""
-        free, p = self.systems[0], self.parameters
-        drive = axle_torque(free, "rear wheel", "frame", as_signal(float(x[8]), "drive"), "drive")
-        return replace(free, forces=[*free.forces, *steer_torque(free, p, float(x[7])), *drive])
+        v_f = v_r + cross(turn, at.front - at.rear)
+        v = [v_r, turn + x[5] * at.frame @ Y, v_r, turn, v_f, turn, v_f, turn + x[6] * at.fork @ Y]
+        return State(0.0, at.q, np.concatenate(v), z=x[9:], coordinates=np.array([0.0, x[0], 0.0])), at
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """(13,) accelerations of frame, fork and wheels over those of a steady turn, and rates of the deflections."""
-        state, axle_r, axle_f = self.state(x)
-        found = [accelerations(system, state) for system in self.systems]
-        free, by_steer, by_drive = (self.moving(one, axle_r, axle_f) for one in found)
-        left = free + x[7] * (by_steer - free) + x[8] * (by_drive - free)
-        turn = x[4] * Z
-        left[:3] -= cross(turn, np.array([self.speed, x[3], 0.0]))
-        rates = [
-            rate[0] for wheel in ("rear", "front") for rate in found[0].force(f"{wheel} tyre").state_rates.values()
-        ]
-        return np.concatenate([left, rates])
-
-    def moving(self, one: Solution, axle_r: np.ndarray, axle_f: np.ndarray) -> np.ndarray:
-        """(9,) accelerations of the frame, and those of steer and wheels about their axes."""
-        frame, fork, rear, front = (one.alpha(body)[0] for body in ("frame", "fork", "rear wheel", "front wheel"))
-        steer = one.rotation("frame")[0] @ steer_axis(self.parameters)[1]
-        return np.r_[
-            one.acceleration("frame")[0],
-            frame,
-            steer @ (fork - frame),
-            axle_r @ (rear - frame),
-            axle_f @ (front - fork),
-        ]
+        state, at = self.state(x)
+        self.rates.set("steer", x[7])
+        self.rates.set("drive", x[8])
+        (rear, frame, fork, front), z_dot = self.rates(state)
+        gap = frame[:3] - x[4] * np.array([-x[3], self.speed, 0.0])
+        about = [at.frame @ self.axis @ (fork - frame)[3:], at.frame @ Y @ (rear - frame)[3:]]
+        return np.r_[gap, frame[3:], about, at.fork @ Y @ (front - fork)[3:], z_dot]
 
 
 def pitch_of(p: Parameters, lean: float, steer: float) -> float:
@@ -188,9 +163,9 @@ def turn(
     balance = Balance(parameters, tyres, speed, lean)
     if near is None and abs(lean) > 1.5 * STEP:
         near = turn(parameters, tyres, speed=speed, lean=lean - np.copysign(STEP, lean))
-    start = guess(parameters, balance.systems[0], speed, lean)
+    start = guess(parameters, balance.free, speed, lean)
     if near is not None:
-        start += near.x - guess(parameters, balance.systems[0], near.speed, near.lean)
+        start += near.x - guess(parameters, balance.free, near.speed, near.lean)
     found = root(lambda x: balance(SIZES * x), start / SIZES, tol=1e-14)
     left = float(np.abs(found.fun).max())
     if not left < STEADY:
@@ -199,7 +174,7 @@ def turn(
             "smaller lean, or a turn near it"
         )
     x = SIZES * found.x
-    system, state = balance.held(x), balance.state(x)[0]
+    system, state = balance.held(*x[7:9].tolist()), balance.state(x)[0]
     return TyreTurn(parameters, speed, lean, x, system, state, accelerations(system, state))
 
 
@@ -208,7 +183,7 @@ def guess(p: Parameters, system: Bicycle, speed: float, lean: float) -> np.ndarr
     yaw_rate = -p.g * np.tan(lean) / speed
     steer = -p.w * yaw_rate / speed * np.cos(lean) / np.cos(p.lam)
     rear, front = (system.part(f"{wheel} tyre", "forces") for wheel in ("rear", "front"))
-    start = [steer, 0.0, 0.0, 0.0, yaw_rate, speed / p.rR, speed / p.rF, 0.0, 0.0]
+    start = [steer, pitch_of(p, lean, steer), 0.0, 0.0, yaw_rate, speed / p.rR, speed / p.rF, 0.0, 0.0]
     return np.array([*start, 0.0, -np.tan(lean) / rear.cornering, 0.0, -np.tan(lean) / front.cornering])
 
 

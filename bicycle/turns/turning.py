@@ -10,6 +10,7 @@ is constant too, since the motion reversed in time is a motion as well. The rear
 along x.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -181,8 +182,28 @@ class TurnSolver:
         return Turn(self.p, float(lean), float(steer), square, torque, system, state, direction, smooth)
 
 
+class SteadyTurn(ABC):
+    """What ideal wheels and tyres have in common: a bicycle, its state, and a yaw rate that stays."""
+
+    parameters: Parameters
+    system: Bicycle
+    state: State
+
+    @property
+    @abstractmethod
+    def yaw_rate(self) -> float:
+        """Yaw rate to the right [rad/s]."""
+
+    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
+        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
+        if t_end is None and not self.yaw_rate:
+            raise InputError(f"bicycle '{self.parameters.name}': without yaw rate no round ends this turn; give t_end")
+        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
+        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
+
+
 @dataclass(frozen=True, eq=False)
-class Turn:
+class Turn(SteadyTurn):
     """A steady turn; angles, rates and torque are positive to the right."""
 
     parameters: Parameters
@@ -214,13 +235,6 @@ class Turn:
     def moment(self) -> Ride:
         """One sample of this turn: ``.contacts`` are the forces of the ground, ``.friction`` the coefficient needed."""
         return Ride(self.parameters, accelerations(self.system, self.state))
-
-    def ride(self, t_end: float | None = None, **settings: Any) -> Ride:
-        """Let it go on from here until ``t_end`` [s], None = for one round; settings as in `mbsd3d.simulate`."""
-        if t_end is None and not self.yaw_rate:
-            raise InputError(f"bicycle '{self.parameters.name}': this turn is at rest and never ends; give t_end")
-        end = 2.0 * np.pi / abs(self.yaw_rate) if t_end is None else t_end
-        return Ride(self.parameters, simulate(self.system, end, state=self.state, **settings))
 
     @property
     def friction(self) -> float:

@@ -20,6 +20,7 @@ from .tables import (
     InputTerm,
     Signals,
     body_table,
+    check_inputs,
     coordinate_table,
     force_table,
     key_of,
@@ -125,6 +126,7 @@ def tables_of(system: Mechanism) -> Compiled:
 
 def lower(system: Mechanism, measures: tuple[Measure, ...], switches: Switches) -> Compiled:
     """Lower a system to arrays."""
+    check_inputs(system)
     index = {id(body): i for i, body in enumerate(system.bodies)}
     index[id(GROUND)] = len(system.bodies)
     rows_of_joint = [joint.primitives for joint in system.joints]

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base.errors import InputError
 from ..kernels.kinds import SPLINE
 from .compiled import Compiled
 
@@ -13,21 +12,8 @@ History = Mapping[str, Sequence[tuple[float, float]]]  # name -> (time [s], valu
 
 
 def starts(compiled: Compiled) -> dict[str, float]:
-    """Name -> value at the start.
-
-    Raises
-    ------
-    ValueError
-        If two inputs of one name start with different values.
-    """
-    found: dict[str, float] = {}
-    for place in compiled.inputs:
-        if found.setdefault(place.name, place.start) != place.start:
-            raise InputError(
-                f"two inputs '{place.name}' start with {found[place.name]:g} and {place.start:g}; give them one value, "
-                "or names of their own"
-            )
-    return found
+    """Name -> value at the start."""
+    return {place.name: place.start for place in compiled.inputs}
 
 
 def with_own_inputs(compiled: Compiled) -> Compiled:

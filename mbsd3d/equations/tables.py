@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base.directions import cross, matched_perpendiculars, perpendiculars
+from ..base.errors import InputError
 from ..dynamics.loads import number_of_law
 from ..kernels.layout import BODY, COORDINATE, FORCE, MEASURE, PRIMITIVE, ROW, SIGNAL, STATE, TERM, table
 from ..mechanism.bodies import GROUND
@@ -38,6 +39,26 @@ def own_length(system: Mechanism) -> float:
     if arms:
         largest = max(largest, float(np.linalg.norm(arms, axis=1).max()))
     return largest or 1.0
+
+
+def signals_of(system: Mechanism) -> list[tuple[Any, Signal]]:
+    """(joint or force, signal) of all signals."""
+    found = [(joint, row.signal) for joint in system.joints for row in joint.primitives]
+    found += [(force, signal) for force in system.forces for signal in force.record().signals]
+    return [(part, signal) for part, signal in found if signal is not None]
+
+
+def check_inputs(system: Mechanism) -> None:
+    """ValueError, naming the parts, if inputs of one name start with different values: they are one input."""
+    first: dict[str, tuple[Any, float]] = {}
+    for part, signal in signals_of(system):
+        for name, start in (term.input for term in signal.terms() if term.input):
+            other, known = first.setdefault(name, (part, start))
+            if start != known:
+                raise InputError(
+                    f"two inputs '{name}' start with {known:g} and {start:g}, in '{system.name(other)}' and "
+                    f"'{system.name(part)}'; give them one value, or names of their own"
+                )
 
 
 class InputTerm(NamedTuple):

@@ -37,6 +37,7 @@ from .blame import at_end_of_curve, blame, driven_to
 from .divergence import DivergenceWatch
 from .events import armed_at_start
 from .stiffness import check_forces
+from .sunk import check_sunk
 
 CHUNK = 0.05  # seconds of kernel time between visits to Python: progress, Ctrl-C
 CAPACITY = 1024  # samples between visits to Python where every step is one
@@ -225,6 +226,7 @@ class Job:
         """A projected run starts from a consistent state: what the user gave is not moved silently."""
         check_quaternions(self.compiled.system, self.start)
         check_balance(self.compiled, self.memory.y, self.start.t)
+        check_sunk(self.compiled, self.memory.y)
         if self.model.stabilisation != PROJECTION:
             return
         missed = unmet(self.compiled, self.data, self.start.v, max(1e-8, self.tolerance))

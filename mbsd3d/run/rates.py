@@ -8,6 +8,7 @@ from ..dynamics.state_rates import FAR, PROJECTED, project_and_evaluate
 from ..equations.at_state import load_state
 from ..equations.compiled import Switches, compile_system
 from ..equations.elimination import eliminate
+from ..equations.inputs import set_input, with_own_inputs
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..saddle.solve import SOLVED
@@ -16,14 +17,19 @@ from ..saddle.solve import SOLVED
 class Rates:
     """What `accelerations` gives of bodies and own states, at a twentieth of its cost, for states near the first one.
 
-    The state is taken as it is: it must meet the joints, and their rows must stay as independent as there.
+    The state is taken as it is: it must meet the joints, and their rows must stay as independent as there. Inputs keep
+    the value they start with until they are set.
     """
 
     def __init__(self, system: Mechanism, near: State, switches: Switches | None = None) -> None:
-        self.compiled = compile_system(system, (), switches)
+        self.compiled = with_own_inputs(compile_system(system, (), switches))
         self.data = self.compiled.data()
         load_state(self.compiled, self.data, near)
         self.tree = eliminate(self.compiled.model, self.data, None)
+
+    def set(self, name: str, value: float) -> None:
+        """Give the inputs of a name a value, for all states from now on."""
+        set_input(self.compiled, name, value)
 
     def __call__(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """((n, 6) acceleration of the reference points and angular acceleration, world axes; (k,) rates of z).

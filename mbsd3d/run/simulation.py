@@ -9,6 +9,7 @@ from ..base.checks import floats, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..equations.compiled import Compiled, Switches, compile_system
+from ..equations.tables import signals_of
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..mechanism.measures import Condition, check_members
@@ -84,11 +85,8 @@ def check_state(state: Any, what: str) -> None:
 
 def check_signals(compiled: Compiled, t_start: float, t_end: float) -> None:
     """Tables must cover the run."""
-    signals = [(joint, row.signal) for joint in compiled.system.joints for row in joint.primitives]
-    signals += [(force, signal) for force in compiled.system.forces for signal in force.record().signals]
-    for part, signal in signals:
-        if signal is not None:
-            check_interval(signal, t_start, t_end, f"'{compiled.system.name(part)}'")
+    for part, signal in signals_of(compiled.system):
+        check_interval(signal, t_start, t_end, f"'{compiled.system.name(part)}'")
 
 
 def check_room(samples: int, width: int) -> None:

@@ -11,6 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 from bicycle import Meijaard2007, named, on_tyres, ride, stability, whipple
+from bicycle.commands import fitted
+from bicycle.commands.motion import refitted
 from bicycle.linear import tyre_equations
 from bicycle.parameters import fittings, machines
 from bicycle.turns import on_tyres as turns_on_tyres
@@ -220,6 +222,8 @@ def test_steady_turns_of_an_independent_program(row):
 @pytest.mark.slow
 def test_a_turn_straight_ahead():
     straight = turns_on_tyres.turn(P, BRUSH, speed=5.0, lean=0.0)
+    with pytest.raises(ValueError, match="give t_end"):
+        replace(straight, x=np.where(np.arange(13) == 4, 0.0, straight.x)).ride()
     assert straight.radius > 1e9 and straight.steer == pytest.approx(0.0, abs=1e-12)
     assert straight.saturation < 1e-9 and straight.steer_torque == pytest.approx(0.0, abs=1e-9)
 
@@ -240,6 +244,19 @@ def test_turns_end_at_the_limit_of_grip(tmp_path):
     out = ["--speed", "5", "--tyre", "mu=0.3", "--out", str(tmp_path)]
     done = CliRunner().invoke(main, ["bicycle", "circles", *out], catch_exceptions=False)
     assert done.exit_code == 0 and "5 m/s: up to a lean of 16." in done.output
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "wanted"),
+    [
+        ("HC_Pista", (False, (), None), []),
+        ("HC_Pista", (True, ("mu=0.4", "camber_lag=false"), None), ["tyres", "mu0.4", "camber_lagFalse"]),
+        ("HC_Pista", (False, (), (1800.0, 2.0)), ["tyres", "head_stiffness1800", "head_damping2"]),
+        ("Sharp1971", (False, ("relaxation=0.3",), None), ["tyres", "relaxation0.3"]),
+    ],
+)
+def test_no_ride_replaces_the_files_of_one_on_other_tyres(name, given, wanted):
+    assert refitted(named(name), fitted(named(name), *given)) == wanted
 
 
 def test_a_stiff_head_is_a_rigid_one():

@@ -64,6 +64,20 @@ def test_rule_of_the_inner_loops(name, row):
     assert rider.eigenvalues(named(BICYCLES[name]), row["v"], found).real.max() < 0.0
 
 
+@pytest.mark.parametrize(
+    ("name", "speed", "text"),
+    [
+        ("Pista", 6.5, "steer angle loop peaks by 13 dB however small its gain.* wants 10 dB.* at nowhere; give gains"),
+        ("Meijaard2007", 2.0, "roll rate loop peaks by 10.3 dB however small.* at 2.5 ... 15 m/s; give such a speed"),
+        ("Fisher", 1.0, "roll rate loop peaks by 7.22 dB at most, with gains up to -1"),
+    ],
+)
+def test_where_the_rule_finds_no_gains(name, speed, text):
+    """The weave of the riderless Pista has a damping ratio of 0.058 and peaks by itself."""
+    with pytest.raises(ValueError, match=text):
+        rider.gains_of(named(name), speed)
+
+
 @pytest.mark.parametrize("k", range(4))
 def test_handling_quality(k):
     """Of an independent program, which took the largest of its grid of frequencies: a few 1e-5 below the peak."""

@@ -1,5 +1,7 @@
 """Contacts that press, rub and lift off, against closed forms; and surfaces that roll, against other descriptions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import direction, random_body
@@ -239,6 +241,14 @@ BAD = {
         "'dot' has no mass to choose grip by",
     ),
     "creep": (lambda: Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=1.0, friction=0.3, creep=0.0), "creep"),
+    "grip": (
+        lambda: Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=1.0, grip=3.0),
+        "grip does nothing with no friction, rolling or spinning",
+    ),
+    "grip beside creep": (
+        lambda: Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=1.0, friction=0.3, grip_damping=3.0, creep=0.1),
+        "grip_damping does nothing with creep",
+    ),
     "measure": (lambda: measures.clearance(STONE), "give a Contact"),
 }
 
@@ -248,3 +258,11 @@ def test_bad_input_is_named(case):
     make, text = BAD[case]
     with pytest.raises(ValueError, match=text):
         make()
+
+
+def test_a_default_of_the_grip_is_not_given():
+    """So it follows what is replaced, and goes where friction goes."""
+    floor = Contact(GROUND, STONE, shapes.Sphere(0.1), stiffness=1e3, friction=0.3)
+    assert floor.grip is None and floor.bristles == pytest.approx((1e3, np.sqrt(1e3 * STONE.mass)))
+    assert replace(floor, stiffness=4e3).bristles[0] == pytest.approx(4e3)
+    assert replace(floor, friction=0.0).states() == 0

@@ -1,9 +1,11 @@
 """Accelerations at one state after another are those of `accelerations`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Revolute, Spherical, System, TorsionSpring, Tyre, accelerations
+from mbsd3d import GROUND, Body, Input, Revolute, Spherical, System, Torque, TorsionSpring, Tyre, accelerations
 from mbsd3d.equations.compiled import Switches
 from mbsd3d.run.rates import Rates
 
@@ -30,3 +32,16 @@ def test_rates_are_those_of_accelerations(terms):
         for k, body in enumerate(system.bodies):
             assert a[k] == pytest.approx(np.concatenate([known.acceleration(body)[0], known.alpha(body)[0]]), rel=1e-12)
         assert z_dot == pytest.approx([x[0] for x in known.force(system.forces[-1]).state_rates.values()], rel=1e-12)
+
+
+def test_an_input_is_the_number_it_is_set_to():
+    free = pendulum_and_wheel()
+
+    def driven(by):
+        return replace(free, forces=[*free.forces, Torque(free.part("two"), (0.4 * by, 0.0, by + 1.0), name="drive")])
+
+    rates = Rates(driven(Input("drive", 2.0)), free.state())
+    for value in (2.0, -3.5):
+        rates.set("drive", value)
+        for found, wanted in zip(rates(free.state()), Rates(driven(value), free.state())(free.state()), strict=True):
+            assert found == pytest.approx(wanted, rel=1e-14)

@@ -28,6 +28,7 @@ from mbsd3d import (
     System,
     Table,
     Torque,
+    accelerations,
     load,
     measures,
     simulate,
@@ -192,6 +193,17 @@ def test_short_slices_cost_one_step_each():
     stepper.advance(0.0051 + 1e-12)  # a slice that ends just after
     stepper.advance(0.3)
     assert stepper.solution().certificate.steps < 50 + 2 + 30
+
+
+@pytest.mark.parametrize("use", [simulate, accelerations, System.check], ids=lambda use: use.__name__)
+def test_inputs_of_one_name_start_with_one_value(use):
+    """They are one input, which could not keep two; both parts are named."""
+    system, _, _ = rotor(2.0 * Input("push"), Input("push") + 3.0)
+    end = [0.1] * (use is simulate)
+    use(system, *end)
+    clash = Torque(system.bodies[0], (0.0, Input("push", 1.0), 0.0), name="other")
+    with pytest.raises(ValueError, match=r"two inputs 'push' start with 0 and 1, in '.*' and 'other'; give them one"):
+        use(replace(system, forces=[*system.forces, clash]), *end)
 
 
 def test_errors_name_what_is_wrong():

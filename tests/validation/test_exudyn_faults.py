@@ -14,6 +14,7 @@ from mbsd3d import (
     AngleDriver,
     AssemblyError,
     Body,
+    Brake,
     Bushing,
     Distance,
     Fixed,
@@ -79,8 +80,12 @@ def test_refused_variants():
     hinge = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2))
     crooked = Revolute(GROUND, a, at=a.position, axis=(1, 2, 2), axis_b=(1, 2, 2.001))
     sprung = System([a], [crooked], [TorsionSpring(crooked, stiffness=1.0)])
+    lining = {"torque": 1.0, "stiffness": 9.0, "damping": 1.0}
+    braked = System([a], [crooked], [Brake(crooked, **lining)])
     for parts, settings, text in (
         (sprung, {"state": sprung.assemble()}, "force 'TorsionSpring 1' .*axes on both sides differ"),
+        (braked, {"state": braked.assemble()}, "force 'Brake 1' .*axes on both sides differ"),
+        (System([a], [hinge], [Brake(hinge, **lining)]), {"formulation": "kinematic tree"}, "take .*'rigid bodies'"),
         (System([a, b], forces=[Bushing(a, b, at=(0, 0, 0), stiffness=1.0)]), {}, "force 'Bushing 1' .*hangs on 'a'"),
         (System([a], [hinge]), {"solver": "rk44"}, "takes no constraints"),
         (System([a, b], [hinge]), {"formulation": "kinematic tree"}, "body 'b': is free"),

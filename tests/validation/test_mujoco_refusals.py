@@ -12,6 +12,7 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    Brake,
     Bushing,
     ConstantVelocity,
     Fixed,
@@ -67,6 +68,7 @@ def refused(part, bodies, joints):
     first = bodies[0]
     return {
         "tanh": JointFriction(joints[0], coulomb=0.2, name="part"),
+        "creeps": Brake(joints[0], torque=2.0, stiffness=1e3, damping=20.0, name="part"),
         "six components": Bushing(GROUND, first, at=(0, 0, 0), stiffness=30.0, name="part"),
         "Table": AngleDriver(joints[0], Table([0, 1, 2, 3], [0, 0.1, 0.3, 0.2]), name="part"),
         "degree 5": AngleDriver(joints[0], Polynomial((0, 0, 0, 0, 0, 1.0)), name="part"),
@@ -74,7 +76,7 @@ def refused(part, bodies, joints):
     }[part]
 
 
-@pytest.mark.parametrize("word", ["tanh", "six components", "Table", "degree 5", "no way from"])
+@pytest.mark.parametrize("word", ["tanh", "creeps", "six components", "Table", "degree 5", "no way from"])
 def test_refused_parts_are_named(word):
     rng, bodies = bodies_of(4)
     joints = [

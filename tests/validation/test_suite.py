@@ -17,6 +17,7 @@ from validation.suite.findings import (
     CERTIFICATE,
     DIFFERS,
     EXPLAINED,
+    EXUDYN,
     FREEDOMS,
     JUDGES,
     MUJOCO,
@@ -30,7 +31,7 @@ from validation.suite.findings import (
     not_compared,
 )
 from validation.suite.suite import examined, lost
-from validation.suite.trials import bicycles, engines, families, references, tyres
+from validation.suite.trials import bicycles, engines, families, references, tyres, vehicles
 from validation.suite.trials.trial import examine, run
 
 pytestmark = pytest.mark.usefixtures("own_clock")
@@ -129,6 +130,22 @@ def test_a_motorcycle_has_its_printed_eigenvalues_and_one_of_other_damping_does_
     assert found.verdict == AGREES and len(found.of(REFERENCE)) == 2
     monkeypatch.setattr(tyres, "fittings", lambda p: fittings(p) | {"steer_damping": 7.2})
     assert {finding.verdict for finding in tyres.printed(made)} == {DIFFERS}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", vehicles.trials(quick=False), ids=lambda trial: trial.name)
+def test_vehicles_off_the_ground_agree_with_the_engines(trial):
+    """The brake slips, stops the wheel within the run, and holds it; MuJoCo says why it takes no part there."""
+    pytest.importorskip("mujoco")
+    pytest.importorskip("exudyn")
+    found = examined(trial, 5.0)
+    assert found.verdict == AGREES and found.worst(EXUDYN).verdict == AGREES, words.differences([found])
+    if trial.make is vehicles.braked:
+        rate = np.abs(trial.make().solution.rate("hub"))
+        assert rate[0] == pytest.approx(9.0) and rate[-1] < 1e-3
+        assert "a soft row that creeps" in found.of(MUJOCO)[0].note
+    else:
+        assert found.worst(MUJOCO).verdict == AGREES
 
 
 def test_four_bars_in_a_row_have_the_rows_that_counting_gives():

@@ -139,7 +139,8 @@ class Contact(ForceElement):
     Raises
     ------
     ValueError
-        For another surface, a number out of its range, or a default of the grip that a body without mass cannot give.
+        For another surface, a number out of its range, a grip without friction or beside ``creep``, or a default of the
+        grip that a body without mass cannot give.
 
     Examples
     --------
@@ -181,20 +182,25 @@ class Contact(ForceElement):
             self.set(**{name: number(getattr(self, name), f"{what}: {name}", minimum=0.0)})
         if self.creep is not None:
             self.set(creep=number(self.creep, f"{what}: creep", positive=True))
-        if self.states():
-            self.check_grip(what)
-
-    def check_grip(self, what: str) -> None:
-        """Stiffness and damping of the deflection, given or by default."""
-        if self.b.mass == 0.0 and (self.grip is None or self.grip_damping is None):
+        given = [name for name in ("grip", "grip_damping") if getattr(self, name) is not None]
+        for name in given:
+            self.set(**{name: number(getattr(self, name), f"{what}: {name}", positive=True)})
+        if given and not self.states():
+            other = "creep" if self.creep is not None else "no friction, rolling or spinning"
+            raise InputError(f"{what}: {given[0]} does nothing with {other}; leave out one of them")
+        if self.states() and self.b.mass == 0.0 and len(given) < 2:
             raise InputError(f"{what}: '{self.b.name}' has no mass to choose grip by; give grip and grip_damping")
+
+    @cached_property
+    def bristles(self) -> tuple[float, float]:
+        """Stiffness [N/m] and damping [N s/m] of the deflection, given or by default; ones where nothing rubs."""
+        if not self.states():
+            return 1.0, 1.0
         grip, damping = self.grip, self.grip_damping
         if grip is None:
             depth = (self.b.mass * WEIGHT / self.stiffness) ** (1.0 / self.exponent)
             grip = self.exponent * self.stiffness * depth ** (self.exponent - 1.0)
-        grip = number(grip, f"{what}: grip", positive=True)
-        damping = np.sqrt(grip * self.b.mass) if damping is None else damping
-        self.set(grip=grip, grip_damping=number(damping, f"{what}: grip_damping", positive=True))
+        return grip, float(np.sqrt(grip * self.b.mass)) if damping is None else damping
 
     def states(self) -> int:
         """Number of own states: 2 deflections, and 3 rotations with friction against rolling or spinning."""
@@ -211,7 +217,7 @@ class Contact(ForceElement):
         (at, normal), form, states = self.plane, self.outline, self.states()
         along = perpendiculars(normal)[0]
         law = (self.stiffness, self.exponent, self.damping, self.loss)
-        grip = (self.grip or 0.0, self.grip_damping or 0.0, self.creep or 1.0, form.size)
+        grip = (*self.bristles, self.creep or 1.0, form.size)
         return ForceRecord(
             (self.a, self.b), (at, form.centre), frame=np.column_stack([along, np.cross(normal, along), normal]),
             frame_b=form.axes, values=(*form.radii, form.tube, *law, *grip),

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity,
 from ..bodies import GROUND, Body, Ground
 from ..contacts import checked_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
+from ..rounded import Rounded, circle
 from ..signals import Signal, as_signal
 
 CREEP = 0.05
@@ -261,6 +263,11 @@ class Tyre(ForceElement):
             given = usual if getattr(self, key) is None else getattr(self, key)
             found[key] = None if given is None else number(given, f"{what}: {key}", positive=True)
         return found
+
+    @cached_property
+    def outline(self) -> Rounded:
+        """The torus without load, world at the reference pose."""
+        return circle(self.centre, self.axis, self.radius - self.crown, self.crown)
 
     def record(self) -> ForceRecord:
         """Values: R, rho, k, c, C_x, C_y, C_g, s_x, s_y, t, f; numbers: N0, sensitivities, c_0, V_0, instant, m_g."""

@@ -4,7 +4,7 @@ import fnmatch
 from itertools import chain
 
 from mbsd3d.errors import InputError
-from validation.suite.trials import bicycles, engines, families, loops, nvh, references, tyres
+from validation.suite.trials import bicycles, engines, families, loops, nvh, references, tyres, vehicles
 from validation.suite.trials.trial import Trial
 
 
@@ -13,8 +13,9 @@ def trials(quick: bool = False) -> list[Trial]:
 
     ``quick``: whether the run must be short. Names are unique.
     """
+    rides = bicycles.trials, tyres.trials, vehicles.trials
     some = families.ladders, loops.trials, families.demonstrations, engines.trials, nvh.trials, families.randoms
-    return [trial for group in (references.trials, bicycles.trials, tyres.trials, *some) for trial in group(quick)]
+    return [trial for group in (references.trials, *rides, *some) for trial in group(quick)]
 
 
 def chosen(everything: list[Trial], names: tuple[str, ...]) -> list[Trial]:

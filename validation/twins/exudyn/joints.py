@@ -26,7 +26,7 @@ from validation.twins.exudyn.couplings import (
     follow,
     hinge_coordinate,
 )
-from validation.twins.exudyn.surfaces import add_contact, add_tyre
+from validation.twins.exudyn.surfaces import add_brake, add_contact, add_tyre
 
 
 def add_load(model: Assembly, load: Any, point: Any, components: tuple, element: str) -> None:
@@ -118,8 +118,9 @@ FORCES: dict[type, Add] = {
     mbsd3d.JointFriction: add_friction,
     mbsd3d.AeroDrag: add_drag,
     mbsd3d.Bushing: add_bushing,  # from the ground only
-    mbsd3d.Contact: add_contact,  # these two by functions of Python
+    mbsd3d.Contact: add_contact,  # these three by functions of Python
     mbsd3d.Tyre: add_tyre,
+    mbsd3d.Brake: add_brake,
 }
 """Force class -> what adds its elements."""
 

@@ -1,4 +1,4 @@
-"""Contacts and tyres in Exudyn: loads of bodies by functions of Python.
+"""Contacts, tyres and brakes in Exudyn: loads of bodies by functions of Python.
 
 Own states are velocities of coordinates of their own, of unit mass, so that the solvers of Exudyn keep their order.
 The laws are written out here and in `validation.theory.free_wheel`, from their definitions; nothing of the compiled
@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from mbsd3d import GROUND, Contact, Tyre
-from mbsd3d.extend import cross, perpendiculars
+from mbsd3d import GROUND, Brake, Contact, Tyre
+from mbsd3d.extend import cross, hinge_coordinate, perpendiculars
 from validation.theory.free_wheel import Rubber, contact_point, tread
-from validation.twins.base import Array
+from validation.twins.base import Array, NotExpressible
 from validation.twins.exudyn.assembly import Assembly
 from validation.twins.exudyn.couplings import Placed, deepest, follow
 
@@ -44,8 +44,10 @@ def moving(model: Assembly, mbs: Any, body: Any) -> Moving:
     return Moving(body, r, R.reshape(3, 3), v, omega)
 
 
-def add_surface(model: Assembly, force: Any, law: Law) -> None:
-    """Loads on the bodies of a force, and coordinates whose velocities are its own states."""
+def add_law(model: Assembly, force: Any, bodies: tuple[Any, Any], law: Law, what: str) -> None:
+    """Loads on the bodies a, b of a force, and coordinates whose velocities are its own states."""
+    if not isinstance(model, Assembly):
+        raise NotExpressible(f"{what}: a kinematic tree has no place for its law; take the formulation 'rigid bodies'")
     count = len(force.state_names())
     first = sum(len(other.state_names()) for other in model.system.forces[: model.system.forces.index(force)])
     start = model.state.z[first : first + count]
@@ -60,7 +62,7 @@ def add_surface(model: Assembly, force: Any, law: Law) -> None:
 
     def now(mbs: Any, t: float) -> tuple[Array, Array, Array, Array, Moving, Moving]:
         """The law at the state that Exudyn evaluates; asked for up to five times there."""
-        a, b = (moving(model, mbs, body) for body in (force.a, force.b))
+        a, b = (moving(model, mbs, body) for body in bodies)
         kind = model.module.OutputVariableType.Coordinates_t
         z = np.atleast_1d(mbs.GetNodeOutput(node, kind)) if count else np.zeros(0)
         key = b"".join(x.tobytes() for x in (np.array(t), a.r, a.R, a.v, a.omega, b.r, b.R, b.v, b.omega, z))
@@ -68,7 +70,7 @@ def add_surface(model: Assembly, force: Any, law: Law) -> None:
             last.update(key=key, found=law(t, a, b, z))
         return *last["found"], a, b
 
-    for sign, body, which in ((1.0, force.b, 5), (-1.0, force.a, 4)):
+    for sign, body, which in ((1.0, bodies[1], 5), (-1.0, bodies[0], 4)):
         if body is GROUND:
             continue
         marker = model.marker(body, body.position)
@@ -92,7 +94,6 @@ def add_surface(model: Assembly, force: Any, law: Law) -> None:
 def add_contact(model: Assembly, contact: Contact, what: str) -> None:
     """The lowest point of a rounded ellipsoid presses, rubs, and resists rolling and spinning."""
     form, (at, normal) = contact.outline, contact.plane
-    grip = (contact.grip or 1.0, contact.grip_damping or 1.0)
     sizes = (contact.friction, contact.rolling, contact.spinning)
 
     def law(t: float, a: Moving, b: Moving, z: Array) -> tuple[Array, Array, Array, Array]:
@@ -107,11 +108,11 @@ def add_contact(model: Assembly, contact: Contact, what: str) -> None:
             elastic = contact.stiffness * depth**contact.exponent
             N = max(elastic * (1.0 + contact.loss * rate) + contact.damping * rate, 0.0)
         motions = along @ V, along @ turn, n @ turn
-        against, rates = resistance(contact, [mu * N for mu in sizes], grip, form.size, motions, z)
+        against, rates = resistance(contact, [mu * N for mu in sizes], contact.bristles, form.size, motions, z)
         friction, roll, spin = against
         return N * n - friction @ along, point, -(roll @ along + spin * n), rates
 
-    add_surface(model, contact, law)
+    add_law(model, contact, (contact.a, contact.b), law, what)
 
 
 def resistance(
@@ -154,4 +155,25 @@ def add_tyre(model: Assembly, tyre: Tyre, what: str) -> None:
         found = tread(rubber, grip, here, axle, axes @ v, axes @ b.omega, z, axes @ turning)
         return axes.T @ found[0], hub, axes.T @ found[1], found[2]
 
-    add_surface(model, tyre, law)
+    add_law(model, tyre, (tyre.a, tyre.b), law, what)
+
+
+def add_brake(model: Assembly, brake: Brake, what: str) -> None:
+    """A spring and a damper along a hinge or slide that slip at a torque or force, which may change."""
+    x, most = hinge_coordinate(brake.hinge, what), follow(brake.torque)
+    if np.linalg.norm(x.axis - x.axis_b) > 1e-12:  # rounding of unit vectors
+        raise NotExpressible(f"{what}: the axes on both sides differ as built; its law is written about one axis")
+    k, c = brake.stiffness, brake.damping
+
+    def law(t: float, a: Moving, b: Moving, z: Array) -> tuple[Array, Array, Array, Array]:
+        axis, point, limit = a.axis(x.axis), b.r, max(most(t), 0.0)
+        if x.kind == "slide":
+            point = b.point(x.point_b)
+            rate = axis @ (b.velocity(point) - a.velocity(point))
+        else:
+            rate = axis @ (b.omega - a.omega)
+        f = np.clip(k * z[0] + c * rate, -limit, limit)
+        load, none = -f * axis, np.zeros(3)
+        return *((load, point, none) if x.kind == "slide" else (none, point, load)), np.array([(f - k * z[0]) / c])
+
+    add_law(model, brake, (x.a, x.b), law, what)

@@ -1,0 +1,46 @@
+"""A tyre that starts deep in the ground is refused, by its name, with the sizes that do not fit each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mbsd3d import GROUND, Body, System, Tyre, accelerations, simulate
+from mbsd3d.base.rotations import rotation
+
+NORMAL = np.array([0.2, -0.1, 1.0]) / np.linalg.norm((0.2, -0.1, 1.0))
+AT = np.array([0.4, -0.3, 0.2])  # of a slope
+
+
+def leaning_wheel(radius, height=0.31):
+    """On a slope, its centre of mass beside its hub."""
+    hub = AT + height * NORMAL + (0.1, 0.2, 0.0)  # 0.2 0.1 - 0.1 0.2 = 0: along the slope
+    turn = rotation((1, 0.3, 0.1), 0.3)
+    body = Body("wheel", 6.0, (0.2, 0.3, 0.2), position=hub, com=(0.02, 0.01, 0.03), orientation=turn)
+    tyre = Tyre(
+        GROUND, body, axis=body.axes[:, 1], radius=radius, crown=0.04, stiffness=4e4, centre=hub, plane=(AT, NORMAL),
+        name="tyre",
+    )  # fmt: skip
+    return System([body], forces=[tyre])
+
+
+def test_a_radius_in_millimetres_is_refused_at_the_start():
+    """At 330 m of radius the wheel would be thrown 3 km high, with a certificate that passes."""
+    assert accelerations(leaning_wheel(0.33)).force("tyre").normal[0] > 0.0
+    for run in (accelerations, lambda system: simulate(system, 0.1)):
+        with pytest.raises(ValueError, match=r"'tyre' .Tyre.: 'wheel' starts 3.* m deep in the plane.*radius .in m"):
+            run(leaning_wheel(330.0))
+
+
+def test_a_wheel_may_be_pressed_deep_but_not_up_to_its_hub():
+    assert accelerations(leaning_wheel(0.33, 0.1)).force("tyre").normal[0] > 7e3
+    with pytest.raises(ValueError, match="starts 0.3.* m deep"):
+        accelerations(leaning_wheel(0.33, 0.0))
+
+
+def test_it_is_the_start_that_counts():
+    """A reference pose in the ground is none of its business."""
+    system = leaning_wheel(0.33, -1.0)
+    raised = system.state().q.copy()
+    raised[:3] += 1.3 * NORMAL
+    assert accelerations(system, replace(system.state(), q=raised)).force("tyre").normal[0] > 0.0
