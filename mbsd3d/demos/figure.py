@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS, GREY, LIGHT
+from ..base.style import COLOURS, GREY, LIGHT, raised
 from .drawing import every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
 
 MOST = 3  # panels side by side
 FAR = 6  # times the computed range, beyond which an ablation leaves the picture
+FLAT = 1e-6  # of its size: a smaller range is rounding, and to the eye the line is level
 
 
 class Line(NamedTuple):
@@ -38,17 +39,24 @@ class Curve(NamedTuple):
     name: str = "computed"
     more: Sequence[Line] = ()
     logarithmic: bool = False
+    equal: bool = False  # both axes to the same scale: a path seen from above
+
+    @property
+    def lines(self) -> list[Line]:
+        """All of them, each with its x."""
+        others = [line._replace(x=self.x if line.x is None else line.x) for line in self.more]
+        return [Line(self.name, self.y, self.x, self.theory), *others]
 
     def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
         """The lines, those of the ablation that differ, and theory."""
-        lines, label = [Line(self.name, self.y, self.x, self.theory), *self.more], "theory"
-        others = [Line("", other.y, other.x), *other.more] if other else []
-        for k, line in enumerate(lines):
-            x = self.x if line.x is None else line.x
-            axes.plot(x, line.y, color=COLOURS[k], label=line.name)
-            if k < len(others) and not alike(line.y, others[k].y):
-                found, tint = others[k].x if others[k].x is not None else other.x, COLOURS[k if self.more else 1]
-                axes.plot(found, others[k].y, "--", color=tint, label=None if self.more else ablated)
+        others, label = other.lines if other else [], "theory"
+        for k, line in enumerate(self.lines):
+            axes.plot(line.x, line.y, color=COLOURS[k], label=line.name)
+            if k < len(others) and not (alike(line.x, others[k].x) and alike(line.y, others[k].y)):
+                _, y, x, _ = others[k]
+                locked = np.ptp(np.asarray(x, float)) == np.ptp(np.asarray(y, float)) == 0.0  # a single point
+                style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
+                axes.plot(x, y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
                 x, y = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
                 dots = every(x.size, 25)
@@ -60,6 +68,8 @@ class Curve(NamedTuple):
             axes.set_yscale("log")
             plain_decades(axes, ":.0e")
         limit(axes, self, other)
+        if self.equal:
+            axes.set_aspect("equal", adjustable="datalim")
         axes.set(xlabel=self.along, ylabel=self.label)
         legend_below(axes, 2 if self.more else 3)
 
@@ -177,6 +187,7 @@ def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     )
     for place, panel in zip(axes, panels, strict=True):
         panel.drawn.draw(place, panel.other, panel.ablated)
+        place.set(xlabel=raised(place.get_xlabel()), ylabel=raised(place.get_ylabel()))
     return figure
 
 
@@ -184,11 +195,21 @@ def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
     """What is computed fills the axis: an ablation that leaves it far behind, or rounding, does not set its scale."""
     if curve.logarithmic:
         return
-    y = np.concatenate([np.ravel(np.asarray(line, float)) for line in (curve.y, *(more.y for more in curve.more))])
-    y = np.concatenate([y[np.isfinite(y)], [-curve.scale, curve.scale] if curve.scale else []])
-    span = np.ptp(y)
-    if curve.scale or (other is not None and np.ptp(np.asarray(other.y, float)) > FAR * span > 0.0):
+    y = joined([curve.y, *(line.y for line in curve.more)])
+    y = np.concatenate([y, [-curve.scale, curve.scale] if curve.scale else []])
+    span, size = np.ptp(y), np.abs(y).max()
+    beside = joined([other.y]) if other is not None else np.zeros(1)
+    if span <= max(FLAT * size, FLAT**2 * np.abs(beside).max()):
+        if np.ptp(axes.get_ylim()) < FLAT * size:
+            axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
+    elif curve.scale or np.ptp(beside) > FAR * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
+
+
+def joined(lines: Sequence[ArrayLike]) -> np.ndarray:
+    """All finite numbers of some lines."""
+    y = np.concatenate([np.ravel(np.asarray(line, float)) for line in lines])
+    return y[np.isfinite(y)]
 
 
 def alike(one: ArrayLike, other: ArrayLike) -> bool:
@@ -199,8 +220,12 @@ def alike(one: ArrayLike, other: ArrayLike) -> bool:
 
 def same(one: Drawn, other: Drawn) -> bool:
     """Whether two panels look the same."""
-    lines, others = (
-        [one.y, *(x.y for x in getattr(one, "more", ()))],
-        [other.y, *(x.y for x in getattr(other, "more", ()))],
-    )
-    return len(lines) == len(others) and all(map(alike, lines, others))
+    pairs = [values_of(panel) for panel in (one, other)]
+    return len(pairs[0]) == len(pairs[1]) and all(map(alike, *pairs))
+
+
+def values_of(panel: Drawn) -> list[ArrayLike]:
+    """All that is drawn of a panel."""
+    if isinstance(panel, Curve):
+        return [values for line in panel.lines for values in (line.x, line.y)]
+    return [panel.y, *(line.y for line in getattr(panel, "more", ()))]

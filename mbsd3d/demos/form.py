@@ -220,7 +220,7 @@ class Demo:
         drawn = partial(self.panels, values, found, without)
 
         def noted() -> tuple[str, ...]:
-            return (*wanted(found.notes), f"without {self.ablation.term}: {self.ablation.then}")
+            return (*wanted(found.notes), f"{lacking(self.ablation.term)}: {self.ablation.then}")
 
         return Outcome(rows, drawn, solutions, noted, views, values, self.title)
 
@@ -231,7 +231,7 @@ class Demo:
             other = wanted(ablated.curves)
         except ValueError:
             other = ()  # some mechanisms do not run without what they need
-        label = "all terms" if without else f"without {self.ablation.term}"
+        label = "all terms" if without else lacking(self.ablation.term)
         panels = [
             Panel(curve, other[k] if k < len(other) and not same(curve, other[k]) else None, label)
             for k, curve in enumerate(wanted(found.curves))
@@ -269,6 +269,11 @@ class Builder(NamedTuple):
     def theory(self) -> Numbers:
         """What theory says of the parameters."""
         return self.demo.expected(self.values)
+
+
+def lacking(term: str) -> str:
+    """What an ablation is called."""
+    return f"without the {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def wanted(given: Sequence | Callable[[], Sequence]) -> Sequence:

@@ -96,7 +96,7 @@ demo = Demo(
     "not pitch it, as one reads. Built along, it pitches it and does not roll it. But nobody notices: of the roll "
     "the engine makes less than one part in a hundred, because J W v/R stands beside m h v^2/R; at higher speeds "
     "the share falls.",
-    equation="roll = (ms h + 4 mw r + 4 Iw/r + J W/v) ay / (Kf + Kr - (ms h + 4 mw r) g)",
+    equation="roll = (m_s h + 4 m_w r + 4 I_w/r + J W/v) a_y / (K_f + K_r - (m_s h + 4 m_w r) g)",
     source="d(J W)/dt = w x H; Milliken, Milliken, Race Car Vehicle Dynamics (gyroscopic couples)",
     quantities={
         "share_percent": Quantity("share of the engine in the roll", "%", 1e-6, 1e-5),

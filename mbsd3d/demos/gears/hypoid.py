@@ -123,7 +123,9 @@ demo = Demo(
         "ratio": Quantity("rate of the pinion over that of the wheel"),
     },
     ablation=Ablation(
-        "offset", "the shafts meet: spiral bevel gears, a smaller pinion and no sliding", {"offset_angle_deg": 0.0}
+        "offset",
+        "the shafts meet, as those of spiral bevel gears: a smaller pinion and no sliding",
+        {"offset_angle_deg": 0.0},
     ),
     against=Against("offset_angle_deg", 0.0, 40.0, "angle between the elements of the cones [deg]"),
     show={"curves": [("reaction", "mesh")], "shown": ["reaction force"], "traces": []},

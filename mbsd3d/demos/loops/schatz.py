@@ -62,7 +62,7 @@ demo = Demo(
     },
     ablation=Ablation(
         "proportion",
-        "one side 1 % longer: locked",
+        "one side is 1 % longer, and the loop is locked",
         {"misfit": 0.01},
         values=lambda: {"output_turn_deg": 0.0, "middle_turn_deg": 0.0},
     ),  # fmt: skip

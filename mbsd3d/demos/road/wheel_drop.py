@@ -86,7 +86,7 @@ demo = Demo(
         "depth_at_release_mm": Quantity("depth at release", "mm", relative=1e-6, absolute=1e-7),
         "largest_N": Quantity("largest force of the road", "N", relative=1e-6),
     },
-    ablation=Ablation("damping", "without damping it leaves as fast as it came, with a round tyre", {"c": 0.0}),
+    ablation=Ablation("damping", "it leaves as fast as it came, with a round tyre", {"c": 0.0}),
     against=Against("c", 0.0, 1500.0, "damping of the tyre [N s/m]"),
     show={"speed": 0.25, "curves": [("position", "wheel"), "energy"]},
 )  # fmt: skip
