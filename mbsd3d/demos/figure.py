@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
@@ -49,14 +50,14 @@ class Curve(NamedTuple):
 
     def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
         """The lines, those of the ablation that differ, and theory."""
-        others, label = other.lines if other else [], "theory"
+        others, label, dashed = other.lines if other else [], "theory", []
         for k, line in enumerate(self.lines):
             axes.plot(line.x, line.y, color=COLOURS[k], label=line.name)
             if k < len(others) and not (alike(line.x, others[k].x) and alike(line.y, others[k].y)):
                 _, y, x, _ = others[k]
-                locked = np.ptp(np.asarray(x, float)) == np.ptp(np.asarray(y, float)) == 0.0  # a single point
+                locked = still(x, line.x) and still(y, line.y)  # a single point
                 style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
-                axes.plot(x, y, style, color=tint, label=None if self.more else ablated)
+                dashed += axes.plot(x, y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
                 x, y = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
                 dots = every(x.size, 25)
@@ -68,6 +69,8 @@ class Curve(NamedTuple):
             axes.set_yscale("log")
             plain_decades(axes, ":.0e")
         limit(axes, self, other)
+        for line in dashed:
+            end(line, *axes.get_ylim())
         if self.equal:
             axes.set_aspect("equal", adjustable="datalim")
         axes.set(xlabel=self.along, ylabel=self.label)
@@ -204,6 +207,20 @@ def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
             axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
     elif curve.scale or np.ptp(beside) > FAR * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
+
+
+def end(line: Line2D, low: float, high: float) -> None:
+    """A line that is gone far from the picture does not come back into it."""
+    y, far = np.array(line.get_ydata(), float), FAR * (high - low)
+    gone = np.flatnonzero((y < low - far) | (y > high + far))
+    if gone.size:
+        y[gone[0] + 1 :] = np.nan
+        line.set_ydata(y)
+
+
+def still(one: ArrayLike, other: ArrayLike) -> bool:
+    """Whether a line stays where it is, to the eye that sees another one."""
+    return bool(np.ptp(joined([one])) <= FLAT * np.ptp(joined([other])))
 
 
 def joined(lines: Sequence[ArrayLike]) -> np.ndarray:

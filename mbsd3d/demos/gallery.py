@@ -46,8 +46,8 @@ def page(name: str, folder: Path) -> bool:
         term, ablated = taken
         file = folder / f"{name}_without.html"
         players.append((lacking(term), player(ablated, lacking(term), file, beside=outcome)))
-    texts = {label: raised(getattr(demo, label)) for label in ("question", "why", "source")}
-    notes = [raised(note) for note in outcome.notes]
+    texts = {label: prose(getattr(demo, label)) for label in ("question", "why", "source")}
+    notes = [prose(note) for note in outcome.notes]
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
         rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
@@ -155,15 +155,24 @@ def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], l
 
 
 def cells(row: Row) -> Sequence[str]:
-    """A row of the table; no zero has a sign."""
+    """A row of the table; what the tolerance does not tell from zero is 0."""
     unit = f" [{raised(row.unit)}]" if row.unit else ""
-    return row.quantity + unit, f"{row.computed + 0.0:.10g}", f"{row.theory + 0.0:.10g}", f"{row.error:.1e}"
+    numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
+    return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
+
+
+def prose(text: str) -> str:
+    """A text with the signs of print for those of a keyboard."""
+    for typed, printed in ((" x ", " × "), (" - ", " − "), (" -> ", " → "), ("sqrt(", "√(")):
+        text = text.replace(typed, printed)
+    return raised(text)
 
 
 def command(demo: Demo) -> str:
-    """A call with parameters to change, as a shell takes it: numbers if there are any."""
-    numbers = [name for name, value in demo.parameters.items() if isinstance(value, float | int)]
-    chosen = [f"{name}={json.dumps(demo.parameters[name])}" for name in (numbers or list(demo.parameters))[:3]]
+    """A call with parameters to change, as a shell takes it: three numbers, or what is short."""
+    given = {name: f"{name}={json.dumps(value)}" for name, value in demo.parameters.items()}
+    numbers = [given[name] for name, value in demo.parameters.items() if isinstance(value, float | int)]
+    chosen = numbers[:3] or sorted(given.values(), key=len)[:1]
     return shlex.join(["mbsd3d", "demo", demo.name, *(word for text in chosen for word in ("--set", text))])
 
 
