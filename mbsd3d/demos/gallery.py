@@ -3,6 +3,7 @@
 import inspect
 import io
 import json
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,6 +29,15 @@ VIEWER = "viewer.js"
 PICTURE = 320  # width of a picture on the front page [pixels]
 FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
 FEW = 4  # notes that one reads below a table; more can be unfolded
+PRINT = (
+    (" x ", " × "),
+    (" - ", " − "),
+    (" -> ", " → "),
+    (r"sqrt\(", "√("),
+    ("_dot", "\u0307"),  # the dot above the letter before
+    ("`", ""),
+    (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
+)
 STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
@@ -163,8 +173,8 @@ def cells(row: Row) -> Sequence[str]:
 
 def prose(text: str) -> str:
     """A text with the signs of print for those of a keyboard."""
-    for typed, printed in ((" x ", " × "), (" - ", " − "), (" -> ", " → "), ("sqrt(", "√(")):
-        text = text.replace(typed, printed)
+    for typed, printed in PRINT:
+        text = re.sub(typed, printed, text)
     return raised(text)
 
 

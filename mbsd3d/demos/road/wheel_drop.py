@@ -78,7 +78,7 @@ demo = Demo(
     why="Spring and damper of a tyre act side by side. On the way up the damper pulls down, and where it pulls as hard "
     "as the spring still presses nothing is left: the road cannot hold the wheel, which goes with its tyre still "
     "pressed. What it keeps of its speed follows from one damped half wave. Without damping it keeps all of it.",
-    equation="m x'' = m g - k x - c x',  N = k x + c x' >= 0",
+    equation="m z'' = m g - k z - c z'; N = k z + c z' >= 0",
     source="Goldsmith, Impact (1960), chapter 4; worked out here",
     quantities={
         "restitution": Quantity("speed it keeps, as a share", "-", relative=1e-8),
