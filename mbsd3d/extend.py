@@ -9,7 +9,7 @@ from importlib import import_module
 NAMES = {
     # checks of what a user gave; errors name the part, the value and the remedy
     "base.checks": ("number", "solvable", "vector"),
-    "base.errors": ("Explained", "MbsError", "explaining"),
+    "base.errors": ("Explained", "MbsError", "explaining", "similar"),
     "base.version": ("loading",),
     "base.mass_properties": ("check_inertia",),
     "equations.at_state": ("check_quaternions", "driven_coordinates", "load_state", "pack", "unmet", "worst_joint"),
@@ -53,7 +53,7 @@ NAMES = {
     "equations.tables": ("key_of",),
     "equations.elimination": ("eliminate",),
     "linear.variations": ("STEP", "Field", "directions"),
-    "kernels.jit": ("CACHE", "compiled_sources"),
+    "compiler.disk": ("CACHE", "compiled_sources"),
 }
 MODULES = {"joints": "mechanism.joints", "kinds": "kernels.kinds"}
 WHERE = {name: module for module, names in NAMES.items() for name in names}

@@ -13,9 +13,8 @@ from mbsd3d import errors, extend
 
 ROOT = Path(__file__).parent.parent
 STACK = (
-    "base", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints", "results", "run",
-    "linear",
-    "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
+    "base", "compiler", "kernels", "saddle", "mechanism", "dynamics", "integrators", "equations", "constraints",
+    "results", "run", "linear", "files", "plotting", "view", "report", "api", "linkages", "sweeps", "demos", "cli",
 )  # fmt: skip
 PUBLIC_MODULES = ("errors", "inertia", "linkages", "measures", "rotations", "shapes", "signals")
 LATE = ("api", "cli")

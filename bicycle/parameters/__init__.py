@@ -4,7 +4,6 @@ Published are the benchmark bicycle of 2007, measured bicycles with and without 
 """
 
 import json
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import similar
 
 from .definition import MEANING, NOT_NEGATIVE, POSITIVE, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from .files import is_file, read_values
@@ -65,8 +65,7 @@ def entry_of(name: str) -> dict[str, Any]:
     entries = {entry["name"]: entry for entry in library()["bicycles"]["sets"]}
     if name in entries:
         return entries[name]
-    lower = {known.lower(): known for known in ("Meijaard2007", *machines(), *entries)}
-    near = [lower[text] for text in get_close_matches(str(name).lower(), lower, 3, 0.6)]
+    near = similar(name, ("Meijaard2007", *machines(), *entries))
     known = "mbsd3d bicycle compare --list shows all, and parameter files end in .txt, .yml or .yaml"
     hint = f"did you mean {', '.join(near)}?" if near else known
     raise InputError(f"there is no bicycle '{name}'; {hint}")

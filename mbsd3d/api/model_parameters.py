@@ -2,10 +2,9 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
-from ..base.errors import InputError
+from ..base.errors import InputError, similar
 
 WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 
@@ -28,7 +27,7 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
         if not equals or not name:
             raise InputError(f"--set {text!r}: give NAME=VALUE, e.g. --set length=0.5")
         if name not in known:
-            near = get_close_matches(name, known, 1)
+            near = similar(name, known)
             hint = f", did you mean '{near[0]}'?" if near else ""
             have = "; ".join(parameter_lines(build)) or "none"
             raise InputError(f"--set {name}: '{file}' has no such parameter{hint} build() takes {have}")

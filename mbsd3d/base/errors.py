@@ -4,7 +4,7 @@ import functools
 import inspect
 import re
 from abc import ABCMeta
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
@@ -117,6 +117,12 @@ SYNONYMS = MappingProxyType({
 })  # fmt: skip
 
 
+def similar(name: object, known: Iterable[str]) -> list[str]:
+    """Up to three names that an unknown one may have meant, the nearest first, in whatever case it is written."""
+    lower = {text.lower(): text for text in known}
+    return [lower[text] for text in get_close_matches(str(name).lower(), lower)]
+
+
 def explained(name: str, signature: inspect.Signature, args: tuple, given: Mapping[str, Any]) -> ArgumentError | None:
     """What is wrong with a call, by the public name of what was called; None if it fits."""
     try:
@@ -128,7 +134,7 @@ def explained(name: str, signature: inspect.Signature, args: tuple, given: Mappi
         if not unknown:
             return ArgumentError(f"{name}: {error}; i{takes}")
         meant = (SYNONYMS.get(unknown[0]), unknown[0].lower())
-        near = [x for x in known if x in meant or x.lower() in meant] or get_close_matches(unknown[0], known, 1)
+        near = [x for x in known if x in meant or x.lower() in meant] or similar(unknown[0], known)
         if unknown[0] in ("dt", "step") and near == ["method"]:
             return ArgumentError(
                 f"{name}: no argument '{unknown[0]}', the step belongs to a method: method=RK4(dt=...)"

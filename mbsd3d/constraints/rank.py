@@ -13,6 +13,9 @@ import scipy.linalg
 from ..base.concurrency import one_thread
 from ..equations.jacobian import RANK_TOLERANCE, BlockRows
 from .elimination import SAFE, Core, Elimination
+from .least_squares import proven
+
+FEW_ROWS = 150  # of a dense factorisation that is faster than elimination and singular values of what is left
 
 
 class Analysis:
@@ -122,7 +125,17 @@ def without_rounding(N: np.ndarray) -> np.ndarray:
     return np.where(np.abs(N) > 1e-13, N, 0.0)
 
 
+def surely_independent(rows: BlockRows, tolerance: float) -> bool:
+    """True if a bound proves that few rows are independent; the singular values decide where it proves nothing."""
+    if not 0 < rows.body.shape[0] <= min(6 * rows.n, FEW_ROWS):
+        return False
+    with one_thread():
+        return proven(rows.dense(), tolerance)
+
+
 def redundant_combinations(rows: BlockRows, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
     """(m, k) orthonormal N with J'N = 0: the left null space of the scaled rows."""
+    if surely_independent(rows, tolerance):
+        return np.zeros((rows.body.shape[0], 0))
     N = Analysis(rows, tolerance).redundant()
     return scipy.linalg.qr(N, mode="economic")[0] if N.shape[1] else N

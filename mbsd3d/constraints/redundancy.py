@@ -39,6 +39,7 @@ class Diagnosis:
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
     alone (both at the reference pose); ``gruebler`` is velocities - rows, what counting without geometry says.
+    ``neighbour_ranks`` are those of two poses nearby, none where the rows are independent here: they cannot gain.
     ``misfit`` [m] is by how much the parts as built miss their joints. ``notes`` say which body spins without moving
     another one, and whether the pose is singular. The verdict names drivers that contradict each other and bodies whose
     spin nothing determines.
@@ -214,9 +215,9 @@ def closed_pose(compiled: Compiled, as_built: float) -> tuple[State, float, str 
 
 
 def neighbour_ranks(compiled: Compiled, pose: State, found: Analysis) -> list[int]:
-    """Rank at two poses moved a little along the motions the rows leave free."""
+    """Rank at two poses moved a little along the motions the rows leave free; none where it cannot be higher."""
     model, data = compiled.model, compiled.data()
-    if found.rank in (0, 6 * found.n):
+    if found.rank in (0, found.m, 6 * found.n):
         return []
     y = load_state(compiled, data, pose)
     free = found.free_motion(np.random.default_rng(0))

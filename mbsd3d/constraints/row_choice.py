@@ -10,7 +10,7 @@ import scipy.linalg
 from ..base.concurrency import one_thread
 from ..equations.jacobian import RANK_TOLERANCE, scaled_rows
 from ..kernels.layout import Data, Model
-from .rank import Analysis
+from .rank import Analysis, surely_independent
 
 
 def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[np.ndarray, float]:
@@ -29,4 +29,7 @@ def independent_rows(A: np.ndarray, tolerance: float = RANK_TOLERANCE) -> tuple[
 
 def choose_rows(model: Model, data: Data, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
     """A largest independent set of rows at the state in ``data``, ascending."""
-    return Analysis(scaled_rows(model, data), tolerance).independent()
+    rows = scaled_rows(model, data)
+    if surely_independent(rows, tolerance):
+        return np.arange(model.row.size)
+    return Analysis(rows, tolerance).independent()

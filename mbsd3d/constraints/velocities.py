@@ -12,11 +12,11 @@ from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
-from ..equations.mass_matrix import sparse_mass_matrix
+from ..equations.mass_matrix import mass_matrix_of
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .contradictions import find_contradiction
-from .least_squares import least
+from .least_squares import FEW_BODIES, Matrix, least
 from .spins import check_spins
 
 
@@ -37,7 +37,8 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
     load_state(compiled, data, pose)
     if model.singular:
         check_spins(compiled, data)
-    J, b = [block_rows(model, data).sparse()], data.row["b"].copy()
+    rows, few, b = block_rows(model, data), model.body.size < FEW_BODIES, data.row["b"].copy()
+    J = [rows.dense() if few else rows.sparse()]
     names = [f"{type(joint).__name__} '{system.name(joint)}'" for joint in system.joints]
     names = [names[j] for j in compiled.row_joint]
     for key, value in rates.items():
@@ -45,13 +46,15 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
         x = joint.angle() or joint.slide()
         if x is None:
             raise InputError(f"assemble: rates: '{system.name(joint)}' has no angle and no slide; give a hinge")
-        J.append(csr_array(coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]))
+        row = coordinate_row(compiled, data, compiled.coordinate(x), pose.t)[1][None]
+        J.append(row if few else csr_array(row))
         b = np.append(b, number(value, f"assemble: rate of '{system.name(joint)}'"))
         names.append(f"rate of '{system.name(joint)}'")
-    J = vstack(J, format="csr") if len(J) > 1 else J[0]
+    if len(J) > 1:
+        J = [np.vstack(J) if few else vstack(J, format="csr")]
     with one_thread(), solvable("velocities at the start"):
         try:
-            v = least_energy(compiled, pose, J, b, given_velocities(system), names, tolerance)
+            v = least_energy(compiled, pose, J[0], b, given_velocities(system), names, tolerance)
         except AssemblyError as error:
             clash = find_contradiction(compiled, data, pose.t, pose.t)
             raise (clash.error() if clash else error) from None
@@ -59,7 +62,7 @@ def with_velocities(compiled: Compiled, pose: State, rates: Mapping, tolerance: 
 
 
 def least_energy(
-    compiled: Compiled, pose: State, J: csr_array, b: np.ndarray, given: np.ndarray, names: list[str],
+    compiled: Compiled, pose: State, J: Matrix, b: np.ndarray, given: np.ndarray, names: list[str],
     tolerance: float,
 ) -> np.ndarray:  # fmt: skip
     """min v'M v / 2 subject to J v = b and the given entries of v; errors name the joint or the massless body."""
@@ -70,8 +73,8 @@ def least_energy(
     A = scaled(J, np.ones(J.shape[0]), scale)
     unit_rows = 1.0 / np.maximum(largest_in_rows(A), 1e-300)
     A = scaled(A, unit_rows, np.ones(known.size))
-    M = scaled(sparse_mass_matrix(compiled.system, pose), scale, scale)
-    M = M / max(np.abs(M.data).max(), 1e-300)
+    M = scaled(mass_matrix_of(compiled.system, pose, isinstance(J, np.ndarray)), scale, scale)
+    M = M / max(abs(M).max(), 1e-300)
     free = np.flatnonzero(~known)
     if model.singular:
         check_determined(compiled.system, A, M, np.arange(known.size))  # accelerations need what given values may hide
@@ -97,12 +100,13 @@ def least_energy(
     return v
 
 
-def check_determined(system: Mechanism, A: csr_array, M: csr_array, free: np.ndarray) -> None:
+def check_determined(system: Mechanism, A: Matrix, M: Matrix, free: np.ndarray) -> None:
     """A motion without kinetic energy has an undetermined velocity: an error that names the massless body.
 
     Dense, as the equations of such models are.
     """
-    N = scipy.linalg.null_space(A[:, free].toarray(), rcond=1e-10) if A.shape[0] else np.eye(free.size)
+    held = A[:, free] if isinstance(A, np.ndarray) else A[:, free].toarray()
+    N = scipy.linalg.null_space(held, rcond=1e-10) if A.shape[0] else np.eye(free.size)
     if not N.shape[1]:
         return
     values, vectors = np.linalg.eigh(N.T @ (M[free][:, free] @ N))

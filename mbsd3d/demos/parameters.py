@@ -1,13 +1,12 @@
 """Parameters of a demo as a user gives them: names that exist, values of the kind of the defaults."""
 
-import difflib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ..base.checks import number
-from ..base.errors import InputError
+from ..base.errors import InputError, similar
 
 FEW = 20  # names that are listed beside a guess
 FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
@@ -15,10 +14,8 @@ FAR = 1000.0  # from the default: how long a run takes, and how far formulas hol
 
 def listed(name: str, names: Sequence[str]) -> str:
     """What to say instead of an unknown name: the nearest ones, and all if they are few."""
-    lower = {known.lower(): known for known in names}
-    near = [lower[found] for found in difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)]
     inside = [known for known in names if len(name) > 2 and name.lower() in known.lower()]
-    guess = list(dict.fromkeys(near + inside))[:3]
+    guess = list(dict.fromkeys(similar(name, names) + inside))[:3]
     there = f"there are {', '.join(names)}" if len(names) <= FEW else "see the whole list: mbsd3d demo"
     if guess:
         return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= FEW else "")

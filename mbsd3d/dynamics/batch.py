@@ -1,6 +1,6 @@
 """Post-processing over all samples of a run: wrenches of rows on a body, and the equations checked once more."""
 
-from ..kernels.jit import inner_kernel, kernel
+from ..compiler.jit import inner_kernel, kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import rows
 from ..kernels.vectors import add, cross, dot, mat, pair, rotate, rotate_back, scale, sub, turning, vec

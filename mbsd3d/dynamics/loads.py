@@ -10,8 +10,9 @@ from collections.abc import Callable
 from importlib import import_module
 
 from ..base.errors import InputError
+from ..compiler.jit import inner_kernel, kernel
+from ..compiler.late import late_choice
 from ..kernels.coordinates import coordinate
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add, add6, cross, dot, mat, put, put6, rotate, scale, turning, vec
 from ..mechanism import forces
 from ..mechanism.force_element import ForceElement
@@ -48,24 +49,7 @@ def number_of_law(force: ForceElement, name: str) -> int:
     )
 
 
-def choice(laws: tuple[Callable, ...], first: int = 0) -> Callable:
-    """A kernel that calls the law of a record's kind: a chain of comparisons, all of it merged into `loads`."""
-    law = laws[0]
-    if len(laws) == 1:
-        return law
-    others = choice(laws[1:], first + 1)
-
-    @inner_kernel
-    def chosen(m, d, p, out, t):
-        if p.kind == first:
-            law(m, d, p, out, t)
-        else:
-            others(m, d, p, out, t)
-
-    return chosen
-
-
-apply_law = choice(LAWS)
+apply_law = late_choice(__name__, "apply_law", LAWS)
 
 
 @inner_kernel
@@ -113,6 +97,6 @@ def loads(m, d, t):
         p, out = m.force[i], d.force[i]
         if p.coordinate >= 0:
             see(m, d, p, out, t)
-        apply_law(m, d, p, out, t)
+        apply_law(p.kind, m, d, p, out, t)
         if p.coordinate >= 0:
             act(m, d, p, out)

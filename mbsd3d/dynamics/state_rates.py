@@ -9,7 +9,8 @@ the metric of M.
 
 import numpy as np
 
-from ..kernels.jit import inner_kernel, kernel
+from ..compiler.jit import inner_kernel, kernel
+from ..compiler.late import late
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace, kinematics, normalise, push_velocities, rates
 from ..kernels.rows import row_speed, rows
@@ -76,8 +77,9 @@ def finish(m, d, s, t, dy):
     return status
 
 
+@late
 @kernel
-def evaluate(m, d, s, t, y, dy):
+def evaluate(m, d, s, t, y, dy) -> int:
     """dy = dy/dt at (t, y); SOLVED or the reason why not."""
     kinematics(m, d, y)
     rows(m, d, t)
@@ -174,8 +176,9 @@ def project_velocities(m, d, s, y):
     return PROJECTED
 
 
+@late
 @kernel
-def project_and_evaluate(m, d, s, t, y, dy, near):
+def project_and_evaluate(m, d, s, t, y, dy, near) -> tuple[int, int]:
     """Project y (if the model asks for it) and evaluate there; (projection status, evaluation status).
 
     ``near`` as in `project_positions`.

@@ -33,7 +33,8 @@ def eliminate(model: Model, data: Data, rows: np.ndarray | None = None, dtype: t
     bodies, light = on.tobytes(), lightness(inertias).tobytes()
     *_, first, joint = spanning_tree(bodies, light)
     chosen = np.zeros(joint.size, np.int64)
-    choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
+    if joint.size:
+        choose_joint_rows(model, data, joint, first, np.zeros((6, 6)), chosen)
     made = bodies, light, chosen.tobytes()
     tables = {name: plan.copy() for name, plan in planned_tables(*made, dtype).items()}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)

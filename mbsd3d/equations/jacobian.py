@@ -75,14 +75,18 @@ def islands(rows: BlockRows) -> list[np.ndarray]:
     return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1) if m else []
 
 
-def scaled(A: csr_array, rows: np.ndarray, columns: np.ndarray) -> csr_array:
-    """Rows and columns of a sparse matrix times factors."""
+def scaled(A: np.ndarray | csr_array, rows: np.ndarray, columns: np.ndarray) -> np.ndarray | csr_array:
+    """Rows and columns of a matrix times factors."""
+    if isinstance(A, np.ndarray):
+        return A * rows[:, None] * columns
     data = A.data * np.repeat(rows, np.diff(A.indptr)) * columns[A.indices]
     return csr_array((data, A.indices, A.indptr), shape=A.shape)
 
 
-def largest_in_rows(A: csr_array) -> np.ndarray:
+def largest_in_rows(A: np.ndarray | csr_array) -> np.ndarray:
     """Largest absolute entry of every row, 0 for an empty one."""
+    if isinstance(A, np.ndarray):
+        return np.abs(A).max(axis=1, initial=0.0)
     largest = np.zeros(A.shape[0])
     np.maximum.at(largest, np.repeat(np.arange(A.shape[0]), np.diff(A.indptr)), np.abs(A.data))
     return largest

@@ -1,6 +1,7 @@
 """The dense reference-point mass matrix, body by body."""
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.sparse import bsr_array, csr_array
 
 from ..base.quaternions import skew
@@ -21,9 +22,11 @@ def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarra
     return block
 
 
-def sparse_mass_matrix(system: Mechanism, pose: State) -> csr_array:
-    """(6 n, 6 n) block diagonal of the reference-point mass matrices."""
+def mass_matrix_of(system: Mechanism, pose: State, dense: bool) -> np.ndarray | csr_array:
+    """(6 n, 6 n) block diagonal of the reference-point mass matrices, dense or sparse."""
     n = len(system.bodies)
     com, mass, inertia = (np.array([getattr(b, x) for b in system.bodies]) for x in ("com", "mass", "inertia"))
     blocks = inertia_about_origin(pose.q.reshape(n, 7)[:, 3:], com, mass, inertia)
+    if dense:
+        return block_diag(*blocks)
     return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)))

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.state_rates import FAR, PROJECTED, audit_rates, project_and_evaluate, project_positions, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale

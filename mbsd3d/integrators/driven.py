@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.layout import Data, Model
 from ..kernels.vectors import add_scaled, copy, finite
 from ..saddle.solve import SOLVED

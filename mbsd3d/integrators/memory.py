@@ -1,10 +1,10 @@
-"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python; of explicit methods."""
+"""Memory of a run with an explicit method: its task, what the time loop writes, its reasons to come back to Python."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.by_reference import by_reference
+from ..compiler.by_reference import by_reference
 from ..kernels.layout import single
 
 RUNNING, DONE, STOPPED, FULL, NEW_TREE, STEP_TOO_SMALL, NOT_CLOSING, NO_SOLUTION = range(8)

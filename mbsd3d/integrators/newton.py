@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..compiler.by_reference import by_reference
+from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.loads import loads
 from ..dynamics.state_rates import correction
-from ..kernels.by_reference import by_reference
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate
 from ..kernels.layout import Data, Model

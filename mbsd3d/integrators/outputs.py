@@ -6,10 +6,10 @@ output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to 
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel, merged_kernel
 from ..dynamics.spinning import farthest_turn
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate
 from ..kernels.coordinates import coordinate, measure, remember
-from ..kernels.jit import inner_kernel, kernel, merged_kernel
 from ..kernels.kinematics import kinematics
 from ..kernels.rows import row_speed
 from ..kernels.vectors import add_scaled, copy, finite
@@ -131,8 +131,8 @@ def slope(m, d, run, t, y, dy, h):
     return (later - condition(m, d, run, t, y)) / dt
 
 
-@inner_kernel
-def may_come_true(m, d, run, h, t_new):
+@late_kernel
+def may_come_true(m, d, run, h, t_new) -> bool:
     """True if the condition holds at the end of the step, rises and falls, or is not armed; or may, once in a turn."""
     if run.now.armed == 0 or run.now.spinning > 0 or condition(m, d, run, t_new, run.trial) >= 0.0:
         return True
@@ -161,8 +161,8 @@ def locate(m, d, run, h, low, high):
     return high
 
 
-@inner_kernel
-def first_crossing(m, d, run, h, t_new):
+@late_kernel
+def first_crossing(m, d, run, h, t_new) -> float:
     """Fraction of the step at which the condition first comes true, by dense output; -1 if it does not.
 
     Looked for at many points and at the peak between them: two peaks less than h/SCAN apart may pass for one. A run
@@ -194,15 +194,15 @@ def first_crossing(m, d, run, h, t_new):
     return -1.0
 
 
-@inner_kernel
+@late_kernel
 def watch_on(m, d, run, t_new):
     """Arm the condition at the end of a step where it is false."""
     if run.now.armed == 0 and condition(m, d, run, t_new, run.trial) < -run.task.slack:
         run.now.armed = 1
 
 
-@inner_kernel
-def missing_time(m, d, run, h, t):
+@late_kernel
+def missing_time(m, d, run, h, t) -> float:
     """Time from t until the condition comes true, by Newton from trial and its rate; 0 where that leads astray."""
     dt = -condition(m, d, run, t, run.trial) / slope(m, d, run, t, run.trial, run.trial_rate, h)
     return dt if abs(dt) <= 0.1 * h else 0.0
@@ -226,8 +226,8 @@ def land(m, d, s, own, run, h, x, advance_to):
     return RUNNING, t + x
 
 
-@inner_kernel
-def halt(m, d, s, run, t):
+@late_kernel
+def halt(m, d, s, run, t) -> int:
     """End the run at t, where trial has been accepted as the state at which the condition comes true."""
     evaluate(m, d, s, t, run.trial, run.dy)
     write(m, d, run, t, run.trial)

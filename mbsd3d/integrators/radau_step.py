@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel
 from ..dynamics.state_rates import FAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel
 from ..dynamics.spinning import farthest_turn, find_spins, kept, limit_turn, rate_without_spin, spin_on
 from ..dynamics.state_rates import FAR, NEAR, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..kernels.coordinates import remember
-from ..kernels.jit import inner_kernel, kernel
 from ..kernels.vectors import add_scaled, clear, copy, finite
 from ..saddle.solve import SOLVED
 from .memory import DONE, FULL, NEW_TREE, NO_SOLUTION, NOT_CLOSING, RUNNING, STEP_TOO_SMALL, STIFF
@@ -214,8 +214,8 @@ def fastest_rate(m, own, run, h):
     return h * np.sqrt(state_error(m, run) / apart) if apart > 0.0 else 0.0
 
 
-@inner_kernel
-def is_stiff(m, own, run, h):
+@late_kernel
+def is_stiff(m, own, run, h) -> bool:
     """True where stability limits the step again and again, and the rest of the run would exceed the patience."""
     found = run.stiffness
     if found.suspicious == 0 and run.now.steps % TEST_EVERY > 0:

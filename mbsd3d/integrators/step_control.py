@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel
 from ..dynamics.spinning import spin_on
 from ..dynamics.state_rates import skipped_residual
-from ..kernels.jit import inner_kernel
 from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import add_scaled, clear
 from ..saddle.independence import note_independence
@@ -84,7 +84,8 @@ def note_rows(s, run):
     rows = run.rows
     rows.pivot, rows.worn = s.state.pivot, s.state.worn
     rows.lowest = min(rows.lowest, rows.pivot)
-    note_independence(s)
+    if s.loop.shape[0] > 0:
+        note_independence(s)
     if not nearly_singular(run):
         rows.on_manifold = 0
 

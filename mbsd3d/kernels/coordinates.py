@@ -9,8 +9,11 @@ counter, and curves are searched from there.
 import math
 
 import numpy as np
+from numba.core import types
 
-from .jit import inner_kernel, kernel
+from ..compiler.by_reference import Reference
+from ..compiler.jit import inner_kernel, kernel, late_kernel
+from ..compiler.late import late
 from .kinds import (
     ANGLE,
     CLEARANCE,
@@ -23,12 +26,26 @@ from .kinds import (
     POSITION,
     PRESS,
     SLIDE,
-    TOUCH,
     TURN,
     VELOCITY,
 )
 from .surfaces import expected, highest, meeting, nearest, pressure
 from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
+
+
+def number_of(d: Reference) -> types.Type:
+    """What is computed with: real numbers, complex ones in a complex step."""
+    return d.fields.types[d.fields.fields.index("z")].dtype
+
+
+def of_measure(m: Reference, d: Reference, *given: types.Type) -> types.Type:
+    """What `measure` returns."""
+    return number_of(d)
+
+
+def of_coordinate(m: Reference, d: Reference, *given: types.Type) -> types.Type:
+    """What `coordinate` returns."""
+    return types.Tuple([*[number_of(d)] * 2, *[types.UniTuple(number_of(d), 3)] * 4])
 
 
 @kernel
@@ -101,8 +118,8 @@ def slide(m, d, i):
     return slide_along(a, b, arm(a, x.axis[0]), arm(a, x.point[0]), arm(b, x.point[1]))
 
 
-@inner_kernel
-def path(m, d, i, t):
+@late_kernel
+def path(m, d, i, t) -> of_coordinate:
     """(value, J_dot v, blocks on a and b as (linear, angular)) of path i."""
     x = m.coordinate[i]
     a, b = d.body[x.body[0]], d.body[x.body[1]]
@@ -111,8 +128,8 @@ def path(m, d, i, t):
     return s, bias + s_ddot, la, ta, lb, tb
 
 
-@inner_kernel
-def touch(m, d, i, t):
+@late_kernel
+def touch(m, d, i, t) -> of_coordinate:
     """(value, J_dot v, blocks on a and b as (linear, angular)) of touch i."""
     a = d.body[m.coordinate[i].body[0]]
     s, _, bias, gradient, _, _, _ = highest(m, d, i, t)
@@ -121,8 +138,9 @@ def touch(m, d, i, t):
     return s, bias, zero, scale(-1.0, turn), zero, turn
 
 
+@late
 @kernel
-def coordinate(m, d, i, t):
+def coordinate(m, d, i, t) -> of_coordinate:
     """(value, J_dot v, linear a, angular a, linear b, angular b) of hinge coordinate i at time t."""
     kind = m.coordinate[i].kind
     if kind == ANGLE:
@@ -142,11 +160,7 @@ def value_and_rate(m, d, i, t):
     if kind == ANGLE:
         _, _, _, sine, cosine, _, g = turn(m, d, i)
         return unwrapped(d, i, arctan2(sine, cosine), t), dot(g, sub(vec(b.w), vec(a.w)))
-    if kind == PATH:
-        return nearest(m, d, i, t)[:2]
-    if kind == TOUCH:
-        return highest(m, d, i, t)[:2]
-    value, _, la, ta, lb, tb = slide(m, d, i)
+    value, _, la, ta, lb, tb = coordinate(m, d, i, t)
     return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
 
 
@@ -166,16 +180,17 @@ def remember(m, d, t):
     d.unwrap_time[0] = t
 
 
-@inner_kernel
-def of_contact(m, d, p):
+@late_kernel
+def of_contact(m, d, p) -> of_measure:
     """Clearance or normal force of a contact."""
     f = m.force[p.force]
     plane, _, _, gap, velocity = meeting(f, d.body[f.body[0]], d.body[f.body[1]])
     return gap if p.kind == CLEARANCE else pressure(f, gap, -dot(plane[2], velocity))[0]
 
 
+@late
 @kernel
-def measure(m, d, i, t):
+def measure(m, d, i, t) -> of_measure:
     """Value of measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean,
     distance, own state of a force element, clearance or normal force of a contact."""
     p = m.measure[i]

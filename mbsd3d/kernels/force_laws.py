@@ -5,7 +5,7 @@ A law reads its record ``p`` of the table FORCE. It fills Q of its bodies (reduc
 hinge coordinate it reads the value ``out.x`` and ``out.rate`` and gives ``out.load``; Q is filled for it.
 """
 
-from .jit import inner_kernel
+from ..compiler.jit import inner_kernel
 from .signals import signal
 from .vectors import add6, cross, scale
 

@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from .jit import inner_kernel, kernel
+from ..compiler.jit import inner_kernel, kernel
 from .vectors import add, mat, pair, put, rotate, vec
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from .by_reference import by_reference
+from ..compiler.by_reference import by_reference
 
 ADDRESS = object if numba.config.DISABLE_JIT else np.int64  # without the compiler: the function itself
 MOST_BODIES = 4  # of a custom force

@@ -8,8 +8,8 @@ A new primitive is one function here and one line in `rows`.
 
 import numpy as np
 
+from ..compiler.jit import inner_kernel, kernel, late_kernel
 from .coordinates import coordinate, slide_along
-from .jit import inner_kernel, kernel
 from .kinds import (
     BAUMGARTE,
     COINCIDE,
@@ -63,7 +63,7 @@ def axis_dot(row, p, a, b):
     put6(row.J[1], zero, scale(-1.0, n))
 
 
-@inner_kernel
+@late_kernel
 def axis_dot_difference(row, p, a, b):
     """c = x_a . y_b - y_a . x_b: no relative rotation about the bisector of the shafts (constant velocity)."""
     c1, n1, rest1 = axes_dot(arm(a, p.axis[0]), arm(b, p.second_axis[1]), vec(a.w), vec(b.w))
@@ -86,7 +86,7 @@ def in_plane(row, p, a, b):
     put6(row.J[1], lb, tb)
 
 
-@inner_kernel
+@late_kernel
 def distance(row, p, a, b):
     """c = |p_b - p_a| - L."""
     sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
@@ -102,7 +102,7 @@ def distance(row, p, a, b):
     put6(row.J[1], n, cross(sb, n))
 
 
-@inner_kernel
+@late_kernel
 def ratio(m, d, row, p, t):
     """c = v0 x0 + v1 x1 for hinge coordinates x0 (slots 0, 1) and x1 (slots 2, 3): gear, screw, rack, driver."""
     row.c = 0.0
@@ -117,7 +117,7 @@ def ratio(m, d, row, p, t):
             put6(row.J[2 * i + 1], scale(f, lb), scale(f, tb))
 
 
-@inner_kernel
+@late_kernel
 def mesh(m, d, row, p, t):
     """Teeth of two gears on one carrier: c = sum_i of v_i theta_i + n_i . gap_i + (x_i - s_i n_i) . u_i.
 
@@ -146,7 +146,7 @@ def mesh(m, d, row, p, t):
         add6(row.J[g], sub(lb, scale(y, lbs)), sub(sub(tb, scale(y, tbs)), moment))
 
 
-@inner_kernel
+@late_kernel
 def turn_rate(row, p, a, b):
     """J v = x_a . (w_b - w_a): a prescribed relative speed about an axis of a; no residual."""
     x = arm(a, p.axis[0])
@@ -157,7 +157,7 @@ def turn_rate(row, p, a, b):
     put6(row.J[1], zero, x)
 
 
-@inner_kernel
+@late_kernel
 def no_sideslip(row, p, a, b):
     """Knife edge: the point of b does not move along the direction n_b relative to a; no residual."""
     n, s = arm(b, p.axis[1]), arm(b, p.point[1])
@@ -167,7 +167,7 @@ def no_sideslip(row, p, a, b):
     contact_row(row, a, b, n, cross(vec(b.w), n), s, reach, turning(vec(b.w), s), reach_dot)
 
 
-@inner_kernel
+@late_kernel
 def roll(d, p, a, b):
     """A surface of body b on the plane (P, n) of body a: half axes value[0:3] along axis, second_axis and their cross
     product, thickened by value[3]; see `surfaces`.
@@ -191,7 +191,7 @@ def roll(d, p, a, b):
     contact_row(d.row[p.row + 2], a, b, across, cross(wa, across), arm_b, arm_a, bias_b, arm_a_dot)
 
 
-@inner_kernel
+@late_kernel
 def on_curve(m, d, row, p, t):
     """c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -207,7 +207,7 @@ def on_curve(m, d, row, p, t):
     put6(row.J[1], lb, tb)
 
 
-@inner_kernel
+@late_kernel
 def on_face(m, d, row, p, t):
     """c = n_b . (p_b - x(s)) where the curve is highest over the face of b with the normal n_b."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
@@ -221,7 +221,7 @@ def on_face(m, d, row, p, t):
     contact_row(row, a, b, n, cross(wb, n), arm_b, arm_a, cross(wb, arm_b_dot), arm_a_dot)
 
 
-@inner_kernel
+@late_kernel
 def prescribe(m, row, p, t):
     """Subtract the signal of a driven primitive: motion (c, b = f', gamma = f'') or speed (b = f, gamma = f')."""
     f, f_dot, f_ddot = signal(m, p.signal, t)

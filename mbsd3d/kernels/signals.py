@@ -2,7 +2,7 @@
 
 import math
 
-from .jit import kernel
+from ..compiler.jit import kernel
 from .kinds import POLYNOMIAL, SINE
 
 

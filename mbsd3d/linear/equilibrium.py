@@ -20,6 +20,8 @@ import scipy.linalg
 from ..base.checks import solvable
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
 from ..constraints.assembly import moved_report
 from ..constraints.nearby_poses import closed
 from ..equations.at_state import load_rows, load_state, unmet, worst_joint
@@ -27,7 +29,6 @@ from ..equations.compiled import compile_system
 from ..equations.elimination import eliminate
 from ..equations.jacobian import displacement_units
 from ..kernels.coordinates import remember
-from ..kernels.jit import announce_compilation, mark_warm
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .linearization import Linearization, linearize_at

@@ -74,8 +74,10 @@ class RunSamples(Poses):
         arrays["v"] = world_velocities(states, n)
         arrays["z"] = states[:, 13 * n :]
         arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
-        velocities, own = world_velocities(y[None], n)[0].ravel(), y[13 * n : 13 * n + compiled.model.z_work]
-        end = State(t, unit_quaternions(y[: 7 * n]), velocities, own, data.coordinate["value"].copy())
+        at_end = len(states) > 0 and np.array_equal(states[-1], y)
+        v = arrays["v"][-1] if at_end else world_velocities(y[None], n)[0]
+        own = y[13 * n : 13 * n + compiled.model.z_work]
+        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, data.coordinate["value"].copy())
         return cls(compiled, arrays, record, end)
 
     @property

@@ -8,6 +8,9 @@ from ..base.checks import number
 from ..base.concurrency import turn_passed_on
 from ..base.errors import AssemblyError, InputError, IntegrationError
 from ..base.progress import Progress
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
+from ..compiler.second import wait_for_second
 from ..constraints.contradictions import rivals
 from ..constraints.row_choice import choose_rows
 from ..constraints.spins import check_spins, free_spins
@@ -21,7 +24,6 @@ from ..integrators.memory import Run, new_run
 from ..integrators.method import Method
 from ..integrators.outputs import write
 from ..kernels.coordinates import remember
-from ..kernels.jit import announce_compilation, mark_warm
 from ..kernels.kinds import PROJECTION
 from ..mechanism.drivers import SpeedDriver
 from ..mechanism.forces.custom import check_runnable
@@ -132,6 +134,7 @@ class Job:
     def loop(self, progress: Progress) -> None:
         """Chunks of about CHUNK seconds."""
         run, budget = self.memory, 16
+        wait_for_second()
         while True:
             began = time.perf_counter()
             status = self.call(budget)

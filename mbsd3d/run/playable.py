@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from itertools import chain, repeat
 from typing import NamedTuple, Protocol
 
 from ..base.checks import listed, number, shown
-from ..base.errors import InputError
+from ..base.errors import InputError, similar
 from ..equations.compiled import compile_system
 from ..equations.inputs import starts
 from ..mechanism.measures import Measure, angle, check_members, slide, velocity
@@ -153,7 +152,7 @@ def controls_of(system: Mechanism, ranges: Mapping[Input | str, Sequence[float]]
     named = {key.name if isinstance(key, Input) else key: given for key, given in ranges.items()}
     for (name, given), (keys, pad) in zip(named.items(), chain(HANDS, repeat(((), ""))), strict=False):
         if name not in have:
-            near = get_close_matches(str(name), have, 1)
+            near = similar(name, have)
             hint = f", did you mean '{near[0]}'? There" if near else "; there"
             there = (
                 ", ".join(f"'{x}'" for x in have) or "none: a force takes one, e.g. Force(body, (Input('push'), 0, 0))"

@@ -14,6 +14,7 @@ from ..base.progress import Progress
 from ..equations.compiled import Switches
 from ..integrators.method import Method
 from ..results.run_result import RunResult
+from ..results.run_samples import unit_quaternions
 from .playable import Built, Playable, Seen
 from .slices import Slices
 
@@ -119,8 +120,7 @@ class Playing:
             self.values[name] = self.built_with[name] = value
         if seen.over and self.running:
             self.end(seen.over)
-        poses = slices.memory.y[: 7 * slices.model.body.size].reshape(-1, 7).copy()
-        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+        poses = unit_quaternions(slices.memory.y[: 7 * slices.model.body.size]).reshape(-1, 7)
         return Frame(slices.t, self.late, self.share(), seen, poses)
 
     @property

@@ -57,7 +57,7 @@ def run_to(
 
 def check_kinds(method: Any, rtol: float, stop_when: Any) -> None:
     """ValueError for arguments of the wrong kind or range."""
-    if isinstance(method, type) or not isinstance(method, Method):
+    if Method not in type(method).__mro__ and (isinstance(method, type) or not isinstance(method, Method)):
         names = "DOP853, RK4, GeneralizedAlpha, RadauIIA, Kinematic"
         raise InputError(f"simulate: method {shown(method)} is unknown; give one of {names}, e.g. DOP853()")
     if not 1e-13 <= number(rtol, "simulate: rtol") <= 0.1:

@@ -9,12 +9,13 @@ from ..base.checks import listed, number, shown
 from ..base.errors import InputError
 from ..base.progress import Progress
 from ..base.rotations import matrix
+from ..compiler.announcing import announce_compilation
+from ..compiler.disk import mark_warm
 from ..equations.compiled import Switches, compile_system
 from ..equations.inputs import set_input, starts, with_history, with_own_inputs
 from ..integrators.dop853 import DOP853
 from ..integrators.method import Method
 from ..kernels.coordinates import measure
-from ..kernels.jit import announce_compilation, mark_warm
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Input

@@ -6,7 +6,7 @@ direction is brought to unit length, which would take a root each; the diagonal 
 
 import numpy as np
 
-from ..kernels.jit import fused_kernel, kernel
+from ..compiler.jit import fused_kernel, kernel
 from ..kernels.vectors import add, pair, put6, scale
 from .spatial import along6, dot6
 

@@ -6,7 +6,7 @@ repeats others, or to one along which S resists little.
 
 import numpy as np
 
-from ..kernels.jit import inner_kernel
+from ..compiler.jit import inner_kernel, late_kernel
 from ..kernels.vectors import clear
 
 # The first two are times mu, as `pivot` and `most` of a row are.
@@ -100,7 +100,7 @@ def resists(s, i):
     return own > (1.0 + REPEATS) * held
 
 
-@inner_kernel
+@late_kernel
 def note_independence(s):
     """What the factor at a state with c = 0 says of the rows."""
     s.state.soft, independent = 0, 0

@@ -11,7 +11,7 @@ between heavy ones cost no digits. One free direction after the other is taken o
 The rows themselves are lam = R'^-1 Z_r'(p - G' mu - I a). Featherstone, Rigid Body Dynamics Algorithms, chapter 7.
 """
 
-from ..kernels.jit import fused_kernel, inner_kernel
+from ..compiler.jit import fused_kernel, inner_kernel
 from ..kernels.vectors import add, cross, mat, pair, put, put6, rotate, rotate_back, scale, vec
 from .basis import hold, release, row_on_body
 from .spatial import along6, dot6, less_outer, moved_inertia, moved_load, moved_motion, product, sub9, times, transposed

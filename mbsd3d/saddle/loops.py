@@ -9,7 +9,7 @@ answer with a large multiplier: so where rows are nearly dependent, the right si
 
 import numpy as np
 
-from ..kernels.jit import fused_kernel, inner_kernel
+from ..compiler.jit import fused_kernel, inner_kernel, late_kernel
 from ..kernels.vectors import add_scaled, clear, copy
 from .independence import FELT, UNKNOWN, independence, note_independence
 
@@ -141,9 +141,10 @@ def substitute(s, x):
             x[loop[k].at] -= L[row.line + k] * value
 
 
-@inner_kernel
+@late_kernel
 def factor_loops(s):
     """Factor of S + mu, group after group (symmetric also for complex steps), and how independent its rows are."""
+    assemble_loops(s)
     loop, begin = s.loop, 0
     while begin < loop.shape[0]:
         start_group(s, begin, loop[begin].end)
@@ -205,7 +206,7 @@ def sweeps(s, count):
         add_scaled(lam, 1.0, step)
 
 
-@inner_kernel
+@late_kernel
 def solve_loops(s):
     """rhs := multipliers of the loop rows."""
     rhs, lam, step = s.vector[0], s.vector[1], s.vector[3]

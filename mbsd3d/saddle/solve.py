@@ -7,10 +7,11 @@ inertia that only a loop holds), the whole is solved as one dense matrix. A free
 
 import numpy as np
 
-from ..kernels.jit import allocating_kernel, inner_kernel, kernel
+from ..compiler.jit import allocating_kernel, inner_kernel, kernel
+from ..compiler.late import late
 from ..kernels.vectors import add, mat, pair, put, rotate, rotate_back, vec
 from .links import body_inertia, factor_links, load_links, move_links
-from .loops import PROXIMAL, assemble_loops, factor_loops, solve_loops
+from .loops import PROXIMAL, factor_loops, solve_loops
 
 SOLVED, NOT_FINITE = 0, 1
 DENSE_SWEEPS = 3
@@ -22,7 +23,6 @@ def factor(m, d, s):
     s.state.dense, s.state.worn, s.state.weak, s.state.pivot = 0, 0, 0, 1.0
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
-        assemble_loops(s)
         factor_loops(s)
 
 
@@ -75,8 +75,9 @@ def fill_dense(m, d, s, K, rhs):
                     K[6 * b + j, n + i] += d.row[k].J[slot, j]
 
 
+@late
 @allocating_kernel
-def solve_dense(m, d, s):
+def solve_dense(m, d, s) -> int:
     """The saddle point as one matrix K0 - mu, and sweeps x += (K0 - mu)^-1 (b - K0 x) that take mu away again."""
     n, c = 6 * m.body.shape[0], s.used.shape[0]
     K, rhs = np.zeros((n + c, n + c), d.row["c"].dtype), np.zeros(n + c, d.row["c"].dtype)

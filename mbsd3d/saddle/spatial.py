@@ -1,6 +1,6 @@
 """6-vectors as pairs of 3-vectors (linear, angular) and symmetric 6x6 matrices [A B; B' C] as three 9-tuples."""
 
-from ..kernels.jit import fused_kernel
+from ..compiler.jit import fused_kernel
 from ..kernels.vectors import add, cross, dot, rotate, rotate_back, scale
 
 

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 from mbsd3d import __version__
 from mbsd3d.cli import doctor, main
-from mbsd3d.kernels.jit import CACHE
+from mbsd3d.compiler.disk import CACHE
 
 
 def said():

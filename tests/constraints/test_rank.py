@@ -15,14 +15,14 @@ from models import (
     random_body,
     random_loops,
 )
-from scipy.sparse import csr_array, eye_array
+from scipy.sparse import csr_array
 
 from mbsd3d import GROUND, Body, Distance, Fixed, Gear, Revolute, Spherical, State, System, Universal, rotation
 from mbsd3d.base.quaternions import multiply
 from mbsd3d.base.rotations import matrix
 from mbsd3d.constraints.assembly import reference_pose
 from mbsd3d.constraints.least_squares import least
-from mbsd3d.constraints.rank import Analysis, redundant_combinations
+from mbsd3d.constraints.rank import Analysis, redundant_combinations, surely_independent
 from mbsd3d.constraints.row_choice import independent_rows
 from mbsd3d.equations.at_state import load_state
 from mbsd3d.equations.dense_solvers import mass_matrix
@@ -144,6 +144,19 @@ def test_nearly_redundant_rows_are_left_to_the_singular_values(offset):
         assert 0.1 < found.least / smallest < 10.0  # an elimination with good pivots keeps the order of magnitude
 
 
+@pytest.mark.parametrize("least_value", [1.0, 1e-3, 1e-5, 1e-7, 1e-9, 0.0])
+def test_independence_is_proven_where_it_is_certain_only(least_value):
+    """Rows with known singular values: proven above 1e-6 times what Frobenius norms are larger by, a few."""
+    rng = np.random.default_rng(11)
+    U, V = (np.linalg.qr(rng.normal(size=(18, 18)))[0] for _ in range(2))
+    J = (U * np.append(np.linspace(2.0, 0.5, 17), least_value)) @ V.T
+    body = np.tile([0, 1, 2, -1], (18, 1))
+    rows = BlockRows(body, np.concatenate([J.reshape(18, 3, 6), np.zeros((18, 1, 6))], axis=1), 3)
+    assert surely_independent(rows, 1e-10) == (least_value > 1e-6)
+    assert (Analysis(rows).rank == 18) == (least_value > 1e-10)
+    assert not surely_independent(rows, 0.5)
+
+
 def test_universal_joint_at_its_gimbal_lock_loses_a_row():
     body = Body("shaft", 1.2, (0.1, 0.2, 0.25), com=(0.1, 0.02, 0.03), position=(0.3, -0.2, 0.4))
     cross = Universal(GROUND, body, at=(0.1, 0.2, 0.3), axis_a=(1, 2, 2), axis_b=(2, 1, -2))
@@ -180,12 +193,13 @@ def test_start_velocities_have_least_energy(seed):
     assert np.abs(J @ found - b).max() < 1e-12
 
 
-def test_contradicting_rows_are_met_in_the_sense_of_least_squares():
+@pytest.mark.parametrize("held", [csr_array, np.asarray])
+def test_contradicting_rows_are_met_in_the_sense_of_least_squares(held):
     rng = np.random.default_rng(5)
     A = rng.normal(size=(9, 6))
     A[7:] = A[:2] + A[3]
     b = rng.normal(size=9)
-    x = least(eye_array(6), csr_array(A), b)
+    x = least(held(np.eye(6)), held(A), b)
     np.testing.assert_allclose(x, np.linalg.lstsq(A, b)[0], atol=1e-10)  # damping 1e-14 over the smallest pivot squared
 
 

@@ -3,13 +3,12 @@
 import csv
 import json
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import number, read_text, vector
+from mbsd3d.extend import number, read_text, similar, vector
 
 RECORD, TABLE = 1_000_000, 10_000_000  # bytes of a file with a record, and of a table
 DATA = Path(__file__).parent / "data"
@@ -34,7 +33,7 @@ def record(kind: str, name: str) -> Record:
     if not is_file(name):
         known = data(kind)[kind]
         if name not in known:
-            near = get_close_matches(name, known, 1)
+            near = similar(name, known)
             hint = f", did you mean '{near[0]}'? There" if near else "; there"
             raise InputError(f"{kind[:-1]} '{name}' is unknown{hint} are {', '.join(known)}; or give a file (.json)")
         return known[name]

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import listed, sequence, shown, vector
 from ...base.errors import InputError
-from ...kernels.jit import inner_kernel
+from ...compiler.jit import inner_kernel
+from ...compiler.pointer_call import call
 from ...kernels.layout import MOST_BODIES, data_records
-from ...kernels.pointer_call import call
 from ...kernels.vectors import add, add6, arm, clear, cross, dot, mat, pair, point, point_velocity, put, sub, vec
 from ..bodies import GROUND, Body, Ground
 from ..force_element import ForceElement, ForceRecord

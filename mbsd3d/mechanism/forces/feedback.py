@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from ...base.checks import number, sequence
 from ...base.errors import InputError
+from ...compiler.jit import inner_kernel
 from ...kernels.coordinates import measure
-from ...kernels.jit import inner_kernel
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.errors import InputError
+from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import inner_kernel
 from ...kernels.vectors import (
     add,
     arm,

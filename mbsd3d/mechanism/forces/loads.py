@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
+from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import components, push, twist
-from ...kernels.jit import inner_kernel
 from ...kernels.vectors import add, arm, dot, mat, point_velocity, rotate, scale, sub, vec
 from ..bodies import GROUND, Body
 from ..force_element import ForceElement, ForceRecord, check_body, in_body_frame

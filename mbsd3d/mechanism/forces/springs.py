@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import number, vector
 from ...base.errors import InputError
+from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import push
-from ...kernels.jit import inner_kernel
 from ...kernels.vectors import arm, dot, point, point_velocity, scale, sub
 from ..bodies import Body, Ground
 from ..force_element import ForceElement, ForceRecord, check_pair, hinge_coordinate

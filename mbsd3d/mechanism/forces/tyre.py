@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from ...base.checks import number, vector
 from ...base.directions import unit
 from ...base.errors import InputError
+from ...compiler.jit import inner_kernel
 from ...kernels.force_laws import push, twist
-from ...kernels.jit import inner_kernel
 from ...kernels.signals import signal
 from ...kernels.vectors import add, arm, cross, dot, mat, point, point_velocity, put, rotate, scale, sub, vec
 from ..bodies import GROUND, Body, Ground

@@ -111,8 +111,13 @@ def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool)
         return heaviest if way > TRAVELS * size else -1
     if live:
         raise InputError(f"follow = {follow!r}: the camera of a live view does not go along; leave follow out")
-    body = system.part(follow)
-    return next(i for i, other in enumerate(system.bodies) if other is body)
+    return number_of(system, follow)
+
+
+def number_of(system: Mechanism, body: Body | str) -> int:
+    """Place of a body, given as such or by name, among the bodies."""
+    found = system.part(body)
+    return next(i for i, other in enumerate(system.bodies) if other is found)
 
 
 def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from ...results.body_motion import Poses
 from ...results.run_result import RunResult
 from ...run.playing import PERIOD, Frame, Playing
 from ..page.served import Served
-from ..page.show import animate, check_options, page_layers
+from ..page.show import animate, check_options, number_of, page_layers
 from ..scene.drawing import USUAL, Layers, title_of
 from .page import SECONDS, Look, ride_page, shapes_of
 from .server import Server
@@ -238,12 +238,6 @@ def play(
     if type(port) is not int or not 0 <= port <= 65535:
         raise InputError(f"play: port = {shown_text(port)}; give a whole number up to 65535, or 0 for any that is free")
     system = playing.built.system
-    followed = -1 if follow is None else followed_body(system, follow)
+    followed = -1 if follow is None else number_of(system, follow)
     look = Look(title or title_of(system), page_layers(system, shown, hidden), followed, view, dark)
     return Play(playing, look, port, as_solution)
-
-
-def followed_body(system: Mechanism, follow: Body | str) -> int:
-    """Its number."""
-    body = system.part(follow)
-    return next(i for i, other in enumerate(system.bodies) if other is body)

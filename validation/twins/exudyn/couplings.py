@@ -5,7 +5,8 @@ of the matter of each body there: functions of Python; everything else is Exudyn
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -90,13 +91,13 @@ COUPLINGS: dict[type, Add] = {
 """Class -> what adds its elements."""
 
 
-class Pose(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Placed:
     """A body now, where its point and axes stood along the world at the reference pose."""
 
     body: Any
     r: Array
     R: Array
-    spin: Array
 
     def axis(self, reference: Array) -> Array:
         """A direction of the body."""
@@ -105,6 +106,13 @@ class Pose(NamedTuple):
     def point(self, reference: Array) -> Array:
         """A point of the body."""
         return self.r + self.R @ (reference - self.body.position)
+
+
+@dataclass(frozen=True, eq=False)
+class Pose(Placed):
+    """With what maps Exudyn's velocities of its node to w."""
+
+    spin: Array
 
     def velocity_of(self, point: Array) -> Array:
         """(3, m): velocity of its matter at a point of space from Exudyn's velocities."""

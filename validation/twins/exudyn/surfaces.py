@@ -6,8 +6,8 @@ ones is used. Place and motion of the bodies are Exudyn's own at every evaluatio
 """
 
 from collections.abc import Callable
-from dataclasses import fields
-from typing import Any, NamedTuple
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -16,28 +16,18 @@ from mbsd3d.extend import cross, perpendiculars
 from validation.theory.free_wheel import Rubber, contact_point, tread
 from validation.twins.base import Array
 from validation.twins.exudyn.assembly import Assembly
-from validation.twins.exudyn.couplings import deepest, follow
+from validation.twins.exudyn.couplings import Placed, deepest, follow
 
 Law = Callable[[float, "Moving", "Moving", Array], tuple[Array, Array, Array, Array]]
 """(t, a, b, own states) -> (force on b, its point, couple on b, rates of the own states), world axes."""
 
 
-class Moving(NamedTuple):
-    """A body now: place, turn and velocities."""
+@dataclass(frozen=True, eq=False)
+class Moving(Placed):
+    """With its velocities."""
 
-    body: Any
-    r: Array
-    R: Array
     v: Array
     omega: Array
-
-    def axis(self, reference: Array) -> Array:
-        """A direction of the body, world at the reference pose."""
-        return self.R @ reference
-
-    def point(self, reference: Array) -> Array:
-        """A point of the body."""
-        return self.r + self.R @ (reference - self.body.position)
 
     def velocity(self, point: Array) -> Array:
         """Velocity of its matter at a point of space."""

@@ -6,9 +6,9 @@ import numba
 import numpy as np
 import pytest
 
+from mbsd3d.compiler import code_files
+from mbsd3d.compiler.code_files import keep_code
 from mbsd3d.errors import InputError
-from mbsd3d.kernels import code_files
-from mbsd3d.kernels.code_files import keep_code
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -69,10 +69,10 @@ def test_signatures_have_files_of_their_own(kept):
 
 
 def test_without_room_it_is_said_once_and_used_all_the_same(tmp_path, monkeypatch, capsys):
-    def full(path, content):
+    def full(path):
         raise InputError(f"'{path}' cannot be written") from OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(code_files, "write_atomically", full)
+    monkeypatch.setattr(code_files, "in_its_place", full)
     function = fresh(tmp_path)
     assert function(3.0, 4.0) == 6.0 and function(3, 4) == 6.0
     said = capsys.readouterr().err

@@ -25,7 +25,8 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
 from ..base.errors import InputError
-from ..base.paths import write_atomically
+from ..base.paths import in_its_place
+from .late import LATE, Late
 
 SUM = 16  # bytes
 
@@ -54,14 +55,19 @@ def names_only(made: CompileResult) -> None:
 
 def called(made: CompileResult) -> list[tuple]:
     """The kernels apart that a compiled function calls."""
-    names = [function.name for function in made.library._final_module.functions if function.is_declaration]
-    return [(name, *APART[name]) for name in names if name in APART]
+    module = made.library._final_module
+    names = [found.name for found in (*module.functions, *module.global_variables) if found.is_declaration]
+    known = APART | LATE
+    return [(name, *known[name]) for name in names if name in known]
 
 
 def find(called_ones: list[tuple]) -> None:
     """Have the kernels ready that code from a file calls, under the names it has for them."""
     for symbol, module, name, arguments in called_ones:
         dispatcher = getattr(import_module(module), name)
+        if isinstance(dispatcher, Late):
+            dispatcher.symbol(arguments)
+            continue
         dispatcher.compile(arguments)
         made = dispatcher.overloads[arguments]
         APART[symbol] = (module, name, arguments)
@@ -124,7 +130,8 @@ class CodeFiles(NullCache):
         """Write a file, or say why not."""
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, content)
+            with in_its_place(path) as part:
+                part.write_bytes(content)
         except (OSError, InputError) as error:
             reason = getattr(error.__cause__ or error, "strerror", None) or error
             say_once(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import mbsd3d
-from mbsd3d.kernels.jit import INTEGRATORS, compiled_sources
+from mbsd3d.compiler.disk import INTEGRATORS, compiled_sources
 
 PACKAGE = Path(mbsd3d.__file__).parent
 SOURCES = compiled_sources()

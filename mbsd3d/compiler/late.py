@@ -1,0 +1,163 @@
+"""Kernels that are compiled when they are first called, so that a run waits for no code that it does not use.
+
+A caller knows neither the code of such a kernel nor its address, only a cell in memory. Two words stand in it: the
+address of the code, zero at first, and that of a function which compiles the kernel, or finds it on disk, and fills
+the first word. A call costs a load and a comparison more than one by name.
+"""
+
+import _thread
+import ctypes
+import hashlib
+import inspect
+import os
+import threading
+import traceback
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from llvmlite import binding as llvm
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
+
+from ..base.errors import InputError
+from .announcing import not_silent
+
+WORD = ir.IntType(64)
+FILL = ir.FunctionType(ir.VoidType(), [])
+SOON = 0.01  # s after a kernel is there, when a Ctrl-C that came before is passed on
+FAILED = 70  # exit status where a kernel cannot be compiled
+
+RESULTS = {
+    None: types.void, int: types.int64, float: types.float64, bool: types.boolean,
+    tuple[int, int]: types.UniTuple(types.int64, 2),
+}  # fmt: skip
+"""What a late kernel may be annotated to return, besides functions of the types of its arguments."""
+
+LATE: dict[str, tuple[str, str, tuple]] = {}  # symbol of cells -> module, name, types of arguments
+
+
+class Cells(NamedTuple):
+    """Those of some kernels for arguments of some types."""
+
+    words: np.ndarray  # (kernels, 2)
+    fills: list  # functions of C, kept as long as the cells
+
+
+class Late(_Intrinsic):
+    """Kernels of the same arguments that callers do not compile; ``numbered``: a number in front of them says which."""
+
+    def __init__(self, where: str, name: str, kernels: Sequence[Dispatcher], result: Any, numbered: bool) -> None:
+        self.kernels, self.result, self.numbered = tuple(kernels), result, numbered
+        self.cells: dict[tuple, Cells] = {}
+        self.__module__, self.__name__ = where, name
+        super().__init__(name, self.definition())
+        self._register()
+
+    def __call__(self, *given: Any) -> Any:
+        """From Python."""
+        number, given = (given[0], given[1:]) if self.numbered else (0, given)
+        return self.kernels[number](*given)
+
+    def definition(self) -> Callable:
+        """What numba asks for type and code of a call, by a signature: the context in front of the arguments."""
+        names = ["context", *["number"] * self.numbered, *inspect.signature(self.kernels[0].py_func).parameters]
+
+        def typed(context: Any, *given: types.Type) -> tuple:
+            return self.returned(given[self.numbered :])(*given), self.call
+
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        typed.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])
+        typed.__doc__, typed.__name__, typed.__module__ = self.kernels[0].__doc__, self.__name__, self.__module__
+        return typed
+
+    def returned(self, passed: tuple) -> types.Type:
+        """Type of what the kernels return for arguments of some types."""
+        return RESULTS[self.result] if self.result in RESULTS else self.result(*passed)
+
+    def call(self, context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        """Code of a call, in numba's own convention."""
+        passed, result = signature.args[self.numbered :], signature.return_type
+        number = builder.sext(values[0], WORD) if self.numbered else WORD(0)
+        address = self.address(builder, self.symbol(passed), number)
+        function = context.call_conv.get_function_type(result, passed)
+        called = builder.inttoptr(address, function.as_pointer())
+        status, found = context.call_conv.call_function(builder, called, result, passed, values[self.numbered :])
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return found
+
+    def address(self, builder: Any, symbol: str, number: Any) -> Any:
+        """Code that reads it from the cell, and has it filled before if nothing is in it."""
+        module, size = builder.module, ir.ArrayType(ir.ArrayType(WORD, 2), len(self.kernels))
+        cells = module.globals.get(symbol) or cgutils.add_global_variable(module, size, symbol)
+        code, fill = (builder.gep(cells, [WORD(0), number, WORD(i)]) for i in (0, 1))
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(code))):
+            builder.call(builder.inttoptr(builder.load(fill), FILL.as_pointer()), [])
+        return builder.load(code)
+
+    def symbol(self, passed: tuple) -> str:
+        """The name of the cells for arguments of some types, which compiled code can refer to from now on."""
+        digest = hashlib.blake2b(repr(passed).encode(), digest_size=8).hexdigest()
+        symbol = f"{self.__module__}.{self.__name__}.{digest}"
+        if passed not in self.cells:
+            fills = [ctypes.CFUNCTYPE(None)(partial(self.fill, passed, i)) for i in range(len(self.kernels))]
+            words = np.array([[0, ctypes.cast(fill, ctypes.c_void_p).value] for fill in fills], np.uint64)
+            self.cells[passed] = Cells(words, fills)
+            LATE[symbol] = self.__module__, self.__name__, passed
+            llvm.add_symbol(symbol, words.ctypes.data)
+        return symbol
+
+    def fill(self, passed: tuple, number: int) -> None:
+        """Compile a kernel and write its address into its cell.
+
+        Compiled code calls it, which no exception can pass: Ctrl-C waits until the kernel is there, and one that
+        cannot be compiled ends the process.
+        """
+        try:
+            with not_silent(self.kernels[number].__name__):
+                self.cells[passed].words[number, 0] = self.compiled(passed, number)
+        except KeyboardInterrupt:
+            self.fill(passed, number)
+            threading.Timer(SOON, _thread.interrupt_main).start()
+        except BaseException:
+            traceback.print_exc()
+            os._exit(FAILED)
+
+    def compiled(self, passed: tuple, number: int) -> int:
+        """Address of the code of a kernel."""
+        kernel = self.kernels[number]
+        kernel.compile(passed)
+        made = kernel.overloads[passed]
+        found, wanted = types.unliteral(made.signature.return_type), self.returned(passed)
+        if found != wanted:
+            raise InputError(f"{kernel.__name__} returns {found}, not {wanted}")
+        return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+
+
+def late(kernel: Callable) -> Callable:
+    """A kernel that callers do not compile; what it returns is annotated, see `RESULTS`."""
+    if numba.config.DISABLE_JIT:
+        return kernel
+    return Late(kernel.__module__, kernel.__name__, [kernel], kernel.py_func.__annotations__.get("return"), False)
+
+
+def late_choice(where: str, name: str, kernels: Sequence[Callable]) -> Callable:
+    """``name(number, *arguments)`` calls one of some kernels, which return nothing; module ``where`` must hold it."""
+    if numba.config.DISABLE_JIT:
+        return lambda number, *given: kernels[number](*given)
+    return Late(where, name, kernels, None, True)
+
+
+def empty_cells() -> list[tuple[Late, tuple, int]]:
+    """(kernels, types of arguments, number) of what callers know and nothing has called yet."""
+    found = []
+    for module, name, passed in LATE.values():
+        one = getattr(import_module(module), name)
+        found += [(one, passed, int(number)) for number in np.flatnonzero(one.cells[passed].words[:, 0] == 0)]
+    return found
