@@ -15,9 +15,8 @@ from ..api.system import System
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import MOST, Curve, Drawn, Panel, Points, same
-from .parameters import checked, listed
+from .parameters import SWITCHES, checked, lacking, listed
 
-SWITCHES = ("gyroscopic", "centripetal", "gamma")
 Numbers = Mapping[str, float]
 
 
@@ -269,11 +268,6 @@ class Builder(NamedTuple):
     def theory(self) -> Numbers:
         """What theory says of the parameters."""
         return self.demo.expected(self.values)
-
-
-def lacking(term: str) -> str:
-    """What an ablation is called."""
-    return f"without the {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def wanted(given: Sequence | Callable[[], Sequence]) -> Sequence:

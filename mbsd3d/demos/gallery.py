@@ -22,7 +22,8 @@ from .base import Outcome, Row, Show
 from .digest import digest
 from .discovery import discover
 from .figure import figure_of
-from .form import Demo, lacking
+from .form import Demo
+from .parameters import lacking
 from .report import to_json
 
 VIEWER = "viewer.js"

@@ -11,8 +11,7 @@ from PIL import Image
 
 from mbsd3d.demos import digest, gallery
 from mbsd3d.demos.discovery import discover, own_demos
-from mbsd3d.demos.form import lacking
-from mbsd3d.demos.parameters import checked, settings
+from mbsd3d.demos.parameters import checked, lacking, settings
 from mbsd3d.report.mathml import mathml
 
 NAME = "ball_on_turntable"
