@@ -144,7 +144,9 @@ class Table(NamedTuple):
             good = self.good[i][j]
             tint, weight = (LIGHT.good, "normal") if good else (LIGHT.bad, "bold")
             axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
-            axes.text(j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight)
+            axes.text(
+                j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight, color=LIGHT.ink
+            )
         axes.set(xlim=(0, len(self.columns)), ylim=(len(self.rows), 0), xlabel=self.label)
         axes.set_xticks(np.arange(len(self.columns)) + 0.5, self.columns, rotation=35, ha="right", fontsize=9)
         axes.set_yticks(np.arange(len(self.rows)) + 0.5, self.rows, fontsize=9)
