@@ -115,9 +115,9 @@ class Stage:
         least: Reach | None = None,
     ) -> None:
         low, high = bounds(drawing, frames.r, frames.e)
-        box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
         if least and not near:
-            box = np.minimum(low, least.low), np.maximum(high, least.high)
+            low, high = np.minimum(low, least.low), np.maximum(high, least.high)
+        box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
         cells = FEW_CELLS if endless else CELLS_ALONG
