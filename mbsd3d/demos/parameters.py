@@ -25,7 +25,7 @@ def listed(name: str, names: Sequence[str]) -> str:
 
 def lacking(term: str) -> str:
     """What an ablation is called."""
-    return f"without the {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
+    return f"no {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:

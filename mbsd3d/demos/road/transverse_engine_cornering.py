@@ -95,5 +95,6 @@ demo = Demo(
         "shown": ["reaction force"],
         "traces": [],
         "hidden": ["joints", "joint names"],
+        "follow": "car",
     },
 )
