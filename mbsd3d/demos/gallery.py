@@ -31,7 +31,7 @@ PICTURE = 320  # width of a picture on the front page [pixels]
 FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
 FEW = 4  # notes that one reads below a table; more can be unfolded
 PRINT = (
-    (" x ", " × "),
+    (r"\b(\w) x (?=\w\b|\()", "\\1 × "),  # between single letters: not the axis x of a sentence
     (" - ", " − "),
     (" -> ", " → "),
     (r"sqrt\(", "√("),

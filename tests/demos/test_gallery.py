@@ -47,6 +47,12 @@ def test_the_front_page_moves_unless_the_reader_wants_it_still(site):
     assert "prefers-reduced-motion: no-preference" in source and f"{NAME}.gif" in source and f"{NAME}.png" in still
 
 
+def test_texts_have_the_signs_of_print():
+    text = "m w x (w x s), -J_dot v and `check()`: 18 140 N along x and y, force x at t, sqrt(C/A) m/s^2, 6 - 10"
+    shown = "m w × (w × s), -J\u0307 v and check(): 18\u202f140 N along x and y, force x at t, √(C/A) m/s², 6 − 10"
+    assert gallery.prose(text) == shown
+
+
 def test_players_share_one_viewer(site):
     assert (site / "viewer.js").stat().st_size > 500_000
     assert all(path.stat().st_size < 200_000 for path in site.glob(f"{NAME}_*.html"))
