@@ -1,7 +1,7 @@
 """Drawing, animating and exporting solutions and modes.
 
 Systems (`mbsd3d.api.drawable`) use the same options: ``shown`` adds layers to the usual ones, ``hidden`` removes some.
-Usual are bodies, joints, springs and rods, traces, the ground grid, and names where there are few. All layers:
+Usual are bodies, joints, springs and rods, traces, the ground grid, and names that fit. All layers:
 "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", "angular velocity",
 "angular momentum", "reaction force", "reaction moment", "centre of mass", "reference point".
 """

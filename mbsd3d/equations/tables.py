@@ -55,7 +55,8 @@ class Signals:
     def __init__(self) -> None:
         self.spans: list[tuple[int, int]] = []
         self.terms: list[tuple[int, int, int]] = []
-        self.data: list[float] = []
+        self.data: list[np.ndarray] = []
+        self.end = 0  # of all data so far
         self.inputs: list[InputTerm] = []
 
     def add(self, signal: Signal | None) -> int:
@@ -64,11 +65,12 @@ class Signals:
             return -1
         first = len(self.terms)
         for term in signal.terms():
-            start = len(self.data)
-            self.data.extend(np.asarray(term.data, float))
+            start, data = self.end, np.asarray(term.data, float)
+            self.data.append(data)
+            self.end += data.size
             if term.input:
                 self.inputs.append(InputTerm(*term.input, len(self.terms), term.factor))
-            self.terms.append((term.kind, start, len(self.data)))
+            self.terms.append((term.kind, start, self.end))
         self.spans.append((first, len(self.terms)))
         return len(self.spans) - 1
 
@@ -77,7 +79,7 @@ class Signals:
         signal, term = table(SIGNAL, len(self.spans)), table(TERM, len(self.terms))
         signal[:] = self.spans
         term[:] = self.terms
-        return {"signal": signal, "term": term, "term_data": np.array(self.data, float)}
+        return {"signal": signal, "term": term, "term_data": np.concatenate([np.zeros(0), *self.data])}
 
 
 def body_table(system: Mechanism) -> tuple[np.ndarray, bool]:

@@ -90,7 +90,18 @@ def test_near_resonance_it_is_said_where_full_motion_and_map_part():
     known, at = max(damped)
     # rolled by the mean torque, with a crank that spins and has no share in the roll
     assert mode == pytest.approx(at, rel=0.1) and share == pytest.approx(known, rel=0.4) and share > 0.2
-    assert why(study).startswith("most in 1x, 25.0 Hz, beside a mode of")
+    size, off = study.differences
+    assert why(study).startswith(f"most in 1x, 25.0 Hz, by {off.max():.2g} N, beside a mode of")
+    assert "neighbours" not in why(study) and off.max() < size[off.argmax()]
+
+
+def test_an_order_that_the_map_has_not_comes_from_its_neighbours():
+    """A balanced engine rolled by its torque: what is left is a hundredth of a newton."""
+    study = Study(presets.preset("boxer_6"), mounts.car("compact"), 4125.0)
+    order, _, share = study.nearest
+    assert order == 2.0 and share < 0.2
+    assert np.abs(study.here.load[0, np.flatnonzero(study.here.orders == 2.0)]).max() < 1e-6 * study.source.mean_torque
+    assert why(study).endswith("off resonance; moving masses turn its neighbours into it")
 
 
 def test_a_sweep_is_the_full_motion_at_each_speed():

@@ -96,12 +96,14 @@ def test_the_front_view_is_exact_for_arms_that_turn_about_x():
     assert np.abs(held.curves.toe).max() < 1e-9
     # second differences over uneven steps of the sine that lifts the wheel
     assert ratio[1:-1] == pytest.approx(held.curves.ratio[1:-1], abs=1e-4)
+    assert np.gradient(ratio, z)[2:-2] == pytest.approx(held.curves.bend[2:-2], abs=1e-2)
+    assert np.ptp(held.curves.bend) > 0.1
 
 
 def test_what_moves_out_of_the_plane_is_near(planes):
-    active, cabin, (camber, toe, ahead) = planes.active(), planes.cabin(), planes.guides()
-    assert [line.verdict for line in (active, cabin, camber, toe, ahead)] == [NEAR, NEAR, NEAR, NEVER, NEVER]
-    assert all(0 < line.space for line in (active, cabin, camber, toe, ahead)) and 0 < cabin.plane
+    active, cabin, guides = planes.active(), planes.cabin(), planes.guides()
+    assert [line.verdict for line in (active, cabin, *guides)] == [NEAR, NEAR, NEAR, NEAR, NEVER, NEVER]
+    assert all(0 < line.space for line in (active, cabin, *guides)) and 0 < cabin.plane
     assert planes.shafts().verdict == planes.valve().verdict == EXACT
 
 

@@ -60,6 +60,24 @@ def test_guides_of_ones_own(folder):
         )
 
 
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (dict(links=[1, 2]), r"guide 'own': links: \[1, 2\]; give names"),
+        (dict(links={"arm": [[0, 1, 2]]}), "guide 'own': arm: .* give two points"),
+        (dict(strut="here"), "guide 'own': strut: 'here'; give two points"),
+        (dict(strut=[[0, 1, 2], [0, 1]]), "guide 'own': strut: expected three numbers"),
+        (dict(centre=None), "guide 'own': centre: "),
+        (3, "guides: 3; give a name, or a record of centre, links and strut"),
+    ],
+)
+def test_guides_that_are_none_are_refused(change, text):
+    own = data("cars")["guides"]["double wishbone"]
+    given = own | change if isinstance(change, dict) else change
+    with pytest.raises(ValueError, match=text):
+        assert not Vehicle("half", mounts.car("compact").ride | {"guides": [given, "multilink"]}, True).guides
+
+
 CAR = [
     (("mounts", "left", "rates"), [0, 1e5, 1e5], r"mount 'left': rates\[0\]: 0.0 is not positive"),
     (("mounts", "left", "damping"), [1, -3, 1], r"mount 'left': damping\[1\]: -3.0 is below 0.0"),
@@ -72,6 +90,9 @@ CAR = [
     (("bounce",), 0.0, "bounce: 0.0 is not positive"),
     (("ride", "front"), None, "car 'it': ride: front missing"),
     (("shell", "colour"), "red", "car 'it': shell: colour unknown"),
+    (("shell", "seat"), [0.1, 0.2], "car 'it': shell: seat: expected three numbers"),
+    (("shell", "engine"), [0.1, 0.2, "x"], "car 'it': shell: engine"),
+    (("shell", "turned"), "across", "car 'it': shell: turned"),
     (("wings",), 2, "car 'it': wings unknown"),
 ]
 ENGINE = [

@@ -71,17 +71,28 @@ def test_small_motions_of_a_quarter_car():
     assert found[:, 0] == pytest.approx(body, rel=1e-9) and found[:, 1] == pytest.approx(wheel, rel=1e-9)
 
 
-def test_a_symmetric_half_car_bounces_and_pitches_as_two_quarter_cars():
-    """Equal ends and a radius of gyration that is the mean of the axles: ends do not feel each other."""
+@pytest.mark.parametrize(
+    ("kind", "inertia", "base"), [("half", "pitch_inertia", "wheelbase"), ("whole", "roll_inertia", "track")]
+)
+def test_a_symmetric_car_bounces_as_a_quarter_car_and_leans_against_its_weight(kind, inertia, base):
+    """Wheels move aside by HEIGHT a as the body leans by a, and bear it beside its centre of mass."""
     same = dict(front=0.5, unsprung=[36, 36], spring=[23e3, 23e3], damper=[1600, 1600], tyre=[2e5, 2e5])
-    mass, wheelbase = 1100.0, 2.6
-    wheels = 2 * 2 * 36 * (0.05 + HEIGHT**2)  # they pitch with the body, whose centre of mass is above them
-    gyration = mass * (wheelbase / 2) ** 2 - wheels
-    half = vehicle("half", **same, mass=mass, wheelbase=wheelbase, pitch_inertia=gyration, seat=[1.3, 0.4])
-    quarter = vehicle("quarter", **same, mass=mass, wheelbase=wheelbase)
-    both, single = (np.linalg.eigvals(car.equations[0]) for car in (half, quarter))
-    for value in single:
-        assert np.sort(np.abs(both - value))[:2] == pytest.approx(0.0, abs=1e-9 * abs(value))
+    car, quarter = vehicle(kind, **same), vehicle("quarter", **same)
+    found, bounce = (np.linalg.eigvals(x.equations[0]) for x in (car, quarter))
+    n, arm, (corner, *_) = len(car.corners), car.ride[base] / 2, quarter.corners
+    turning = car.ride[inertia] * car.part + n * 36 * (0.05 + HEIGHT**2)  # wheels turn with the body
+    M = np.diag([turning, n * 36])
+
+    def of(spring: float, tyre: float) -> np.ndarray:
+        return n * np.array([[spring * arm**2, -spring * arm], [-spring * arm, spring + tyre]])
+
+    K, C = of(23e3, 2e5), of(1600, corner.tyre_damping)
+    K[0, 0] -= car.mass * 9.81 * HEIGHT
+    lean = np.linalg.eigvals(
+        np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    )
+    for value in (*bounce, *lean):
+        assert np.abs(found - value).min() < 1e-8 * abs(value)
 
 
 @pytest.mark.parametrize(("kind", "limit"), [("quarter", 1e-4), pytest.param("half", 0.01, marks=pytest.mark.slow)])

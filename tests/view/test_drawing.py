@@ -11,6 +11,7 @@ from mbsd3d.mechanism.couplings import GearMesh
 from mbsd3d.mechanism.joints import Joint
 from mbsd3d.mechanism.shapes import Box, Disc, MeshFile
 from mbsd3d.mechanism.state import State
+from mbsd3d.view.page.show import page_layers
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.drawing import poses_of
 
@@ -217,3 +218,21 @@ def test_what_cannot_be_drawn_names_the_body():
         draw_system(System([body]))
     with pytest.raises(ValueError, match="state has 2 bodies, the system 1; give a state of this system"):
         poses_of(System([body]), State(0.0, np.ones(14), np.zeros(12)))
+
+
+@pytest.mark.parametrize(
+    ("places", "named"),
+    [
+        ([(0.3, -0.1, 0.2)], True),
+        ([(0, 0, 0), (0.4, 1.0, -0.7)], True),
+        ([(0, 0, 0), (0.4, 1.0, -0.7), (0.41, 1.02, -0.7)], False),  # one name would lie on the other
+        ([(0.2, 0.1, 0.3)] * 2, False),
+        ([(k, 0.3 * k, 0) for k in range(12)], True),
+        ([(k, 0.3 * k, 0) for k in range(13)], False),
+    ],
+)
+def test_names_that_would_hide_the_scene_wait_for_their_switch(places, named):
+    system = System([Body(f"body {k}", 1.0, (1, 1, 1), position=place) for k, place in enumerate(places)])
+    assert ("body names" in page_layers(system, (), ())) == named
+    assert "body names" in page_layers(system, ("body names",), ())
+    assert "body names" not in page_layers(system, (), ("body names",))

@@ -99,21 +99,24 @@ def in_car(
     sweep: int | None = None,
     cycles: int = 4,
     active: bool = False,
-    shell: str = "beam",
+    shell: str | None = None,
     sound: str | None = None,
     page: str | None = None,
     export: str | None = None,
 ) -> None:
     """Study an engine, show it, write its page; exit code 1 if linear map and full run differ."""
     from validation.nvh import tables
+    from validation.nvh.cabin.seat import BEAM
     from validation.nvh.study import AGREES, Study
 
     speed = (chosen.idle + chosen.redline) / 2 if rpm is None else rpm
-    study = Study(chosen, car, speed, load, shafts, shell)
-    if sound is not None and study.cabin is None:
-        raise InputError(
-            f"nvh: --sound needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or --shell"
-        )
+    study = Study(chosen, car, speed, load, shafts, shell or BEAM)
+    for option, given in (("shell", shell), ("sound", sound)):
+        if given is not None and study.cabin is None:
+            raise InputError(
+                f"nvh: --{option} needs a car whose shell is known, '{car.name}' is not; give compact or saloon, or a "
+                "file of modes with --shell"
+            )
     study.modes  # noqa: B018  # refuses mounts that leave a motion free
     if study.cabin is not None:
         study.cabin.at_feet, study.cabin.at_seat  # noqa: B018  # refuses a table that lacks a place
@@ -134,7 +137,7 @@ def in_car(
     if study.cabin is not None:
         show("seat rail", tables.felt(study))
         show(f"paths of {(of_paths := tables.paths(study))[0]}", of_paths[1])
-        show(f"modes of the shell, {Path(shell).name}", tables.shell(study))
+        show(f"modes of the shell, {Path(study.shell).name}", tables.shell(study))
     click.echo(f"\nlinear map and full run differ by {study.difference:.2%}")
     if reason := tables.why(study):
         click.echo(reason)
@@ -161,13 +164,14 @@ def on_road(car: Any, road: str, speed: float = 20.0, page: str | None = None) -
 
     rides = report.rides_of(car, road, speed)
     click.echo(f"{car.title.split(',')[0]} on {rides[-1].road.title} at {speed:g} m/s")
-    if missing := report.left_out(rides[-1]):
-        click.echo(missing)
+    for remark in (report.left_out(rides[-1]), report.lifted(rides[-1])):
+        if remark:
+            click.echo(remark)
     show("at the seat", report.comfort(rides))
     show("wheels of the whole car on links", report.struts(rides[-1]))
     show("modes of the whole car on links", report.modes(rides[-1]))
     show("guides of the wheels", report.guides(rides[-1].vehicle))
-    click.echo(f"\n{report.braking(rides[-1].vehicle)}")
+    click.echo(f"\n{report.braking(rides[-1].vehicle)}\n{report.preloads(rides[-1].vehicle)}")
     if page is not None:
         click.echo(report.write_page(car, rides, page))
 

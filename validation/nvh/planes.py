@@ -191,19 +191,24 @@ class Planes:
 
     def guides(self) -> list[Line]:
         """What the front axle makes of the travel of a wheel; ValueError if it is no double wishbone."""
-        held = ride_of(self.car, "whole", "C", SPEED).vehicle.guides[0]
+        car = ride_of(self.car, "whole", "C", SPEED).vehicle
+        held, corner = car.guides[0], car.corners[0]
         heights = np.linspace(-FELT, FELT, 41)
         (camber, ratio), quick = timed(lambda: front_view(held, heights))
         curves, slow = timed(lambda: replace(held).curves)
         off = 60 * np.degrees(np.abs(camber - np.interp(heights, curves.z, curves.camber)).max())
         by_ratio = np.abs(np.abs(ratio) / np.abs(np.interp(heights, curves.z, curves.ratio)) - 1).max()
+        middle, loaded = heights.size // 2, car.by_load[0]
+        flat = np.gradient(ratio, heights)[middle] / ratio[middle] * corner.load / corner.spring
         toe, ahead = 60 * np.degrees(curves.at("toe", FELT)), 1e3 * curves.at("ahead", 0.0)
         size, travel = f"{off:.1f} minutes, ratio {by_ratio:.1%}", f"{1e3 * FELT:.0f} mm"
         return [
             Line("camber and motion ratio", verdict(by_ratio), size, "axes of the arms not along the car", quick, slow),
+            Line("load on the strut", verdict(flat / loaded - 1), f"{flat:.1%}, not {loaded:.1%} of stiffness",
+                 "path of the strut's end out of the plane", quick, slow),
             Line("bump steer", NEVER, f"{toe:.0f} minutes", f"toe at {travel}, turn about z", None, slow),
             Line("anti-dive", NEVER, f"{ahead:.0f} mm per m", "in front view no x", None, slow),
-        ]
+        ]  # fmt: skip
 
 
 def verdict(off: float) -> str:

@@ -48,7 +48,7 @@ def record(kind: str, name: str) -> Record:
 
 
 def table(path: Path, headers: Sequence[Sequence[str]], kind: str) -> tuple[list[str], list[tuple[str, list[str]]]]:
-    """Header and (where, cells) of every line of a file of comma-separated values, lines of nothing left out.
+    """Header and (where, cells) of every line of a file of comma-separated values, empty lines left out.
 
     ValueError for a file that cannot be read, another header, or a line with more or fewer cells.
     """

@@ -66,7 +66,8 @@ class Study:
     def __post_init__(self) -> None:
         rpm = number(self.rpm, "nvh: rpm", positive=True)
         if rpm > self.preset.redline:
-            raise InputError(f"nvh: rpm {rpm:g} is beyond the redline of '{self.preset.name}', {self.preset.redline:g}")
+            most = f"redline of '{self.preset.name}'; give {self.preset.redline:g} or less"
+            raise InputError(f"nvh: rpm {rpm:g} is beyond the {most}")
         self.source.cycle  # noqa: B018  # refuses a load
 
     @cached_property
@@ -113,7 +114,11 @@ class Study:
     @cached_property
     def map(self) -> Map:
         """Linear map from idle to redline."""
-        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, SPEEDS))
+        return self.over(SPEEDS)
+
+    def over(self, count: int) -> Map:
+        """Linear map at ``count`` speeds from idle to redline."""
+        return self.on_mounts.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
 
     @cached_property
     def spin(self) -> float:
@@ -162,18 +167,17 @@ class Study:
         share = np.abs(2 * z / (1 - r**2 + 2j * z * r))
         return order, float(w[share.argmax()] / (2 * np.pi)), float(share.max())
 
-    def sweep(self, count: int, cycles: int = 4) -> "Sweep":
+    def sweep(self, count: int, cycles: int = 4) -> Sweep:
         """Full motions at ``count`` speeds from idle to redline, each over ``cycles``, on two threads.
 
         ValueError for a count below 2, no cycle, or more than `MOST` of either.
         """
         if not (2 <= count <= MOST and 1 <= cycles <= MOST):
             raise InputError(f"nvh: a sweep of {count} speeds, {cycles} cycles each; give 2 ... {MOST}, 1 ... {MOST}")
-        held = self.on_mounts
-        found = held.answer(self.source, np.linspace(self.preset.idle, self.preset.redline, count))
+        found = self.over(count)
 
         def full(rpm: float) -> np.ndarray:
-            run = whole_run(self.source, held, rpm, settle=SETTLE, kept=cycles, count=COARSE)
+            run = whole_run(self.source, self.on_mounts, rpm, settle=SETTLE, kept=cycles, count=COARSE)
             return run_orders(run, self.placed, self.preset.engine(rpm).rate, found.orders)
 
         with closing(ThreadPoolExecutor(THREADS)) as pool:  # Ctrl-C waits for none of them

@@ -138,12 +138,16 @@ def handed_on(study: Study) -> Rows:
 
 
 def why(study: Study) -> str:
-    """In which order full run and map differ most, and how near to resonance it is; nothing if they agree."""
+    """In which order full run and map differ most, how near to resonance it is, and whether the map has that order at
+    all; nothing if they agree.
+    """
     if study.difference <= AGREES:
         return ""
-    order, mode, share = study.nearest
-    near = f", {share:.0%} of its amplitude at resonance" if share > NEAR else ", off resonance"
-    return f"most in {order:g}x, {order * study.rpm / 60:.1f} Hz, beside a mode of {mode:.1f} Hz{near}"
+    (order, mode, share), (size, off) = study.nearest, study.differences
+    near = f"{share:.0%} of its amplitude at resonance" if share > NEAR else "off resonance"
+    turned = "; moving masses turn its neighbours into it" if size[off.argmax()] < off.max() else ""
+    by = f"{order * study.rpm / 60:.1f} Hz, by {off.max():.2g} N"
+    return f"most in {order:g}x, {by}, beside a mode of {mode:.1f} Hz, {near}{turned}"
 
 
 def sweep(found: Sweep, most: int | None = None) -> Rows:
@@ -196,7 +200,9 @@ def paths(study: Study) -> tuple[str, Rows]:
     for mount, forces in zip(study.placed, parts[order, :, :, way], strict=True):
         for name, path in zip("xyz", forces / seat[order, way], strict=True):
             alone, phase = 1e3 * abs(path * seat[order, way]), np.degrees(np.angle(path))
-            rows.append([mount.name, f"along {name}", figure(alone), f"{phase:.0f}", f"{100 * path.real:.1f}"])
+            rows.append(
+                [mount.name, f"along {name}", figure(alone), f"{phase:.0f}", f"{round(100 * path.real, 1) + 0.0:.1f}"]
+            )
     return title, rows
 
 

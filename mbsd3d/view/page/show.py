@@ -25,7 +25,7 @@ from .stage import Reach
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
 TRAVELS = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
-FEW = 12  # bodies whose names do not hide the scene
+FEW, APART = 12, 0.05  # bodies whose names do not hide the scene; share of its size that two names are apart
 
 
 def show_system(
@@ -122,7 +122,16 @@ def number_of(system: Mechanism, body: Body | str) -> int:
 
 def page_layers(system: Mechanism, shown: Layers, hidden: Layers) -> tuple[str, ...]:
     """The layers that a page shows first; all have switches."""
-    return layers_of(shown, hidden, (*USUAL, "body names") if len(system.bodies) <= FEW else USUAL)
+    return layers_of(shown, hidden, (*USUAL, "body names") if names_fit(system) else USUAL)
+
+
+def names_fit(system: Mechanism) -> bool:
+    """True for few bodies whose names, at the centres of mass of the reference pose, do not lie on each other."""
+    places = np.array([body.centre for body in system.bodies])
+    if not 1 < len(places) <= FEW:
+        return len(places) <= FEW
+    gaps = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(len(places), 1)]
+    return bool(gaps.min() > APART * gaps.max())
 
 
 def check_options(path: str | Path | None, title: str | None, dark: bool | None, live: bool) -> None:

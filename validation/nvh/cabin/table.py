@@ -28,7 +28,9 @@ class ModalTable(Modes):
         """(r, 3 p) shapes at places; ValueError for one that the table does not have."""
         for place in places:
             if place not in self.shapes[0]:
-                raise InputError(f"shell: the table has no place '{place}'; it has {', '.join(self.shapes[0])}")
+                raise InputError(
+                    f"shell: the table has no place '{place}'; it has {', '.join(self.shapes[0])}; add its lines"
+                )
         return np.array([np.concatenate([shape[place] for place in places]) for shape in self.shapes])
 
 

@@ -23,6 +23,7 @@ from validation.nvh.engine.presets import Preset
 
 COUNT = 1440  # samples of a cycle: half a degree
 HEAT, AIR_FUEL, GAS, CRANKCASE = 43e6, 14.7, 287.0, 101325.0  # petrol [J/kg], [-]; air [J/(kg K)]; [Pa]
+LEAST = 0.1  # load: an engine that idles takes about 0.3
 SWITCH = np.radians(20.0)  # half the angle over which pressure goes from outlet to inlet
 
 
@@ -137,11 +138,12 @@ def blend(psi: np.ndarray, start: float, end: float, before: np.ndarray, after: 
 
 
 def cycle_of(preset: Preset, load: float = 1.0) -> Cycle:
-    """The cycle of an engine under a load from 0.1 (idle: about 0.3) to 1 (full): inlet pressure as share of 0.95 bar.
+    """The cycle of an engine under a load from `LEAST` to 1 (full): inlet pressure as share of 0.95 bar.
 
     ValueError for another load.
     """
-    load = number(load, "gas: load", minimum=0.1)
-    if load > 1.0:
-        raise InputError(f"gas: load {load:g}; give a share of the inlet pressure from 0.1 to 1")
+    if not LEAST <= number(load, "gas: load") <= 1.0:
+        raise InputError(
+            f"gas: load {load:g}; give a share of full load from {LEAST:g} to 1, or 0: motored, without gas"
+        )
     return Cycle(preset.bore, preset.stroke / 2, preset.rod_length, preset.compression, inlet=0.95e5 * load)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from mbsd3d import Signal
 from validation.engine_balance import gas as engine_gas
 from validation.engine_balance import phasor, shafts
 from validation.engine_balance.pages.portrait import upright
@@ -105,3 +106,8 @@ class Source:
     def mean_torque(self) -> float:
         """Indicated, at the crank [N m]."""
         return float(self.gas_torque[0].real)
+
+
+def along(direction: np.ndarray, push: Signal) -> tuple[Signal | float, ...]:
+    """Components of a push along a unit vector; a number where there is none: it costs no table."""
+    return tuple(float(x) * push if x else 0.0 for x in direction)

@@ -29,8 +29,8 @@ from mbsd3d import (
 )  # fmt: skip
 from validation.engine_balance import spatial
 from validation.engine_balance.gas import forces as gas_forces
-from validation.nvh.engine.loads import Source
-from validation.nvh.held.powertrain import THROW
+from validation.nvh.engine.loads import Source, along
+from validation.nvh.engine.presets import THROW
 
 COUNT = 180  # samples of a turn
 ROLLERS = 10.0 / 3.0
@@ -90,8 +90,7 @@ def cut_engine(source: Source, rpm: float) -> tuple[System, np.ndarray]:
         pushes = gas_forces(engine, source.cycle.force, engine.rate * times)
         pistons = {body.name: body for body in bodies}
         for i, (push, where) in enumerate(zip(pushes.T, places, strict=True), start=1):
-            table = Table(times, push)
-            loads.append(Force(pistons[f"piston {i}"], tuple(-x * table for x in where.bore), name=f"gas {i}"))
+            loads.append(Force(pistons[f"piston {i}"], along(-where.bore, Table(times, push)), name=f"gas {i}"))
     return System([*bodies, dyno], joints, loads, gravity=(0, 0, 0)), mains
 
 

@@ -29,6 +29,7 @@ POSITIVE = (
 )  # fmt: skip
 OWN = ("pins", "bores", "stations", "firing_order")  # of an engine whose layout has no name
 FRACTION, TWO_MASSES = 0.28, 1.0965
+THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass times R^2, axis last
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,9 @@ class Preset:
         positive(vars(self), POSITIVE, what)
         number(self.balanced, f"{what}: balanced", minimum=0.0)
         if not self.idle < self.redline:
-            raise InputError(f"{what}: idle {self.idle:g} is not below the redline {self.redline:g} 1/min")
+            raise InputError(
+                f"{what}: idle {self.idle:g} is not below the redline {self.redline:g} 1/min; give a lower one"
+            )
 
     @property
     def displacement(self) -> float:

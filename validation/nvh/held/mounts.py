@@ -20,15 +20,14 @@ from mbsd3d import GROUND, Body, Bushing, rotation
 from mbsd3d.errors import InputError
 from mbsd3d.extend import matrix, number
 from validation.nvh.engine.presets import Preset
-from validation.nvh.records import data, fields, is_file, record, triple
+from validation.nvh.records import data, fields, is_file, positive, record, triple
 
 RIDE = (
     "mass", "roll_inertia", "pitch_inertia", "wheelbase", "front", "track", "unsprung", "spring", "damper", "tyre",
     "tyre_damping", "cornering", "seat", "brakes", "guides",
 )  # fmt: skip
-SHELL = (
-    "mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion", "damping", "engine", "turned", "seat",
-)  # fmt: skip
+BEAM = ("mass", "roll_inertia", "length", "width", "bending", "lateral", "torsion")
+SHELL = (*BEAM, "damping", "engine", "turned", "seat")
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,8 @@ class Car:
 
     ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz], None for mounts with rates of their own;
     ``damping`` [-]; ``ride``: the car on its wheels, ``shell``: its body as a beam, None if nothing is known of them.
-    ValueError for a field that lacks or is unknown, a rate or frequency that is not positive, a negative damping.
+    ValueError for a field that is missing or unknown, a rate or frequency that is not positive, a negative damping, or
+    a place that is none.
     """
 
     name: str
@@ -102,6 +102,13 @@ class Car:
         for part, needed in (("ride", RIDE), ("shell", SHELL)):
             if getattr(self, part) is not None:
                 fields(getattr(self, part), needed, f"{what}: {part}")
+        if self.shell is not None:
+            what += ": shell"
+            positive(self.shell, BEAM, what)
+            number(self.shell["damping"], f"{what}: damping", minimum=0.0)
+            number(self.shell["turned"], f"{what}: turned")
+            for name in ("engine", "seat"):
+                triple(self.shell[name], f"{what}: {name}")
 
 
 def names() -> tuple[str, ...]:

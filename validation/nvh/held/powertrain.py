@@ -41,13 +41,12 @@ from validation.engine_balance import looks, shafts, spatial
 from validation.engine_balance.layouts import Engine
 from validation.engine_balance.pages.portrait import turned, upright
 from validation.engine_balance.shafts import Shaft
-from validation.nvh.engine.presets import Preset
+from validation.nvh.engine.presets import THROW, Preset
 
 X = (1.0, 0.0, 0.0)
 ANGLES = 12  # of the crank over a turn: harmonics of M up to 11 do not enter its mean
 RIGID = 1e-6  # by which the mean mass matrix may differ from that of a rigid body, relative
 DYNO = (0.2, 0.1, 0.1)  # kg m^2; it turns evenly whatever it weighs
-THROW = (0.5, 0.5, 0.8)  # inertia of a throw with counterweights over its mass times R^2
 ROTOR = 0.01  # of the mass is in the rotor; only the sum counts
 
 

@@ -19,7 +19,7 @@ from mbsd3d.extend import DenseEquations, Measure, exponential, matrix, quaterni
 from validation.engine_balance.gas import forces as gas_forces
 from validation.engine_balance.pages.portrait import upright
 from validation.engine_balance.spectrum import spectrum
-from validation.nvh.engine.loads import Source
+from validation.nvh.engine.loads import Source, along
 from validation.nvh.held.mounts import Mount, bushings
 from validation.nvh.held.powertrain import Equivalent, carried, moving_engine
 from validation.nvh.held.rigid_modes import mass_matrix
@@ -179,9 +179,9 @@ def whole_system(source: Source, held: OnMounts, rpm: float, cycles: int) -> Sys
             u = R @ (np.cos(beta), np.sin(beta), 0.0)
             # axes of the piston and of the block, so that both stay opposite while the block rocks
             mine, its = piston.axes.T @ u, bodies[0].axes.T @ u
-            loads.append(Force(piston, tuple(-x * table for x in mine), frame="body", name=f"gas {i}"))
+            loads.append(Force(piston, along(-mine, table), frame="body", name=f"gas {i}"))
             head = piston.position + 0.1 * engine.radius * u
-            loads.append(Force(bodies[0], tuple(x * table for x in its), at=head, frame="body", name=f"head {i}"))
+            loads.append(Force(bodies[0], along(its, table), at=head, frame="body", name=f"head {i}"))
     return System(bodies, joints, loads, gravity=(0, 0, 0), name=f"{source.preset.name} on mounts")
 
 
@@ -192,10 +192,10 @@ def start(system: System, held: OnMounts, source: Source, rpm: float) -> State:
     W = (linear.orders * rate)[:, None]
     moved, speed = motion.sum(axis=0).real, (1j * W * motion).sum(axis=0).real
     turn = matrix(exponential(moved[3:])) @ matrix(held.rest[3:])
-    shift, q = held.rest[:3] + moved[:3], []
+    middle, q = held.rest[:3] + moved[:3], []
     for body in system.bodies:
         on_ground = body.name == "dyno"
-        position = body.position if on_ground else shift + turn @ body.position
+        position = body.position if on_ground else middle + turn @ body.position
         axes = body.axes if on_ground else turn @ body.axes
         q.append(np.concatenate([position, quaternion_from_matrix(axes)]))
     near = State(0.0, np.concatenate(q), np.zeros(6 * len(q)))

@@ -4,15 +4,21 @@ Each link holds a point of the upright at its distance from a point of the body;
 point. Five lengths leave the upright one freedom. With z the height of the wheel's centre, P its lowest point and s the
 length of the strut, the slopes of this curve in space are what designers ask for:
 
-    motion ratio ds/dz    anti-dive  share dx_P/dz L / h    roll centre  y_P (dy_P/dz) / (dz_P/dz)
+    motion ratio r = ds/dz    anti-dive  share dx_P/dz L / h    roll centre  y_P (dy_P/dz) / (dz_P/dz)
 
 P here moves with the upright, as it does while the brake holds the wheel; L / h: wheelbase over height of the centre of
 mass; share: of the braking force on this axle.
+
+A strut of tension T carries the load W of the wheel if T r = W. As r changes over the travel the tension itself is a
+spring at the wheel: of a strut of stiffness k the wheel feels
+
+    k_w = k r^2 + T dr/dz
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
@@ -89,15 +95,27 @@ class Guide:
         upright: Body,
         stiffness: float,
         damping: float,
+        load: float,
         name: str,
         origin: Point = (0, 0, 0),
     ) -> SpringDamper:
-        """Spring and damper of these rates at the wheel: at the strut they are larger by the motion ratio squared."""
-        share = self.motion_ratio**2
+        """Spring and damper that hold a wheel at rest where it is under a load [N], with these rates at the wheel.
+
+        ValueError for a load that alone is as stiff as the spring.
+        """
+        ratio, bend = (self.curves.at(curve, 0.0) for curve in ("ratio", "bend"))
+        tension = load / ratio
+        rate = (stiffness - tension * bend) / ratio**2
+        if not rate > 0.0:
+            raise InputError(
+                f"guide '{self.kind}': its motion ratio changes so fast that a load of {load:.4g} N makes a spring of "
+                f"{tension * bend:.4g} N/m at the wheel, of {stiffness:.4g} N/m in all; move the strut, or give a "
+                "stiffer spring"
+            )
         inner, outer = (np.add(end, origin) for end in self.strut)
-        return SpringDamper(
-            body, upright, at_a=inner, at_b=outer, stiffness=stiffness / share, damping=damping / share, name=name
-        )
+        free = float(np.linalg.norm(outer - inner)) - tension / rate
+        rates = dict(stiffness=rate, damping=damping / ratio**2)
+        return SpringDamper(body, upright, at_a=inner, at_b=outer, length=free, **rates, name=name)
 
     def upright(self, mass: float, name: str, origin: Point = (0, 0, 0)) -> Body:
         """Upright and wheel, at the wheel's centre, drawn with its links."""
@@ -129,11 +147,6 @@ class Guide:
         """Over the whole travel."""
         return curves(self, self.run())
 
-    @cached_property
-    def motion_ratio(self) -> float:
-        """|ds/dz| at the reference pose."""
-        return abs(float(np.interp(0.0, self.curves.z, self.curves.ratio)))
-
 
 @cache
 def guide(kind: str, track: float) -> Guide:
@@ -145,12 +158,24 @@ def guide(kind: str, track: float) -> Guide:
 
 
 def made(kind: str, record: Record, track: float) -> Guide:
-    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field."""
-    fields(record, ("centre", "links", "strut"), f"guide '{kind}'")
-    out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - record["centre"][1], 0.0])
-    centre, strut = np.array(record["centre"]) + out, np.array(record["strut"]) + out
-    links = {name: np.array(ends) + out for name, ends in record["links"].items()}
-    return Guide(kind, centre, links, strut)
+    """A guide of a record, moved outwards to a track [m]; ValueError for one that lacks a field, or points that are
+    none.
+    """
+    what = f"guide '{kind}'"
+    fields(record, ("centre", "links", "strut"), what)
+    centre = np.array(vector(record["centre"], f"{what}: centre"))
+    out = np.array([0.0, number(track, "guide: track", positive=True) / 2 - centre[1], 0.0])
+    if not isinstance(record["links"], dict):
+        raise InputError(f"{what}: links: {record['links']!r}; give names, each with its two points")
+    links = {name: ends_of(ends, f"{what}: {name}") + out for name, ends in record["links"].items()}
+    return Guide(kind, centre + out, links, ends_of(record["strut"], f"{what}: strut") + out)
+
+
+def ends_of(given: Any, what: str) -> np.ndarray:
+    """(2, 3) points of body and upright [m]; ValueError for something else."""
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{what}: {given!r}; give two points [m], of the body and of the upright")
+    return np.array([vector(end, what) for end in given])
 
 
 @dataclass(frozen=True)
@@ -158,7 +183,8 @@ class Curves:
     """Over the travel ``z`` (n,) [m].
 
     ``toe`` inwards and ``camber`` outwards at the top (n,) [rad]; ``track``: how far P goes outwards (n,) [m];
-    ``ratio``: ds/dz (n,); ``ahead``: dx_P/dz (n,); ``roll_centre``: its height (n,) [m].
+    ``ratio``: r = ds/dz (n,), ``bend``: dr/dz (n,) [1/m]; ``ahead``: dx_P/dz (n,); ``roll_centre``: its height (n,)
+    [m].
     """
 
     z: np.ndarray
@@ -166,6 +192,7 @@ class Curves:
     camber: np.ndarray
     track: np.ndarray
     ratio: np.ndarray
+    bend: np.ndarray
     ahead: np.ndarray
     roll_centre: np.ndarray
 
@@ -185,5 +212,13 @@ def curves(guide: Guide, run: Solution) -> Curves:
     place = centre + lowest
     height = place[:, 2] + place[:, 1] * slope[:, 1] / slope[:, 2]
     ratio = run.force("strut").rate / v[:, 2]
+    # s'' = r z'' + dr/dz z'^2, and s'' from the motion of the strut's outer end
+    arm = R @ np.subtract(guide.strut[1], guide.centre)
+    across = np.cross(w, arm)
+    along, speed = centre + arm - guide.strut[0], v + across
+    pull = run.acceleration("wheel") + np.cross(run.alpha("wheel"), arm) + np.cross(w, across)
+    length, dot = np.linalg.norm(along, axis=1), lambda a, b: np.einsum("ti,ti->t", a, b)
+    rate = (dot(along, pull) + dot(speed, speed) - (ratio * v[:, 2]) ** 2) / length
+    bend = (rate - ratio * run.acceleration("wheel")[:, 2]) / v[:, 2] ** 2
     z = centre[:, 2] - guide.centre[2]
-    return Curves(z, toe, camber, place[:, 1] - guide.centre[1], ratio, slope[:, 0] / slope[:, 2], height)
+    return Curves(z, toe, camber, place[:, 1] - guide.centre[1], ratio, bend, slope[:, 0] / slope[:, 2], height)

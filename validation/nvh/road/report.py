@@ -80,16 +80,27 @@ def modes(ride: Ride) -> Rows:
 
 def struts(ride: Ride) -> Rows:
     """What springs, dampers and tyres see in the full motion."""
-    rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre load rms [N]"]]
+    rows = [["wheel", "", "travel rms [mm]", "most [mm]", "damper most [m/s]", "strut most [N]", "tyre rms [N]",
+             "tyre least [N]"]]  # fmt: skip
     for corner in ride.vehicle.corners:
-        strut, tyre = (ride.run.force(f"{part} of {corner.name}") for part in ("spring", "tyre"))
-        travel, force = strut.length - strut.length.mean(), np.linalg.norm(strut.force, axis=1)
-        road = ride.beneath(corner)
-        rate = np.gradient(road, ride.run.t, edge_order=2)
-        load = tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate
-        values = 1e3 * travel.std(), 1e3 * np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), load.std()
+        strut, tyre = ride.run.force(f"spring of {corner.name}"), ride.tyre_load(corner)
+        travel, force = 1e3 * (strut.length - strut.length.mean()), np.linalg.norm(strut.force, axis=1)
+        values = travel.std(), np.abs(travel).max(), np.abs(strut.rate).max(), force.max(), tyre.std(), tyre.min()
         rows.append([corner.name, "", *(f"{x:.4g}" for x in values)])
     return rows
+
+
+def lifted(ride: Ride) -> str:
+    """The wheel that would leave the road most, and for how long, in a line; nothing if none does."""
+    loads = {corner.name: ride.tyre_load(corner) for corner in ride.vehicle.corners}
+    name = min(loads, key=lambda wheel: loads[wheel].min())
+    least, share = loads[name].min(), (loads[name] < 0.0).mean()
+    if least >= 0.0:
+        return ""
+    return (
+        f"the {name} would leave the road on {100 * share:.2g} % of the way: its tyre, a linear one, pulls with up to "
+        f"{-least:.0f} N there"
+    )
 
 
 def guides(vehicle: Vehicle) -> Rows:
@@ -113,6 +124,15 @@ def braking(vehicle: Vehicle) -> str:
     return (
         f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
         f"{BRAKES * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
+    )
+
+
+def preloads(vehicle: Vehicle) -> str:
+    """What the loads of the struts make of the springs at the wheels, in a line."""
+    front, rear = vehicle.by_load
+    return (
+        f"as the motion ratio changes over the travel, the load of the strut is {front:+.1%} of the stiffness at the "
+        f"wheel in front, {rear:+.1%} behind; the spring is the rest"
     )
 
 
@@ -146,7 +166,7 @@ def figure(ride: Ride) -> "Figure":
         upper.loglog(f, band, color=look.colour(0), linewidth=LINE)
         upper.loglog(f, band * np.abs(weight(f)), color=look.ink, linewidth=LINE)
         upper.set(xlabel="frequency [Hz]", ylabel="m/s² per √Hz")
-        upper.set_title("line: small motions; dots: full motion; black: weighted by W_k", loc="left")
+        upper.set_title("lines: small motions, below weighted by W_k; dots: full motion", loc="left")
         for axis in (upper.xaxis, upper.yaxis):
             axis.set_major_formatter(lambda x, _: f"{x:g}")
         rolling = [replace(ride.vehicle, speed=float(speed)) for speed in SPEEDS]
@@ -193,12 +213,14 @@ def write_page(car: Car, rides: list[Ride], folder: str | Path) -> Path:
     folder, view, ride = Path(folder), f"ride-{car.name}-view.html", rides[-1]
     run, end = ride.run, float(ride.run.t[0]) + FILM
     film = simulate(run.system, end, state=run.state(0), output=np.linspace(run.t[0], end, FRAMES))
-    shown = film.animate(curves=(), traces=(), speed=1.0, title=car.title.split(",")[0]).html
+    title = car.title.split(",")[0]
+    shown = film.animate(curves=(), traces=(), hidden=("body names",), speed=1.0, title=title).html
     write_atomically(folder / view, playing(shown).encode())
     page = page_template("ride.html", TEMPLATES).render(
         car=car, ride=ride, view=view, verdict=verdict(ride.weighted), digits=digits,
         figure=Markup(inline_svg(figure(ride), "ride-")), comfort=comfort(rides), modes=modes(ride),
         struts=struts(ride), guides=guides(ride.vehicle), braking=braking(ride.vehicle), left_out=left_out(ride),
+        preloads=preloads(ride.vehicle), lifted=lifted(ride),
         guide_figure=Markup(inline_svg(guide_figure(ride.vehicle), "guide-")),
         response=Markup(inline_svg(response_figure(rides), "response-")),
     )  # fmt: skip

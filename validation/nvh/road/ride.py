@@ -40,7 +40,9 @@ class Ride:
         if not SPEEDS[0] <= speed <= SPEEDS[1]:
             raise InputError(f"ride: speed {speed:g} m/s; give {SPEEDS[0]:g} ... {SPEEDS[1]:g} m/s, as cars go")
         if not np.abs(self.road.amplitudes).max(initial=0.0) > LEVEL:
-            raise InputError(f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more to feel")
+            raise InputError(
+                f"road '{self.road.title}' is level: no wave of {1 / SHORTEST:.2g} m or more; give uneven heights"
+            )
 
     @cached_property
     def rates(self) -> np.ndarray:
@@ -107,6 +109,12 @@ class Ride:
         """(samples,) height of the road under a wheel in the full motion [m]."""
         turned = self.under(corner) * np.exp(1j * self.rates * self.run.t[0])
         return np.resize(self.over(turned, self.run.t.size - 1), self.run.t.size)
+
+    def tyre_load(self, corner: Corner) -> np.ndarray:
+        """(samples,) force of the road on a wheel in the full motion [N]; below 0 a tyre would have to pull."""
+        tyre, road = self.run.force(f"tyre of {corner.name}"), self.beneath(corner)
+        rate = np.gradient(road, self.run.t, edge_order=2)
+        return tyre.force[:, 2] + corner.tyre * road + corner.tyre_damping * rate + corner.borne
 
     @property
     def numbers(self) -> np.ndarray:

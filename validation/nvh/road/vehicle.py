@@ -3,9 +3,10 @@
 The body heaves, rolls and pitches; wheels slide along the z axis of the body, or hang on the five links of their axle
 (`Guide`), on springs and dampers; tyres are springs and dampers to the ground. Links move them sideways, too, at y_dot
 where they touch the road: rolling at a speed v they bear the side force ``-C y_dot / v`` of their slip angle. A road of
-height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level ground: without weight all is measured
-from the loaded position. A half car is the left half of one that does not roll, a quarter car is one corner with a body
-that only heaves.
+height z under a wheel pushes it by ``k z + c z_dot``, its tyre resting on level ground. The reference pose is the car
+at rest: springs carry the body, tyres bear the wheels too, straight up at their centres, and rates are those of this
+position. A half car is the left half of one that does not roll, a quarter car is one corner with a body that only
+heaves.
 """
 
 from collections.abc import Sequence
@@ -48,7 +49,9 @@ SPOTS = {"quarter": [(0, 0)], "half": [(1, 0), (-1, 0)], "whole": [(1, 0), (-1, 
 
 @dataclass(frozen=True)
 class Corner:
-    """A wheel: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI]."""
+    """A wheel: ``name``; ``x, y`` from the centre of mass [m]; ``side``: 0 left, 1 right; masses and rates [SI];
+    ``load``: of the body on it [N].
+    """
 
     name: str
     x: float
@@ -59,6 +62,12 @@ class Corner:
     damper: float
     tyre: float
     tyre_damping: float
+    load: float
+
+    @property
+    def borne(self) -> float:
+        """By the tyre at rest [N]."""
+        return self.load + self.mass * GRAVITY
 
 
 @dataclass(frozen=True)
@@ -83,6 +92,11 @@ class Vehicle:
             if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
                 count = f"{len(given)} in a list" if isinstance(given, list) else repr(given)
                 raise InputError(f"car on wheels: {name}: {count}; give two, {PAIRS[name]}")
+        for given in self.ride["guides"]:
+            if not isinstance(given, str | dict):
+                raise InputError(
+                    f"car on wheels: guides: {given!r}; give a name, or a record of centre, links and strut"
+                )
         for value in self.ride["seat"]:
             number(value, "car on wheels: seat")
         for name in ("mass", "roll_inertia", "pitch_inertia", "wheelbase", "track"):
@@ -109,7 +123,8 @@ class Vehicle:
         r, found = self.ride, []
         ahead = (1 - r["front"]) * r["wheelbase"], -r["front"] * r["wheelbase"]
         for axle, (end, x) in enumerate(zip(("front", "rear"), ahead, strict=True)):
-            values = [r[name][axle] for name in ("unsprung", "spring", "damper", "tyre")] + [r["tyre_damping"]]
+            load = (r["front"], 1 - r["front"])[axle] / 2 * r["mass"] * GRAVITY
+            values = *(r[name][axle] for name in ("unsprung", "spring", "damper", "tyre")), r["tyre_damping"], load
             if self.kind == "quarter":
                 return [Corner("wheel", 0.0, 0.0, 0, *values)]
             for side, name in enumerate(("left", "right")):
@@ -146,6 +161,17 @@ class Vehicle:
         front, rear = (held.curves.at("ahead", 0.0) for held in self.guides)
         return share * arm * front, -(1 - share) * arm * rear
 
+    @property
+    def by_load(self) -> tuple[float, float]:
+        """(front, rear) share of the stiffness at a wheel that the load of its strut makes, ``T dr/dz / k_w``; of a
+        half or whole car on links.
+        """
+        front, rear = (
+            held.curves.at("bend", 0.0) / held.curves.at("ratio", 0.0) * corner.load / corner.spring
+            for held, corner in zip(self.guides, (self.corners[0], self.corners[-1]), strict=True)
+        )
+        return front, rear
+
     def system(self, loads: Sequence[Load] = ()) -> System:
         """The mechanism; ``loads``: (wheel, force [N] or signals, where it acts; None: at the centre)."""
         r = self.ride
@@ -166,10 +192,11 @@ class Vehicle:
             joints += hung
             at, rates = wheel.position, dict(stiffness=corner.tyre, damping=corner.tyre_damping)
             tyre = SpringDamper(GROUND, wheel, at_a=at - (0, 0, REST), at_b=at, **rates, name=f"tyre of {corner.name}")
-            forces += [strut, tyre, *self.rolling(corner, wheel)]
+            weight = Force(wheel, (0, 0, corner.borne), name=f"weight on {corner.name}")
+            forces += [strut, tyre, weight, *self.rolling(corner, wheel)]
         named = {part.name: part for part in bodies}
         forces += [Force(named[name], push, at=at, name=f"load on {name}") for name, push, at in loads]
-        return System(bodies, joints, forces, gravity=(0, 0, 0), name=self.title)
+        return System(bodies, joints, forces, gravity=(0, 0, -GRAVITY), name=self.title)
 
     def rolling(self, corner: Corner, wheel: Body) -> list[Bushing]:
         """Side force of a tyre that rolls, at the lowest point of a wheel on links."""
@@ -187,12 +214,13 @@ class Vehicle:
             held = held.mirrored if corner.side else held
             origin = at - held.centre
             wheel = held.upright(corner.mass, corner.name, origin)
-            strut = held.spring(body, wheel, corner.spring, corner.damper, name, origin)
+            strut = held.spring(body, wheel, corner.spring, corner.damper, corner.load, name, origin)
             return wheel, held.hold(body, wheel, origin, f" of {corner.name}"), strut
         tyre, above = shapes.Cylinder(REST, 0.2, "y"), at + (0, 0, HEIGHT)
         wheel = Body(corner.name, corner.mass, 3 * (SWING * corner.mass,), position=at, shape=tyre)
         guided = Prismatic(body, wheel, at=at, axis=Z, name=f"guide of {corner.name}")
-        rates = dict(stiffness=corner.spring, damping=corner.damper)
+        free = HEIGHT + corner.load / corner.spring
+        rates = dict(stiffness=corner.spring, damping=corner.damper, length=free)
         return wheel, [guided], SpringDamper(wheel, body, at_a=at, at_b=above, **rates, name=name)
 
     def braked(self, share: float) -> float:

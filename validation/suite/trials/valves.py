@@ -38,16 +38,20 @@ def valve() -> Run:
     return Run(made.run.system, float(made.run.t[-1]), made.run, source=made)
 
 
-def on_the_cam(made: Run) -> Iterable[Finding]:
-    """Speed of float from the multiplier, and the force of the contact, by the law of the cam."""
-    train, law = made.source.train, theory.cams.cycloidal
-    s, _, dds = law(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
+def speed_of_float(made: Valve) -> Finding:
+    """Speed from which on the multiplier pulls, by the law of the cam."""
+    train = made.train
+    s, _, dds = getattr(theory.cams, made.law)(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
     known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
-    yield judged(
-        THEORY, "speed of float", abs(made.source.floats / known - 1), 1e-4, "lift by a spline of half degrees"
-    )
+    return judged(THEORY, "speed of float", abs(made.floats / known - 1), 1e-4, "lift by a spline of half degrees")
+
+
+def on_the_cam(made: Run) -> Iterable[Finding]:
+    """Speed of float, and the force of the contact, by the law of the cam."""
+    train = made.source.train
+    yield speed_of_float(made.source)
     angle = (train.turn * made.solution.t) % (2 * np.pi) - np.pi
-    s, _, dds = law(angle, LIFT, HALF)
+    s, _, dds = theory.cams.cycloidal(angle, LIFT, HALF)
     force = train.mass * dds * train.turn**2 + train.preload + train.rate * s
     off = np.abs(made.solution.force("contact").force[:, 2] - force).max() / force.max()
     yield judged(THEORY, "force of the contact", float(off), 0.03, "relative to the largest; the valve swings on it")
@@ -60,13 +64,9 @@ def held(law: str, follower: str) -> Run:
 
 
 def pushed(made: Run) -> Iterable[Finding]:
-    """Multiplier, side force and torque by the law of the cam, and the speed from which on the multiplier pulls."""
+    """Speed of float, multiplier, side force and torque by the law of the cam."""
     train, law, run = made.source.train, getattr(theory.cams, made.source.law), made.solution
-    s, _, dds = law(np.linspace(-np.pi, np.pi, 20001), LIFT, HALF)
-    known = 30 / np.pi * theory.cams.float_rate(train.mass, train.rate, train.preload, s, dds)
-    yield judged(
-        THEORY, "speed of float", abs(made.source.floats / known - 1), 1e-4, "lift by a spline of half degrees"
-    )
+    yield speed_of_float(made.source)
     angle = (train.turn * run.t) % (2 * np.pi) - np.pi
     s, ds, dds = law(angle, LIFT, HALF)
     along = train.mass * dds * train.turn**2 + train.preload + train.rate * s
