@@ -74,8 +74,10 @@ demo = Demo(
         "late_lean_per_torque": Quantity("lean at t2 over torque", "rad/(N m)", relative=1e-6),
     },
     ablation=Ablation(
-        "gyroscopic", "without gyroscopic moments the handlebar stays where it was pushed", values=lambda: {}
-    ),  # fmt: skip
+        "gyroscopic",
+        "no moment turns the front wheel into the lean: the handlebar comes back late and swings over much further",
+        values=lambda: {},
+    ),
     show={"curves": [("angle", "steer"), ("omega", "frame")], "follow": "frame", "traces": []},
     ranges={"v": (4.0, 7.0), "t2": (1.5, 2.2), "torque": (0.5, 1.5)},
 )

@@ -89,7 +89,7 @@ demo = Demo(
     why="A falling bicycle turns its front wheel into the fall: by the weight on the front part, by trail, and "
     "because the leaning front wheel is a gyroscope. On the curve it then rides it rights itself. If it is too "
     "slow this comes too late and it weaves, if it is too fast the steering is too calm and it slowly capsizes. "
-    "In between it needs nobody. `mbsd3d bicycle` has more of this.",
+    "In between it needs nobody. The command mbsd3d bicycle has more of this.",
     equation="M q'' + v C_1 q' + (g K_0 + v^2 K_2) q = 0; q = (lean, steer)",
     source="Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463 (2007) 1955 (benchmark)",
     quantities={

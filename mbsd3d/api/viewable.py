@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
+    from ..results.body_motion import Poses
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.motion import Points
@@ -39,6 +40,7 @@ class Viewable:
         dark: bool | None = None,
         live: bool = False,
         follow: "Body | Ground | str | None" = None,
+        beside: "Poses | None" = None,
     ) -> "View | LiveView":
         """A page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -69,12 +71,15 @@ class Viewable:
             Body that the camera of a page follows from near; None = the view holds the whole motion, or follows the
             heaviest body where it travels 20 times the size of the mechanism; GROUND = the camera stands. The reader
             may choose another body.
+        beside : Solution, optional
+            Another run, of whose motion the first view of a page holds as much, and whose arrows have the same scale,
+            so that two pages can be compared.
         """
         from ..view.page.show import animate
 
         return animate(
             self, path, curves=curves, traces=traces, shown=shown, hidden=hidden, frames=frames, speed=speed,
-            title=title, dark=dark, live=live, follow=follow,
+            title=title, dark=dark, live=live, follow=follow, beside=beside,
         )  # fmt: skip
 
     def picture(

@@ -5,6 +5,7 @@ settings of the user or the machine do not change a figure, nor does a figure ch
 """
 
 import html
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -62,6 +63,7 @@ COLOURS, GREY = LIGHT.lines, LIGHT.muted
 MARK, INNER = "#6b6b6b", "#e0e0e0"  # of joints: seen on white and on dark paper; of centres of mass: seen inside bodies
 CELLS = {"light": (190, 150), "dark": (52, 84)}  # grey of the lines of a ground grid in space, thin and thick ones
 SHADED = 0.72  # brightness of the darker sectors of round bodies, by which one sees them turn
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PALE, FADED = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
@@ -131,6 +133,11 @@ def dress(axes: "Axes", look: Theme = LIGHT) -> None:
     axes.set_axisbelow(True)
     axes.spines[:].set_color(look.ink)
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def raised(text: str) -> str:
+    """``m/s²`` for ``m/s^2``, where text is set for reading."""
+    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(RAISED), text)
 
 
 def counted(number: int, word: str) -> str:

@@ -6,14 +6,16 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS, GREY, LIGHT
+from ..base.style import COLOURS, GREY, LIGHT, raised
 from .drawing import every, legend_below, new_figure, plain_decades, seen_side, space, spectrum_bars, theory_dots
 
 MOST = 3  # panels side by side
 FAR = 6  # times the computed range, beyond which an ablation leaves the picture
+FLAT = 1e-6  # of its size: a smaller range is rounding, and to the eye the line is level
 
 
 class Line(NamedTuple):
@@ -38,17 +40,24 @@ class Curve(NamedTuple):
     name: str = "computed"
     more: Sequence[Line] = ()
     logarithmic: bool = False
+    equal: bool = False  # both axes to the same scale: a path seen from above
+
+    @property
+    def lines(self) -> list[Line]:
+        """All of them, each with its x."""
+        others = [line._replace(x=self.x if line.x is None else line.x) for line in self.more]
+        return [Line(self.name, self.y, self.x, self.theory), *others]
 
     def draw(self, axes: Axes, other: "Curve | None", ablated: str) -> None:
         """The lines, those of the ablation that differ, and theory."""
-        lines, label = [Line(self.name, self.y, self.x, self.theory), *self.more], "theory"
-        others = [Line("", other.y, other.x), *other.more] if other else []
-        for k, line in enumerate(lines):
-            x = self.x if line.x is None else line.x
-            axes.plot(x, line.y, color=COLOURS[k], label=line.name)
-            if k < len(others) and not alike(line.y, others[k].y):
-                found, tint = others[k].x if others[k].x is not None else other.x, COLOURS[k if self.more else 1]
-                axes.plot(found, others[k].y, "--", color=tint, label=None if self.more else ablated)
+        others, label, dashed = other.lines if other else [], "theory", []
+        for k, line in enumerate(self.lines):
+            axes.plot(line.x, line.y, color=COLOURS[k], label=line.name)
+            if k < len(others) and not (alike(line.x, others[k].x) and alike(line.y, others[k].y)):
+                _, y, x, _ = others[k]
+                locked = still(x, line.x) and still(y, line.y)  # a single point
+                style, tint = "x" if locked else "--", COLOURS[k if self.more else 1]
+                dashed += axes.plot(x, y, style, color=tint, label=None if self.more else ablated)
             if line.theory is not None:
                 x, y = (np.atleast_1d(np.asarray(values, float)) for values in line.theory)
                 dots = every(x.size, 25)
@@ -60,6 +69,10 @@ class Curve(NamedTuple):
             axes.set_yscale("log")
             plain_decades(axes, ":.0e")
         limit(axes, self, other)
+        for line in dashed:
+            end(line, *axes.get_ylim())
+        if self.equal:
+            axes.set_aspect("equal", adjustable="datalim")
         axes.set(xlabel=self.along, ylabel=self.label)
         legend_below(axes, 2 if self.more else 3)
 
@@ -131,7 +144,9 @@ class Table(NamedTuple):
             good = self.good[i][j]
             tint, weight = (LIGHT.good, "normal") if good else (LIGHT.bad, "bold")
             axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
-            axes.text(j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight)
+            axes.text(
+                j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight, color=LIGHT.ink
+            )
         axes.set(xlim=(0, len(self.columns)), ylim=(len(self.rows), 0), xlabel=self.label)
         axes.set_xticks(np.arange(len(self.columns)) + 0.5, self.columns, rotation=35, ha="right", fontsize=9)
         axes.set_yticks(np.arange(len(self.rows)) + 0.5, self.rows, fontsize=9)
@@ -177,6 +192,7 @@ def figure_of(title: str, panels: Sequence[Panel]) -> Figure:
     )
     for place, panel in zip(axes, panels, strict=True):
         panel.drawn.draw(place, panel.other, panel.ablated)
+        place.set(xlabel=raised(place.get_xlabel()), ylabel=raised(place.get_ylabel()))
     return figure
 
 
@@ -184,11 +200,35 @@ def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
     """What is computed fills the axis: an ablation that leaves it far behind, or rounding, does not set its scale."""
     if curve.logarithmic:
         return
-    y = np.concatenate([np.ravel(np.asarray(line, float)) for line in (curve.y, *(more.y for more in curve.more))])
-    y = np.concatenate([y[np.isfinite(y)], [-curve.scale, curve.scale] if curve.scale else []])
-    span = np.ptp(y)
-    if curve.scale or (other is not None and np.ptp(np.asarray(other.y, float)) > FAR * span > 0.0):
+    y = joined([curve.y, *(line.y for line in curve.more)])
+    y = np.concatenate([y, [-curve.scale, curve.scale] if curve.scale else []])
+    span, size = np.ptp(y), np.abs(y).max()
+    beside = joined([other.y]) if other is not None else np.zeros(1)
+    if span <= max(FLAT * size, FLAT**2 * np.abs(beside).max()):
+        if np.ptp(axes.get_ylim()) < FLAT * size:
+            axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
+    elif curve.scale or np.ptp(beside) > FAR * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
+
+
+def end(line: Line2D, low: float, high: float) -> None:
+    """A line that is gone far from the picture does not come back into it."""
+    y, far = np.array(line.get_ydata(), float), FAR * (high - low)
+    gone = np.flatnonzero((y < low - far) | (y > high + far))
+    if gone.size:
+        y[gone[0] + 1 :] = np.nan
+        line.set_ydata(y)
+
+
+def still(one: ArrayLike, other: ArrayLike) -> bool:
+    """Whether a line stays where it is, to the eye that sees another one."""
+    return bool(np.ptp(joined([one])) <= FLAT * np.ptp(joined([other])))
+
+
+def joined(lines: Sequence[ArrayLike]) -> np.ndarray:
+    """All finite numbers of some lines."""
+    y = np.concatenate([np.ravel(np.asarray(line, float)) for line in lines])
+    return y[np.isfinite(y)]
 
 
 def alike(one: ArrayLike, other: ArrayLike) -> bool:
@@ -199,8 +239,12 @@ def alike(one: ArrayLike, other: ArrayLike) -> bool:
 
 def same(one: Drawn, other: Drawn) -> bool:
     """Whether two panels look the same."""
-    lines, others = (
-        [one.y, *(x.y for x in getattr(one, "more", ()))],
-        [other.y, *(x.y for x in getattr(other, "more", ()))],
-    )
-    return len(lines) == len(others) and all(map(alike, lines, others))
+    pairs = [values_of(panel) for panel in (one, other)]
+    return len(pairs[0]) == len(pairs[1]) and all(map(alike, *pairs))
+
+
+def values_of(panel: Drawn) -> list[ArrayLike]:
+    """All that is drawn of a panel."""
+    if isinstance(panel, Curve):
+        return [values for line in panel.lines for values in (line.x, line.y)]
+    return [panel.y, *(line.y for line in getattr(panel, "more", ()))]

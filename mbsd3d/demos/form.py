@@ -15,9 +15,8 @@ from ..api.system import System
 from ..base.errors import InputError, MbsError
 from .base import Outcome, Row, Show
 from .figure import MOST, Curve, Drawn, Panel, Points, same
-from .parameters import checked, listed
+from .parameters import SWITCHES, checked, lacking, listed
 
-SWITCHES = ("gyroscopic", "centripetal", "gamma")
 Numbers = Mapping[str, float]
 
 
@@ -220,7 +219,7 @@ class Demo:
         drawn = partial(self.panels, values, found, without)
 
         def noted() -> tuple[str, ...]:
-            return (*wanted(found.notes), f"without {self.ablation.term}: {self.ablation.then}")
+            return (*wanted(found.notes), f"{lacking(self.ablation.term)}: {self.ablation.then}")
 
         return Outcome(rows, drawn, solutions, noted, views, values, self.title)
 
@@ -231,7 +230,7 @@ class Demo:
             other = wanted(ablated.curves)
         except ValueError:
             other = ()  # some mechanisms do not run without what they need
-        label = "all terms" if without else f"without {self.ablation.term}"
+        label = "all terms" if without else lacking(self.ablation.term)
         panels = [
             Panel(curve, other[k] if k < len(other) and not same(curve, other[k]) else None, label)
             for k, curve in enumerate(wanted(found.curves))

@@ -1,33 +1,44 @@
 """The gallery: a front page by family and a page per demo, with players that share one copy of the viewer."""
 
-import hashlib
 import inspect
 import io
 import json
+import re
+import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from ..base.paths import write_atomically
-from ..base.style import DARK, LIGHT, house
+from ..base.style import DARK, LIGHT, house, raised
 from ..base.templates import FOLDER, page_template
 from ..report.exhibits import inline_svg
 from ..report.mathml import mathml
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
+from .digest import digest
 from .discovery import discover
 from .figure import figure_of
 from .form import Demo
+from .parameters import lacking
 from .report import to_json
 
 VIEWER = "viewer.js"
-PACKAGE = Path(__file__).parent.parent
 PICTURE = 320  # width of a picture on the front page [pixels]
 FPS, SECONDS, WIDTH = 8, 3.0, 480  # of the films there; in narrower ones the notes lie on each other
+FEW = 4  # notes that one reads below a table; more can be unfolded
+PRINT = (
+    (r"\b(\w) x (?=\w\b|\()", "\\1 × "),  # between single letters: not the axis x of a sentence
+    (" - ", " − "),
+    (" -> ", " → "),
+    (r"sqrt\(", "√("),
+    ("_dot", "\u0307"),  # the dot above the letter before
+    ("`", ""),
+    (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
+)
 STILL = 1e-6  # m or parts of a quaternion that nobody sees
 
 
@@ -35,21 +46,24 @@ def page(name: str, folder: Path) -> bool:
     """Write the page of one demo with its players, picture and numbers; False if nothing has changed since."""
     demos = discover()
     demo, known = demos.find(name), list(demos.values())
-    stamp, place = digest(demo), folder / f"{name}.json"
+    next_one = known[(known.index(demo) + 1) % len(known)]
+    stamp, place = digest(demo, next_one), folder / f"{name}.json"
     if place.exists() and json.loads(place.read_text(encoding="utf-8")).get("digest") == stamp:
         return False
     outcome = demo.run()
-    players = [("the effect", player(outcome, demo.title, folder / f"{name}_seen.html"))]
+    players = [("the effect", player(outcome, "the effect", folder / f"{name}_seen.html"))]
     taken = without(demo)
     if taken is not None:
         term, ablated = taken
-        players.append((f"without {term}", player(ablated, f"without {term}", folder / f"{name}_without.html")))
-    next_one = known[(known.index(demo) + 1) % len(known)]
-    texts = {label: getattr(demo, label) for label in ("question", "why", "source")}
+        file = folder / f"{name}_without.html"
+        players.append((lacking(term), player(ablated, lacking(term), file, beside=outcome)))
+    texts = {label: prose(getattr(demo, label)) for label in ("question", "why", "source")}
+    notes = [prose(note) for note in outcome.notes]
     html = page_template("demo.html").render(
         title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
         rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
-        players=[found for found in players if found[1]], parameters=outcome.parameters, notes=outcome.notes,
+        players=[found for found in players if found[1]], notes=notes, few=FEW,
+        parameters={key: json.dumps(value) for key, value in outcome.parameters.items()}, command=command(demo),
         code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
     )  # fmt: skip
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
@@ -89,11 +103,16 @@ def without(demo: Demo) -> tuple[str, Outcome] | None:
         return None
 
 
-def player(outcome: Outcome, title: str, path: Path) -> str:
-    """Write the first view of an outcome as a page that takes the viewer from beside it; its name, or "" for none."""
+def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = None) -> str:
+    """Write the first view of an outcome as a page that takes the viewer from beside it; its name, or "" for none.
+
+    It can be compared with that of an outcome ``beside`` it.
+    """
     if not outcome.views:
         return ""
     solution, options = first_view(outcome)
+    if beside is not None:
+        options = {**options, "beside": first_view(beside).solution}
     hidden = {"body names", "joint names", *options.get("hidden", ())}
     quiet = {"curves": (), "hidden": sorted(hidden)}  # the curves stand below
     html = solution.animate(**{**options, **quiet, "title": title}).html
@@ -147,25 +166,27 @@ def picture_options(options: Mapping[str, object]) -> tuple[dict[str, object], l
 
 
 def cells(row: Row) -> Sequence[str]:
-    """A row of the table."""
-    unit = f" [{row.unit}]" if row.unit else ""
-    return row.quantity + unit, f"{row.computed:.10g}", f"{row.theory:.10g}", f"{row.error:.1e}"
+    """A row of the table; what the tolerance does not tell from zero is 0."""
+    unit = f" [{raised(row.unit)}]" if row.unit else ""
+    numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
+    return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
+
+
+def prose(text: str) -> str:
+    """A text with the signs of print for those of a keyboard."""
+    for typed, printed in PRINT:
+        text = re.sub(typed, printed, text)
+    return raised(text)
+
+
+def command(demo: Demo) -> str:
+    """A call with parameters to change, as a shell takes it: three numbers, or what is short."""
+    given = {name: f"{name}={json.dumps(value)}" for name, value in demo.parameters.items()}
+    numbers = [given[name] for name, value in demo.parameters.items() if isinstance(value, float | int)]
+    chosen = numbers[:3] or sorted(given.values(), key=len)[:1]
+    return shlex.join(["mbsd3d", "demo", demo.name, *(word for text in chosen for word in ("--set", text))])
 
 
 def source_of(demo: Demo) -> str:
     """The text of the file a demo stands in."""
     return inspect.getsource(sys.modules[demo.module])
-
-
-def digest(demo: Demo) -> str:
-    """Digest of all that a page depends on: the package without other demos, the templates, the demo's own file."""
-    return hashlib.sha256((package_digest() + source_of(demo)).encode()).hexdigest()
-
-
-@cache
-def package_digest() -> str:
-    """Digest of the package but for the families of demos."""
-    families = PACKAGE / "demos"
-    files = [path for path in PACKAGE.rglob("*.py") if families not in path.parent.parents]
-    files += sorted(FOLDER.iterdir())
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(files))).hexdigest()

@@ -8,6 +8,7 @@ import numpy as np
 from ..base.checks import number
 from ..base.errors import InputError, similar
 
+SWITCHES = ("gyroscopic", "centripetal", "gamma")  # terms that runs can leave out
 FEW = 20  # names that are listed beside a guess
 FAR = 1000.0  # from the default: how long a run takes, and how far formulas hold, is known for machines of some size
 
@@ -20,6 +21,11 @@ def listed(name: str, names: Sequence[str]) -> str:
     if guess:
         return f"did you mean {' or '.join(guess)}?" + (f" ({there})" if len(names) <= FEW else "")
     return there
+
+
+def lacking(term: str) -> str:
+    """What an ablation is called."""
+    return f"no {term} term" if term in SWITCHES else f"without {term.replace('_', ' ').replace('-', ' ')}"
 
 
 def settings(texts: Iterable[str]) -> dict[str, object]:

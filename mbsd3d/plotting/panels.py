@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base.checks import shown
 from ..base.errors import InputError
+from ..base.style import raised
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import SavedForce
@@ -47,7 +48,7 @@ class Panel(NamedTuple):
 def unit_of(quantity: str) -> str:
     """Unit as it is printed on an axis."""
     unit = QUANTITIES[quantity].unit
-    return "[-]" if unit == "1" else f"[{unit.replace('^2', '²')}]"
+    return "[-]" if unit == "1" else f"[{raised(unit)}]"
 
 
 def vector_panels(label: str, unit: str, names: Sequence[str], parts: dict[str, np.ndarray]) -> list[Panel]:
@@ -224,7 +225,7 @@ def measure_panels(solution: RunResult, measures: Sequence[Measure]) -> list[Pan
     """Measures over time: those of one unit share a panel."""
     groups: dict[str, list] = {}
     for measure, values in zip(measures, solution.measure(measures).T, strict=True):
-        groups.setdefault(measure.unit.replace("^2", "²"), []).append((measure.label, values))
+        groups.setdefault(raised(measure.unit), []).append((measure.label, values))
     return [Panel(lines[0][0] if len(lines) == 1 else "measures", f"[{unit}]", lines) for unit, lines in groups.items()]
 
 

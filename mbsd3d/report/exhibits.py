@@ -82,7 +82,7 @@ def inline_svg(figure: Figure, prefix: str) -> str:
     text = re.sub(r'\b(id="|href="#|url\(#)', rf"\g<1>{prefix}", text)
     # a hundredth of a point is enough for the eye
     text = re.sub(r'\bd="[^"]*"', lambda d: re.sub(r"(\.\d\d)\d+", r"\1", d.group()), text)
-    names = {LIGHT.paper: "paper", LIGHT.ink: "ink", LIGHT.muted: "muted", LIGHT.grid: "grid"}
+    names = {getattr(LIGHT, name): name for name in ("paper", "ink", "muted", "grid", "good", "bad")}
     names |= {tint: f"line{k}" for k, tint in enumerate(LIGHT.lines)}
     for tint, name in names.items():
         text = re.sub(tint, f"var(--{name})", text, flags=re.I)

@@ -11,13 +11,14 @@ from html import escape
 
 from ..base.errors import InputError
 
-GREEK = dict(zip("alpha beta gamma delta theta lambda lam rho phi psi pi w W".split(), "αβγδθλλρφψπωΩ", strict=True))
-SIGNS = {"-": "−", "+-": "±", "<=": "≤", "x": "×", ".": "·"}
+LETTERS = "alpha beta gamma delta theta lambda lam mu rho phi psi pi w W".split()
+GREEK = dict(zip(LETTERS, "αβγδθλλμρφψπωΩ", strict=True))
+SIGNS = {"-": "−", "+-": "±", "<=": "≤", ">=": "≥", "~": "∼", "x": "×", ".": "·"}
 DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
 FUNCTIONS = ("sin", "cos", "tan", "cot", "acos", "atan2", "cd", "det", "mod")
 CLOSING = {"(": ")", "|": "|"}
-ENDS = ("", "=", "<=", "+", "-", "+-", ",", ":")  # of a product
-PIECE = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|\S)")
+ENDS = ("", "=", "<=", ">=", "~", "+", "-", "+-", ",", ":")  # of a product
+PIECE = re.compile(r"(\s*)(\d+(?:\.\d+)?|[A-Za-z]+\d*(?:_[A-Za-z0-9]+)?'*|\+-|<=|>=|\S)")
 NAME = re.compile(r"([A-Za-z]+?)(\d*)(_d?dot|'*)(?:_(\w+?))?(_d?dot|'*)")
 SPACE = '<mspace width=".3em"></mspace>'
 THIN = '<mspace width=".2em"></mspace>'

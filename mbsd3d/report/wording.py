@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..base.style import RAISED
 from ..base.style import counted as counted
 
 ROUNDING = 1e-9  # of the size of a quantity: what is smaller is what rounding left of zero
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def digits(value: float, size: float = 0.0, count: int = 4) -> str:

@@ -2,13 +2,17 @@
 
 import json
 import re
+import shlex
+import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from mbsd3d.demos import gallery
+from mbsd3d.demos import digest, gallery
 from mbsd3d.demos.discovery import discover, own_demos
+from mbsd3d.demos.parameters import checked, lacking, settings
+from mbsd3d.report.mathml import mathml
 
 NAME = "ball_on_turntable"
 
@@ -43,6 +47,12 @@ def test_the_front_page_moves_unless_the_reader_wants_it_still(site):
     assert "prefers-reduced-motion: no-preference" in source and f"{NAME}.gif" in source and f"{NAME}.png" in still
 
 
+def test_texts_have_the_signs_of_print():
+    text = "m w x (w x s), -J_dot v and `check()`: 18 140 N along x and y, force x at t, sqrt(C/A) m/s^2, 6 - 10"
+    shown = "m w × (w × s), -J\u0307 v and check(): 18\u202f140 N along x and y, force x at t, √(C/A) m/s², 6 − 10"
+    assert gallery.prose(text) == shown
+
+
 def test_players_share_one_viewer(site):
     assert (site / "viewer.js").stat().st_size > 500_000
     assert all(path.stat().st_size < 200_000 for path in site.glob(f"{NAME}_*.html"))
@@ -57,7 +67,33 @@ def test_a_page_is_kept_until_something_changes(site):
 
 def test_every_demo_has_a_digest_of_its_own():
     demos = discover()
-    assert len({gallery.digest(demo) for demo in demos.values()}) == len(demos)
+    assert len({digest.digest(demo, demo) for demo in demos.values()}) == len(demos)
+
+
+def test_a_page_depends_on_helpers_scripts_and_the_page_it_leads_to():
+    demos = discover()
+    helpers = {module.__name__ for module in digest.needed(sys.modules[demos["car_limit"].module])}
+    assert helpers >= {f"mbsd3d.demos.cars.{name}" for name in ("car_limit", "car", "circle", "theory")}
+    assert "mbsd3d.demos.cars.driver" not in helpers
+    assert "bicycle.model.mechanism" in {x.__name__ for x in digest.needed(sys.modules[demos["no_hands"].module])}
+    names = {path.name for path in digest.shared()}
+    assert {"demo.html", "in_step.js", "player.js", "rows.py", "figure.py"} <= names and "car.py" not in names
+    first, other = list(demos.values())[:2]
+    assert digest.digest(first, first) != digest.digest(first, other)
+
+
+@pytest.mark.parametrize("name", discover())
+def test_the_command_on_a_page_is_one_that_runs(name):
+    demo = discover()[name]
+    program, command, named, *options = shlex.split(gallery.command(demo))
+    assert (program, command, named) == ("mbsd3d", "demo", name) and options[::2] == ["--set"] * (len(options) // 2)
+    assert checked(name, demo.parameters, settings(options[1::2])) == demo.parameters
+
+
+@pytest.mark.parametrize("name", discover())
+def test_an_ablation_does_not_say_twice_what_is_missing(name):
+    ablation = discover()[name].ablation
+    assert not ablation.then.startswith("without") and "_" not in lacking(ablation.term)
 
 
 @pytest.mark.slow
@@ -69,8 +105,30 @@ def test_the_pages_fit_and_find(chromium, site, width):
     assert seen.evaluate("document.documentElement.scrollWidth") <= width
     seen.goto((site / "index.html").as_uri())
     assert seen.locator("[data-words]").count() == 1 and seen.evaluate("document.body.scrollWidth") <= width
-    seen.fill("#search", "no such effect")
-    assert seen.locator("[data-words]:visible").count() == 0 and errors == []
+    for text, count in (
+        ("turntabel", 1),
+        ("trun taple", 1),
+        ("tunr maple syrup", 0),
+        ("no such effect", 0),
+        ("ball TABLE", 1),
+    ):
+        seen.fill("#search", text)
+        assert seen.locator("[data-words]:visible").count() == count, text
+        assert seen.locator("#nothing").is_visible() == (count == 0)
+    assert errors == []
+    seen.close()
+
+
+@pytest.mark.slow
+def test_no_equation_is_cut_on_a_phone(chromium, site, tmp_path):
+    """Those of all demos in the style of one page."""
+    style = re.search("<style>.*?</style>", (site / f"{NAME}.html").read_text(), re.DOTALL)[0]
+    parts = [f'<div class="equation" id="{x.name}">{mathml(x.equation)}</div>' for x in discover().values()]
+    (tmp_path / "all.html").write_text(f"<!doctype html><meta charset=utf-8>{style}{''.join(parts)}")
+    seen = chromium.new_page(viewport={"width": 420, "height": 900})
+    seen.goto((tmp_path / "all.html").as_uri())
+    cut = "[...document.querySelectorAll('.equation')].filter((x) => x.scrollWidth > x.clientWidth).map((x) => x.id)"
+    assert seen.locator(".equation").count() == len(parts) and seen.evaluate(cut) == []
     seen.close()
 
 
@@ -91,5 +149,10 @@ def test_the_players_keep_in_step(chromium, site):
     first.evaluate("document.getElementById('play').click()")
     other.wait_for_function("document.getElementById('play').getAttribute('aria-label') === 'play'", **wait)
     times = [frame.evaluate("document.getElementById('scrub').valueAsNumber") for frame in (first, other)]
-    assert abs(times[1] - times[0]) < 0.05 and errors == []
+    assert abs(times[1] - times[0]) < 0.05
+    first.evaluate("document.getElementById('back').click()")  # no play, no slider
+    for frame in (first, other):
+        frame.wait_for_function("t => document.getElementById('scrub').valueAsNumber < t", arg=times[0], **wait)
+    times = [frame.evaluate("document.getElementById('scrub').valueAsNumber") for frame in (first, other)]
+    assert abs(times[1] - times[0]) < 1e-3 and errors == []
     seen.close()

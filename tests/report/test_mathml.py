@@ -34,7 +34,9 @@ def drawn(tree):
         ("a'' + r_theta", "over[a¨]+sub[rθ]"),
         ("sin^2(b) x tan^(2k) c", "sup[sin2](b)×sup[tan2k]c"),
         ("2 sqrt(A / k)", "2sqrt[frac[Ak]]"),
+        ("1 / c^4 b, not W ~ 1 / t", "frac[1sup[c4]b],notΩ∼frac[1t]"),
         ("f = atan2(B, A) +- 1 <= track", "f=atan2(B,A)±1≤track"),
+        ("N = k s >= 0", "N=ks≥0"),
     ],
 )
 def test_structure(text, expected):

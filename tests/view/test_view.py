@@ -229,6 +229,18 @@ def test_a_page_that_follows_a_body_is_seen_from_near(run):
     assert near["distance"] < wide["distance"]
 
 
+def test_a_page_beside_another_holds_as_much_and_draws_arrows_to_its_scale(run):
+    short, options = simulate(run.system, 0.02, output=3), {"frames": 3, "shown": ["angular momentum"]}
+    wide, alone, beside = map(
+        data_of, (run.animate(**options), short.animate(**options), short.animate(**options, beside=run))
+    )
+    assert alone["distance"] < 0.99 * wide["distance"] and beside["distance"] == pytest.approx(
+        wide["distance"], rel=1e-3
+    )
+    scales = [{kind["kind"]: kind["factor"] for kind in data["arrows"]}["angular momentum"] for data in (wide, beside)]
+    assert scales[0] == pytest.approx(scales[1], rel=1e-3)
+
+
 def test_a_wrong_state():
     with pytest.raises(ValueError, match="show: state = 3; give a State"):
         System([Body("stone", 1.0, (1, 1, 1))]).show(state=3)

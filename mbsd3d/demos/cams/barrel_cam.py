@@ -93,8 +93,8 @@ demo = Demo(
     "as the groove says, in any law one likes. The flank pushes at right angles to the groove and to the pin, so "
     "where the groove is steep the push leans over by the pressure angle. What it has across the way of the slide "
     "moves nothing: the rail bears it, and its arm about the drum is the torque.",
-    equation="z = h (u - sin(2 pi u) / 2 pi) in half a turn; tan(a) = z' / R; side force m z'' w^2 tan(a); "
-    "torque m z'' w^2 z'",
+    equation="z = h (u - sin(2 pi u) / 2 pi), u = phi / pi; tan(alpha) = z' / (R w); side force = m z'' tan(alpha); "
+    "torque = m z'' z' / w",
     source="Norton, Cam Design and Manufacturing Handbook; Rothbart, Cams",
     quantities={
         "stroke_m": Quantity("stroke", "m"),

@@ -124,7 +124,7 @@ demo = Demo(
     "push leans over by the pressure angle, and what it has across bends the stem in its guide. Beyond the middle "
     "of the flank the valve must be slowed down, and only the spring can do that. Above a speed it is too weak: "
     "the cam would have to pull, which it cannot, and the valve floats.",
-    equation="tan(a) = s' / (r + s); N cos(a) = m s'' w^2 + k s + F >= 0; torque = N cos(a) s'",
+    equation="tan(alpha) = s' / (w (r + s)); N cos(alpha) = m s'' + k s + F >= 0; torque = N cos(alpha) s' / w",
     source="Norton, Cam Design and Manufacturing Handbook",
     quantities={
         "pressure_angle_deg": Quantity("greatest pressure angle", "deg", NEAR),

@@ -113,7 +113,7 @@ demo = Demo(
     "Textbooks give the roll 7 to 8 % too low. They leave out that the wheels lean with the car and so have their "
     "weight aside (7 %), and that their spin is carried round, which takes a moment that rolls the car outward (2 "
     "%).",
-    equation="roll = (ms h + 4 mw r + 4 Iw/r) ay / (Kf + Kr - (ms h + 4 mw r) g)",
+    equation="roll = (m_s h + 4 m_w r + 4 I_w/r) a_y / (K_f + K_r - (m_s h + 4 m_w r) g)",
     source="Milliken, Milliken, Race Car Vehicle Dynamics; ISO 4138 (steady circles at a constant speed)",
     quantities={
         "roll_rad_s2_m": Quantity("roll per lateral acceleration", "rad s^2/m", relative=1e-6),

@@ -138,7 +138,7 @@ demo = Demo(
     "But his hands lag behind his eyes, and a fast car lags behind its steer, so that it swings about the course, "
     "ever more weakly damped the faster it is. On the way back the tyres are asked for more than they have, the "
     "tail comes round, and steering at the point no longer helps.",
-    equation="steer = 2 (L + K v^2) e/s^2: the circle through a point s ahead and e to the side",
+    equation="steer = 2 (L + K v^2) e/s^2",
     source="ISO 3888-1 (double lane change); Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "left_share": Quantity("farthest to the left, over the width", "", relative=1e-5),

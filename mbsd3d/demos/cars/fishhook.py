@@ -110,7 +110,7 @@ def said(run):
         return f"the car falls onto its left side within {run.t[-1]:.2f} s"
     lifted = [name for name, load in zip(WHEELS, least, strict=True) if load <= 0.0]
     what = f"lifted: {', '.join(lifted)}" if lifted else f"no wheel lifts, the least load is {least.min():.0f} N"
-    right, left = max(roll.max(), 0.0), max(-roll.min(), 0.0)
+    right, left = max(0.0, roll.max()), max(0.0, -roll.min())
     return f"it rolls up to {right:.1f} deg to the right and {left:.1f} deg to the left; {what}"
 
 

@@ -101,7 +101,7 @@ demo = Demo(
     "less grip: the one with the bar lets go first. Bars in front: the car runs wide and wants ever more steer; "
     "bars at the rear: the tail comes round, and the steer must be taken back; the inner driven wheel, which then "
     "bears next to nothing, spins. In gentle curves one feels none of it.",
-    equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + dN^2)/N0), dN = K_i roll/track",
+    equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + D^2)/N_0), D = K_i roll/track",
     source="Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2", relative=ROLLED),

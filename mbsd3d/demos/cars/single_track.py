@@ -140,7 +140,7 @@ demo = Demo(
     "more, the car understeers: the faster it is the more of the steer goes into slip, and from the "
     "characteristic speed on, where a circle wants twice the steer, the yaw rate falls. The same slip damps the "
     "car, and ever less the faster it is: the slips are sideways speeds over the speed ahead.",
-    equation="yaw rate/steer = v/(L + K v^2), K = m (b C_r - a C_f)/(L C_f C_r), V = sqrt(L/K)",
+    equation="(yaw rate) / steer = v/(L + K v^2), K = m (b C_r - a C_f)/(L C_f C_r), V = sqrt(L/K)",
     source="Riekert, Schunck 1940; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 5",
     quantities={
         "damping_1_s": Quantity("damping of the swing between sideslip and yaw", "1/s", relative=1e-6),

@@ -102,7 +102,7 @@ demo = Demo(
     "the rear tyres push too: then it moves aside with all it has, and by that it rolls, last, on its springs and "
     "dampers. The faster the car the later all of it. After a large step each comes to less in proportion, as the "
     "tyres slip more.",
-    equation="M q'' + D q' + K q = B d'' + C d' + T F: five displacements to the side, and tyres that lag",
+    equation="M q'' + D q' + K q = B d'' + C d' + T F; q: five displacements; the tyres lag",
     source="ISO 7401 (step input); Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "yaw_gain_1_s": Quantity("yaw rate over steer, in the end", "1/s", relative=2e-5),

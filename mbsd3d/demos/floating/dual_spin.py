@@ -32,15 +32,15 @@ def theory(*, I, w, J, Omega):
     return {"growth_wheel_off_1_s": np.sqrt(max(off, 0.0)), "nutation_wheel_on_rad_s": np.sqrt(max(-on, 0.0))}
 
 
-def measure(build, terms, *, w, Omega) -> Measured:
+def measure(build, terms, *, I, w, J, Omega) -> Measured:
     """Eigenvalues of the small motions."""
     values = {rate: small(build(Omega=rate), w, terms) for rate in {0.0, Omega}}
-    rates = np.linspace(0, 2 * Omega or 60.0, 13)
+    calm = abs(I[1] - I[2]) * w / J  # speed of the wheel from which nothing grows
+    rates = np.linspace(0, 3 * calm, 25)
     growth = [small(build(Omega=rate), w, terms)[0] for rate in rates]
-    fine = np.linspace(rates[0], rates[-1], 101)
-    known = [np.sqrt(max(square(build.values["I"], w, build.values["J"], rate), 0.0)) for rate in fine]
+    known = [np.sqrt(max(square(I, w, J, rate), 0.0)) for rate in rates]
     map_of = Curve(
-        "growth [1/s]", rates, growth, (fine, known), "speed of the wheel [rad/s]", "calm from some speed on"
+        "growth [1/s]", rates, growth, (rates, known), "speed of the wheel [rad/s]", "calm from some speed on"
     )
     on = values[Omega][1]
     system = build()

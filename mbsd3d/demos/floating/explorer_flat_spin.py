@@ -79,7 +79,7 @@ demo = Demo(
         "final_flat_rate_rad_s": Quantity("rate of the flat spin in the end", "rad/s"),
     },
     ablation=Ablation(
-        "losses", "without friction inside it keeps spinning about its long axis", {"c": 0.0}, values=lambda: {}
+        "losses", "with no friction inside it keeps spinning about its long axis", {"c": 0.0}, values=lambda: {}
     ),  # fmt: skip
     show={"curves": [("omega_body", "satellite"), "energy"], "shown": ["angular momentum"], "speed": 4.0, "traces": []},
     ranges={"I": [(0.9, 1.1), (8.5, 9.2), (9.25, 9.35)], "t": (30.0, 45.0)},

@@ -69,7 +69,7 @@ demo = Demo(
     quantities={"quarter_period_s": Quantity("time from the release to the vertical", "s")},
     ablation=Ablation(
         "length",
-        "three equal moments: no pull, and it never comes upright",
+        "with three equal moments there is no pull, and it never comes upright",
         {"I": [10.0, 10.0, 10.0]},
         values=lambda: {"quarter_period_s": np.inf},
     ),  # fmt: skip

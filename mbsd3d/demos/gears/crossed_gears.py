@@ -61,7 +61,7 @@ demo = Demo(
         "thrust_on_pinion_N": Quantity("push along the pinion's shaft", "N"),
         "wheel_torque_Nm": Quantity("torque on the wheel", "N m"),
     },
-    ablation=Ablation("helix", "helix angles alike: the ratio is that of the radii", {"helix_deg": 45.0}),
+    ablation=Ablation("helix", "with equal helix angles the ratio is that of the radii", {"helix_deg": 45.0}),
     against=Against("helix_deg", 10.0, 80.0, "helix angle of the pinion [deg]"),
     show={"curves": [("rate", "pinion shaft"), ("rate", "wheel shaft")], "shown": ["reaction force"], "traces": []},
 )

@@ -108,9 +108,10 @@ demo = Demo(
     question="Why does the drive shaft of a car meet its rear axle below the middle?",
     why="Bevel gears need shafts that meet. Give the two gears different spiral angles, and the pinion moves out of "
     "the plane of the wheel: each has a pitch cone of its own, and the cones touch in one point. The ratio is then no "
-    "longer that of the radii, r_1 grows by cos b_2 / cos b_1: a stronger pinion for the same wheel, and a lower "
-    "shaft. The price is that the teeth slide along each other, which only special oil endures.",
-    equation="ratio = r_2 cos b_2 / (r_1 cos b_1); F_1 = T / (r_1 cos b_1) (tan p sin d_1 + sin b_1 cos d_1); "
+    "longer that of the radii: the pinion grows by the ratio of the cosines of the spiral angles, so it is stronger "
+    "beside the same wheel, and its shaft lies lower. The price is that the teeth slide along each other, which only "
+    "special oil endures.",
+    equation="ratio = r_2 cos b_2 / (r_1 cos b_1); F_1 = T (tan p sin d_1 + sin b_1 cos d_1) / (r_1 cos b_1); "
     "offset = (r_1 cos d_2 + r_2 cos d_1) sin(b_1 - b_2)",
     source="thrusts: those of a bevel gear (Shigley, Mechanical Engineering Design), as the tooth normal has the same "
     "parts in the frame of each pitch cone; cones and offset: Litvin, Fuentes, Gear Geometry and Applied Theory, and "
@@ -123,7 +124,9 @@ demo = Demo(
         "ratio": Quantity("rate of the pinion over that of the wheel"),
     },
     ablation=Ablation(
-        "offset", "the shafts meet: spiral bevel gears, a smaller pinion and no sliding", {"offset_angle_deg": 0.0}
+        "offset",
+        "the shafts meet: these are spiral bevel gears, with a smaller pinion and no sliding",
+        {"offset_angle_deg": 0.0},
     ),
     against=Against("offset_angle_deg", 0.0, 40.0, "angle between the elements of the cones [deg]"),
     show={"curves": [("reaction", "mesh")], "shown": ["reaction force"], "traces": []},

@@ -66,7 +66,7 @@ demo = Demo(
     question="How can two nearly equal wheels, one of them only wobbling, gear down a hundred to one?",
     why="A tilted plate does not spin, it wobbles: its lowest point runs round and rolls on a fixed wheel. After one "
     "round it has turned only by the difference of the two rims, which are nearly of the same length, and a "
-    "joint hands on this small turn. The smaller the tilt, the slower the output: a large ratio from two wheels.",
+    "joint hands on this small turn. A small tilt makes a slow output: a large ratio from two wheels.",
     equation="output = w (1 - sin d / sin(d + tilt)); d: half angle of the fixed cone",
     source="rolling cones: Goldstein, Classical Mechanics, 5.6; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={"output_rate_rad_s": Quantity("rate of the output", "rad/s")},

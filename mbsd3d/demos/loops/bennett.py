@@ -69,7 +69,10 @@ demo = Demo(
         "long_side_m": Quantity("length of the other side", "m"),
     },
     ablation=Ablation(
-        "proportion", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"follower_turn_deg": 0.0}
+        "proportion",
+        "one side is 1 % longer, and the loop is locked",
+        {"misfit": 0.01},
+        values=lambda: {"follower_turn_deg": 0.0},
     ),  # fmt: skip
     show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
     ranges={"alpha_deg": (20.0, 40.0), "misfit": None},

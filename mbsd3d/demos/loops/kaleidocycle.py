@@ -67,7 +67,10 @@ demo = Demo(
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
     ablation=Ablation(
-        "symmetry", "one side 1 % longer: locked", {"misfit": 0.01}, values=lambda: {"other_hinge_turn_deg": 0.0}
+        "symmetry",
+        "one side is 1 % longer, and the ring is locked",
+        {"misfit": 0.01},
+        values=lambda: {"other_hinge_turn_deg": 0.0},
     ),  # fmt: skip
     show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
     ranges={"alpha_deg": (85.0, 95.0), "theta0_deg": (98.0, 101.0), "phi_guess_deg": None, "misfit": None},

@@ -78,7 +78,7 @@ demo = Demo(
     "plane allows other motions; all that both allow is going straight up and down, without tilting. Sarrus "
     "found this in 1853, eleven years before Peaucellier's famous plane linkage. Counting hinges gives no "
     "freedom: two of the conditions say the same.",
-    equation="height = 2 l sin q; rate = 2 l cos q q'; mobility 1 where counting says 0 (two legs)",
+    equation="height = 2 l sin q; rate = 2 l q' cos q; mobility 1 where counting says 0 (two legs)",
     source="Sarrus, C. R. Acad. Sci. 36 (1853) 1036; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "height_m": Quantity("height of the platform", "m"),

@@ -53,8 +53,7 @@ demo = Demo(
     "its sides are those of the cube. Two of the hinges are parallel shafts in the frame; the bottle sits in the "
     "middle and is carried round, tipped and turned. The shafts turn against each other and unevenly, so that a "
     "real machine drives one of them only.",
-    equation="closure of six Denavit and Hartenberg matrices; a = (0, 1, 1, 1, 0, sqrt(3)); "
-    "twists: (90, 90, 90, 90, 90, 0) deg",
+    equation="product of the six link matrices = 1; a = (0, 1, 1, 1, 0, sqrt(3)); twists: (90, 90, 90, 90, 90, 0) deg",
     source="Schatz, Rhythmusforschung und Technik (1975); Phillips, Freedom in Machinery II",
     quantities={
         "output_turn_deg": Quantity("turn of the other shaft", "deg"),
@@ -62,7 +61,7 @@ demo = Demo(
     },
     ablation=Ablation(
         "proportion",
-        "one side 1 % longer: locked",
+        "one side is 1 % longer, and the loop is locked",
         {"misfit": 0.01},
         values=lambda: {"output_turn_deg": 0.0, "middle_turn_deg": 0.0},
     ),  # fmt: skip

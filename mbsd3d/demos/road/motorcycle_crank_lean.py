@@ -99,7 +99,7 @@ demo = Demo(
         "lean_forward_crank_deg": Quantity("lean, crank forwards", "deg"),
         "lean_backward_crank_deg": Quantity("lean, crank backwards", "deg"),
     },
-    ablation=Ablation("crank", "without the crank both lean alike", {"Jc": 1e-9}),
+    ablation=Ablation("crank", "both lean alike", {"Jc": 1e-9}),
     show={"curves": [("effort", "balance")], "follow": "motorcycle", "hidden": ["joints", "joint names"], "traces": []},
     ranges={"lean_deg": None},
 )

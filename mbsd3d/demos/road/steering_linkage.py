@@ -101,7 +101,7 @@ demo = Demo(
     "turn more. Arms that point inwards to the rear do this roughly. But kingpins lean, inwards so that the "
     "steering comes back, and backwards so that the car runs straight; then the wheel's angle on the ground is "
     "not that of the kingpin, and a plane drawing of the linkage is wrong.",
-    equation="cot(outer) - cot(inner) - track / wheelbase = 0 for a common centre",
+    equation="cot(outer) - cot(inner) - track / wheelbase = 0 for one common centre",
     source="Dixon, Suspension Geometry and Computation; Genta, Morello, The Automotive Chassis; Ackermann (1818)",
     quantities={
         "right_kingpin_deg": Quantity("angle of the right kingpin", "deg"),

@@ -75,7 +75,7 @@ demo = Demo(
     title="The engine in the corner",
     question="Does a transverse engine load the springs in a fast corner, and in which direction?",
     why="The crankshaft's angular momentum is carried round with the car, which takes a moment at right angles to "
-    "it. An engine built across the car rolls it (it does not pitch it, as one reads): right and left loads "
+    "it. An engine built across the car rolls it (it does not pitch it, as some books say): right and left loads "
     "change. One built along the car pitches it. But the share is small: of 18 140 N between right and left the "
     "engine makes 140 N, less than one per cent.",
     equation="right - left = 2 (m v^2 h / R + J W v / R) / track",
@@ -95,5 +95,6 @@ demo = Demo(
         "shown": ["reaction force"],
         "traces": [],
         "hidden": ["joints", "joint names"],
+        "follow": "car",
     },
 )

@@ -122,7 +122,7 @@ demo = Demo(
         "left_of_it_N": Quantity("side force left when it is driven hard", "N", relative=1e-7),
         "drive_force_N": Quantity("drive force then", "N", relative=1e-7),
     },
-    ablation=Ablation("mu", "with grip without a limit driving takes little from the side force", {"mu": 90.0}),
+    ablation=Ablation("mu", "where grip has no limit, driving takes little from the side force", {"mu": 90.0}),
     against=Against("angle", 0.5, 15.0, "slip angle [deg]"),
     show={"follow": "wheel 6", "speed": 0.3, "curves": [("force", "tyre 1"), ("force", "tyre 11")], "traces": []},
 )  # fmt: skip

@@ -78,7 +78,7 @@ demo = Demo(
     why="Spring and damper of a tyre act side by side. On the way up the damper pulls down, and where it pulls as hard "
     "as the spring still presses nothing is left: the road cannot hold the wheel, which goes with its tyre still "
     "pressed. What it keeps of its speed follows from one damped half wave. Without damping it keeps all of it.",
-    equation="m x'' = m g - k x - c x',  N = k x + c x' >= 0",
+    equation="m z'' = m g - k z - c z'; N = k z + c z' >= 0",
     source="Goldsmith, Impact (1960), chapter 4; worked out here",
     quantities={
         "restitution": Quantity("speed it keeps, as a share", "-", relative=1e-8),
@@ -86,7 +86,7 @@ demo = Demo(
         "depth_at_release_mm": Quantity("depth at release", "mm", relative=1e-6, absolute=1e-7),
         "largest_N": Quantity("largest force of the road", "N", relative=1e-6),
     },
-    ablation=Ablation("damping", "without damping it leaves as fast as it came, with a round tyre", {"c": 0.0}),
+    ablation=Ablation("damping", "it leaves as fast as it came, with a round tyre", {"c": 0.0}),
     against=Against("c", 0.0, 1500.0, "damping of the tyre [N s/m]"),
     show={"speed": 0.25, "curves": [("position", "wheel"), "energy"]},
 )  # fmt: skip

@@ -89,17 +89,17 @@ def measure(build, terms, *, bend_deg, rate, J) -> Measured:
     found, even = (run.omega_body("driven")[:, 0] / rate for run in (single, double))
     spectrum = np.abs(np.fft.rfft(found[:-1]))
     amplitudes = 2 * spectrum[ORDERS] / spectrum[0]
-    torques, b = [run.effort("motor") for run in (single, double)], np.radians(bend_deg)
+    torque, b = single.effort("motor"), np.radians(bend_deg)
     names = ("greatest_over_least", "amplitude_2x", "amplitude_4x", "amplitude_6x", "motor_torque_Nm",
              "double_greatest_ratio", "double_least_ratio")  # fmt: skip
-    values = (found.max() / found.min(), *amplitudes, torques[0].max(), even.max(), even.min())
+    values = (found.max() / found.min(), *amplitudes, torque.max(), even.max(), even.min())
     angle, degrees, along = rate * single.t, np.degrees(rate * single.t), "input angle [deg]"
     curves = [
         Curve("output rate / input rate [-]", degrees, found, (degrees, ratio(angle, b)), along, "it runs unevenly",
               name="one joint", more=[Line("two joints", even)]),
         Bars("amplitude / mean rate [-]", ORDERS, amplitudes, harmonics(b), title="harmonics of the output rate"),
-        Curve("motor torque [N m]", degrees, torques[0], (degrees, motor_torque(angle, b, rate, J)), along,
-              "torque that an even input takes", name="one joint", more=[Line("two joints", torques[1])]),
+        Curve("motor torque [N m]", degrees, torque, (degrees, motor_torque(angle, b, rate, J)), along,
+              "torque that an even input takes"),
     ]  # fmt: skip
     options = {**demo.show, "title": "two Cardan joints: an even ratio again"}
     return Measured(dict(zip(names, values, strict=True)), [single, double], curves, {"double": Show(double, options)})

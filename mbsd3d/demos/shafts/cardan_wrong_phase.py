@@ -61,7 +61,7 @@ demo = Demo(
     why="A cross between shafts at an angle speeds up and slows down twice a turn. A second one at the same angle "
     "can take that back exactly, but only if its yoke on the middle shaft lies as that of the first. Turned by a "
     "quarter, it is fast when the first is fast, and the unevenness is squared instead of cancelled.",
-    equation="greatest ratio = 1 / cos^2 b, least = cos^2 b; unevenness = 1 / cos^4 b instead of 1",
+    equation="greatest ratio = 1 / cos^2 b, least = cos^2 b; unevenness = 1 / cos^4 b, instead of 1",
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; SAE AE-7",
     quantities={
         "greatest_ratio": Quantity("greatest output over input rate"),

@@ -71,6 +71,6 @@ demo = Demo(
         "pitch_moment_mean_Nm": Quantity("pitching moment, mean", "N m"),
         "yaw_moment_amplitude_Nm": Quantity("yawing moment, amplitude", "N m"),
     },
-    ablation=Ablation("two-blades", "three blades: a steady moment and no shaking", {"blades": 3}),
+    ablation=Ablation("two-blades", "three blades make a steady moment and do not shake", {"blades": 3}),
     show={"curves": [("reaction", "hub")], "shown": ["reaction moment"]},
 )

@@ -149,7 +149,7 @@ demo = Demo(
     "momentum turns away, without m w x (w x s) an engine shakes a tenth less, without -J_dot v a wheel leaves its "
     "hinge, without H_dot a quaternion stops to be a rotation.",
     equation="M v_dot + J^T lam = Q - w x I w - m w x (w x s); J v_dot = -J_dot v; e_ddot = (H w_dot + H_dot w) / 2",
-    source="closed forms for constant w, in the docstrings of this file",
+    source="closed forms for constant w, in the docstrings of the source",
     quantities={
         "energy_change_J": Quantity("no w x I w: change of energy, half a turn", "J", absolute=1e-10),
         "momentum_change_Nms": Quantity("no w x I w: change of angular momentum", "N m s", absolute=1e-10),

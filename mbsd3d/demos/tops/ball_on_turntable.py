@@ -40,7 +40,7 @@ def measure(build, terms, *, k, Omega, v, x0, t=4.0) -> Measured:
     vx, vy, _ = run.velocity("ball").T
     x, y, _ = run.position("ball").T
     rate = abs(np.ptp(np.unwrap(np.arctan2(vy, vx)))) / t
-    curve = Curve("y [m]", x, y, path(run.t, k=k, Omega=Omega, v=v, x0=x0), "x [m]", "seen from above")
+    curve = Curve("y [m]", x, y, path(run.t, k=k, Omega=Omega, v=v, x0=x0), "x [m]", "seen from above", equal=True)
     return Measured({"circle_rate_rad_s": rate, "x_m": x[-1], "y_m": y[-1]}, [run], [curve])
 
 
@@ -51,7 +51,7 @@ demo = Demo(
     why="The table drags the ball's lowest point sideways, the faster the farther out it is; the ball spins up and "
     "at the same time is pushed at right angles to its own velocity. A force that is always at right angles to "
     "the velocity and proportional to it makes circles, as a magnet does with electrons. Their rate does not "
-    "depend on place, speed, size or mass: only on how the mass is spread, k = I/m r^2.",
+    "depend on place, speed, size or mass: only on how the mass is spread, k = I/(m r^2).",
     equation="v' = W k/(1 + k) z x v; solid ball: k = 2/5, 2/7 of the rate of the table",
     source="Weltner, Am. J. Phys. 47 (1979) 984; Burns, Am. J. Phys. 49 (1981) 56",
     quantities={
@@ -60,6 +60,6 @@ demo = Demo(
         "y_m": Quantity("place at t, y", "m"),
     },
     ablation=Ablation("turning", "on a table at rest it runs straight on", {"Omega": 0.0}),
-    against=Against("k", 0.05, 0.66, "I / m r^2 [-]"),
+    against=Against("k", 0.05, 0.66, "I/(m r^2) [-]"),
     show={"curves": [("position", "ball")], "traces": [("ball", (0.5, 0, 0.05))], "hidden": ["ground grid"]},
 )

@@ -98,7 +98,7 @@ demo = Demo(
         "exact_rad_s": Quantity("rate without slip", "rad/s"),
         "spare": Quantity("friction to spare", absolute=1e-4),
     },
-    ablation=Ablation("friction", "without friction it falls, whatever the stiffness", {"mu": 0.0},
+    ablation=Ablation("friction", "it falls, whatever the stiffness", {"mu": 0.0},
                       values=lambda W: {"exact_rad_s": W}),
     show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5},
     ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": (8e5, 1e6)},

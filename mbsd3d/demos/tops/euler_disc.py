@@ -68,7 +68,7 @@ demo = Demo(
     },
     ablation=Ablation(
         "face",
-        "a ring instead of a disc is slower by sqrt 2 (w lies along a principal axis, so that "
+        "a ring instead of a disc is slower by sqrt(2) (w lies along a principal axis, so that "
         "w x I w vanishes and leaving it out would change nothing)",
         {"I1_over_ma2": 0.5},
     ),  # fmt: skip

@@ -113,7 +113,7 @@ demo = Demo(
         "lost_J": Quantity("energy lost by t", "J", relative=1e-3, absolute=1e-6),
         "spare": Quantity("friction to spare at t", absolute=0.03),  # it wobbles by that much
     },
-    ablation=Ablation("loss", "without friction against rolling it goes round for ever", {"arm": 0.0},
+    ablation=Ablation("loss", "with no friction against rolling it goes round for ever", {"arm": 0.0},
                       values=lambda: {"ends_s": np.inf, "lost_J": 0.0}),
     show={"curves": [("omega", "disc")], "traces": [], "speed": 0.1},
     ranges={"tilt_deg": (9.5, 11.0), "mu": (0.75, 0.9), "a": (0.037, 0.043), "arm": (2.8e-4, 3.1e-4), "t": (2.4, 2.8)},

@@ -55,7 +55,7 @@ demo = Demo(
     "symmetric stone now feed each other: spun the wrong way, the slightest rocking grows and takes all the energy "
     "of the spin, and the rocking then pushes the stone around the other way. Rolling without slip takes no "
     "energy, so the motion run backwards is possible too, but that one needs just the right rocking to start with.",
-    equation="(I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n),  a = D n / sqrt(n'D n)",
+    equation="(I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n),  a = D n / sqrt(n . D n)",
     source="Walker (1896); Bondi, Proc. R. Soc. A 405 (1986) 265; Garcia, Hubbard, Proc. R. Soc. A 418 (1988) 165",
     quantities={
         "spin_at_t_rad_s": Quantity("spin about the vertical at the end", "rad/s", relative=1e-6),

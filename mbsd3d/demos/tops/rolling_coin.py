@@ -45,12 +45,11 @@ def measure(build, terms, *, a, v) -> Measured:
     start = system.state()
     nudged = State(0.0, start.q, start.v + 1e-4 * np.array([0, -a, 0, 1, 0, 0]))
     run = simulate(system, 12 * np.sqrt(a / G), state=nudged, rtol=1e-10, output=401, **terms)
-    speeds = np.linspace(0.3, 1.4, 12) * critical
+    speeds = critical * np.sqrt(np.linspace(0.1, 2.0, 20))  # with the one where growth ends
     grown = [np.sqrt(max(found_square(build(v=speed), terms), 0.0)) for speed in speeds]
-    fine = np.linspace(speeds[0], speeds[-1], 101)
-    known = [theory(**{**build.values, "v": speed})["growth_1_s"] for speed in fine]
+    known = [theory(**{**build.values, "v": speed})["growth_1_s"] for speed in speeds]
     lean = np.degrees(np.arcsin(np.clip(run.rotation("coin")[:, 2, 1], -1, 1)))
-    curves = [Curve("growth [1/s]", speeds, grown, (fine, known), "speed [m/s]"), Curve("lean [deg]", run.t, lean)]
+    curves = [Curve("growth [1/s]", speeds, grown, (speeds, known), "speed [m/s]"), Curve("lean [deg]", run.t, lean)]
     return Measured({"critical_speed_m_s": critical, "growth_1_s": growth}, [run], curves)
 
 

@@ -74,6 +74,6 @@ demo = Demo(
         "down_slope_m": Quantity("way down the slope", "m"),
         "sideways_m": Quantity("way across the slope", "m"),
     },
-    ablation=Ablation("blade", "without its edge it slides down and nothing else", {"blade": 0}, values=without_blade),
+    ablation=Ablation("blade", "it slides down and nothing else", {"blade": 0}, values=without_blade),
     show={"curves": [("position", "skate")], "traces": [("skate", (0, 0, 0))]},
 )

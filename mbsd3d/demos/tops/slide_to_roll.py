@@ -61,7 +61,7 @@ demo = Demo(
         "rolls_after_s": Quantity("it rolls after", "s", relative=1e-6),
         "heat_J": Quantity("energy lost", "J", relative=1e-6),
     },
-    ablation=Ablation("friction", "without friction it slides for ever", {"mu": 0.0}),
+    ablation=Ablation("friction", "it slides for ever", {"mu": 0.0}),
     against=Against("spin", -155.0, 45.0, "spin at the start [rad/s]"),
     show={"curves": [("velocity", "ball"), ("omega", "ball")], "follow": "ball", "speed": 0.5},
     ranges={"mu": (0.25, 0.4)},

@@ -100,7 +100,7 @@ demo = Demo(
         "spin_vertical_rad_s": Quantity("spin about the vertical at t", "rad/s"),
         "stands_at_rad_s": Quantity("it stands spinning at", "rad/s", relative=1e-2),  # the balance is not exact
     },
-    ablation=Ablation("friction", "without friction it stays on its side", {"mu": 0.0}, values=slippery),
+    ablation=Ablation("friction", "it stays on its side", {"mu": 0.0}, values=slippery),
     show={"curves": [("omega", "egg"), ("com", "egg")], "traces": [], "follow": "egg", "speed": 0.1},
     ranges={"mu": (0.18, 0.24), "tilt_deg": (80.0, 88.0), "spin": (150.0, 175.0), "a": (0.028, 0.031),
             "b": (0.0215, 0.0225), "t": (2.4, 2.8)},

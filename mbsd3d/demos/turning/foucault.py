@@ -60,7 +60,9 @@ def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 601), **terms)
     north, west, _ = np.einsum("tji,tj->it", run.rotation("laboratory"), run.position("bob"))
     known = own(run.t, l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)
-    trail = Curve("west [m]", north, west, (known[::8, 0], known[::8, 1]), "north [m]", "the trail in the sand")
+    trail = Curve(
+        "west [m]", north, west, (known[::8, 0], known[::8, 1]), "north [m]", "the trail in the sand", equal=True
+    )
     return Measured({"north_m": north[-1], "west_m": west[-1]}, [run], [trail])
 
 
@@ -69,7 +71,7 @@ demo = Demo(
     title="Foucault's pendulum",
     question="How does a pendulum show that the Earth turns?",
     why="The pendulum keeps its plane as well as it can, and the floor turns under it. Only the part of the Earth's "
-    "turn about the local vertical counts, O sin(latitude): a whole turn a day at the pole, none at the equator. "
+    "turn about the local vertical counts, sin(latitude) of it: a whole turn a day at the pole, none at the equator. "
     "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
     "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
     equation="r'' = g - 2 W x r' - W x (W x r) - k r; small swings turn at -W sin(lat)",

@@ -56,7 +56,7 @@ def measure(build, terms, *, l, theta_deg, phi_rate) -> Measured:
     ends = half.position("bob")[:, :2]
     reach = np.where(steps % 2, *np.linalg.norm(ends, axis=1)[::-1])
     apses = (reach * np.cos(angles), reach * np.sin(angles))
-    seen = Curve("y [m]", x, y, apses, "x [m]", "from above; theory: the apses")
+    seen = Curve("y [m]", x, y, apses, "x [m]", "from above; theory: the apses", equal=True)
     values = {"half_nutation_s": half.t[-1], "apsidal_angle_deg": np.degrees(turn)}
     return Measured(values, [run], [seen, Curve("height [m]", run.t, z)])
 

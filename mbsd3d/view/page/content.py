@@ -11,13 +11,13 @@ from typing import NamedTuple, TypedDict
 
 import numpy as np
 
-from ...base.style import CELLS, DARK, LIGHT
+from ...base.style import CELLS, DARK, LIGHT, raised
 from ..scene.camera import length_text
 from ..scene.drawing import MARKS, USUAL, Drawing
 from ..scene.frames import Frames
 from ..scene.motion import Arrows, Curve, Trace
 from .recorder import Recording
-from .stage import Links, Stage
+from .stage import Links, Reach, Stage
 
 LENGTH = 1e-5  # resolution of positions, in units of the mechanism's size
 TURN = 1e-5  # of quaternions
@@ -40,6 +40,7 @@ class Content(NamedTuple):
     shown: tuple[str, ...] = USUAL  # layers
     timed: bool = True  # whether the time is one of a run
     followed: int = -1  # body that the camera goes along with
+    least: Reach | None = None  # what the first view holds and the arrows are scaled by, of another motion
 
 
 class Packed(TypedDict):
@@ -63,7 +64,8 @@ def weight_of(content: Content) -> int:
 def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]:
     """The recorded scene (base64) and what the player needs to move it."""
     recording = Recording(user)
-    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0)
+    near, least = content.followed >= 0, content.least
+    stage = Stage(recording.scene, recording.camera, *content[:4], content.shown, near=near, least=least)
     return recording.data(), player_data(content, stage)
 
 
@@ -105,7 +107,7 @@ def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, ob
     """Arrows of one kind: where, how large, and what the legend says."""
     return {
         "kind": kind.kind,
-        "unit": kind.unit.replace("^2", "²"),
+        "unit": raised(kind.unit),
         "heads": kind.heads,
         "colour": kind.colour,
         "uncertain": any(kind.uncertain),
@@ -142,7 +144,7 @@ def curve_data(curve: Curve) -> dict[str, object]:
         finite = values[np.isfinite(values)]
         span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
         lines.append({"name": name, "values": pack(values, max(VALUE * span, 1e-9 * largest))})
-    return {"label": curve.label, "unit": curve.unit.replace("^2", "²"), "lines": lines}
+    return {"label": curve.label, "unit": raised(curve.unit), "lines": lines}
 
 
 def pack(values: np.ndarray, step: float) -> Packed:

@@ -15,12 +15,13 @@ from ...mechanism.state import State
 from ...plotting.panels import Wanted
 from ...results.body_motion import Poses
 from ..scene.artist import draw_system
-from ..scene.drawing import USUAL, Layers, layers_of, poses_of, title_of
+from ..scene.drawing import USUAL, Layers, bounds, layers_of, poses_of, title_of
 from ..scene.frames import Frames, frames_of, sensible_speed
 from ..scene.motion import Points, arrows_of, curves_of, traces_of
 from .content import Content, weight_of
 from .html import View, make_page
 from .live import LiveView
+from .stage import Reach
 
 LARGEST = 7e6  # characters of what moves in a page whose number of frames was not asked for
 TRAVELS = 20.0  # sizes of a mechanism that it moves by before the camera goes along by itself
@@ -62,6 +63,7 @@ def animate(
     dark: bool | None,
     live: bool,
     follow: Body | Ground | str | None,
+    beside: Poses | None = None,
 ) -> View | LiveView:
     """See `Solution.animate`."""
     check_options(path, title, dark, live)
@@ -78,13 +80,21 @@ def animate(
             paths = traces_of(motion, at, traces)
             lines = curves_of(motion, at, curves) if at.t.size > 1 else []
             progress.update(4.0)
+            least = None if beside is None else reach_of(beside, frames)
             pace, name = speed or sensible_speed(float(at.t[-1] - at.t[0])), title or title_of(motion.system)
-            return Content(drawing, at, arrows, paths, lines, pace, name, layers, followed=followed)
+            return Content(drawing, at, arrows, paths, lines, pace, name, layers, True, followed, least)
 
         content = gathered(frames_of(motion, frames))
         if frames is None and not live and (weight := weight_of(content)) > LARGEST:
             content = gathered(frames_of(motion, max(2, int(content.frames.t.size * LARGEST / weight))))
         return deliver(content, path, dark, live, "solution.animate")
+
+
+def reach_of(motion: Poses, frames: int | None) -> Reach:
+    """The space a motion takes, and its longest arrows."""
+    at = frames_of(motion, frames)
+    box = bounds(draw_system(motion.system), at.r, at.e)
+    return Reach(*box, {kind.kind: kind.longest for kind in arrows_of(motion, at)})
 
 
 def followed_body(motion: Poses, follow: Body | Ground | str | None, live: bool) -> int:

@@ -5,8 +5,8 @@ times ``Stage.scale``, a power of ten that makes every mechanism some units larg
 Arrows, rods and springs of one kind are copies of one mesh in one node, laid along vectors.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,14 @@ SUN = (-0.5, -1.5, 3.0)  # towards it
 LONGEST = 0.4  # of the mechanism's size: the longest arrow of each kind
 CELLS_ALONG, FEW_CELLS = 10.0, 2.5  # of the ground grid, along what is seen; of one without an edge
 NOTHING = 1e-9  # what is taken for a length of zero: scales of zero have no inverse
+
+
+class Reach(NamedTuple):
+    """What a view must hold, and by what its arrows are scaled."""
+
+    low: np.ndarray  # (3,) world [m]
+    high: np.ndarray
+    longest: Mapping[str, float]  # arrow of each kind
 
 
 class Links:
@@ -87,7 +95,8 @@ class Stage:
     """All that is shown, drawn at the first frame into the scene of a server of viser or of a `Recording`.
 
     ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only;
-    ``endless``: the ground has no edge; ``view``: azimuth and elevation of the first view [degrees], None = the usual.
+    ``endless``: the ground has no edge; ``view``: azimuth and elevation of the first view [degrees], None = the usual;
+    ``least``: what a view that is not near holds at least.
     """
 
     def __init__(
@@ -103,8 +112,11 @@ class Stage:
         near: bool = False,
         endless: bool = False,
         view: Sequence[float] | None = None,
+        least: Reach | None = None,
     ) -> None:
         low, high = bounds(drawing, frames.r, frames.e)
+        if least and not near:
+            low, high = np.minimum(low, least.low), np.maximum(high, least.high)
         box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
@@ -123,7 +135,8 @@ class Stage:
             if some := [link for link in drawing.links if link.spring == spring]:
                 self.links.append(Links(scene, name, some, frames, drawing.size, self.scale))
                 self.layers["springs and rods"].append(self.links[-1].node)
-        self.factors = [LONGEST * drawing.size / x.longest if x.longest > 0.0 else 0.0 for x in arrows]  # m per unit
+        longest = [max(x.longest, least.longest.get(x.kind, 0.0) if least else 0.0) for x in arrows]
+        self.factors = [LONGEST * drawing.size / x if x > 0.0 else 0.0 for x in longest]  # m per unit
         self.arrows = [self.add_arrows(i, kind) for i, kind in enumerate(arrows)]
         self.traces: list[SceneNodeHandle] = []  # the passed part of each
         for i, trace in enumerate(traces):
