@@ -24,11 +24,18 @@ def new_figure(title: str, panels: Sequence[str], widths: Sequence[float] | None
             in_space = text.startswith("3d:")
             axes.append(figure.add_subplot(grid[0, k], projection="3d" if in_space else None))
             axes[-1].set_title(text.removeprefix("3d:").strip(), fontsize=10.5)
-            if not in_space:
-                dress(axes[-1])
+            (dress_space if in_space else dress)(axes[-1])
         if title:
             figure.suptitle(title, fontsize=13, fontweight="bold")
     return figure, axes
+
+
+def dress_space(axes: Axes3D) -> None:
+    """Colours of axes in space."""
+    axes.tick_params(colors=LIGHT.ink)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.label.set_color(LIGHT.ink)
+        axis.line.set_color(LIGHT.ink)
 
 
 def theory_dots(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = "theory", **options: object) -> None:

@@ -3,7 +3,7 @@
 ``A W^2 cos(tilt) - C w_3 W + m g l = 0``: a space multiplies, digits behind a letter and ``_`` lower, ``^`` raises,
 ``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas, words stand upright.
 ``a b / c d`` divides the whole product by all that follows, ``a/b`` without spaces its neighbours only; formulas with a
-semicolon between them stand below each other. A line may break before a sign that is in no bracket.
+semicolon between them stand below each other. A line may break behind a comma in no bracket, else before such a sign.
 """
 
 import re
@@ -47,9 +47,14 @@ class Reader:
         return self.pieces.pop()[1]
 
     def formula(self) -> str:
-        """The whole of it, a ``<math>`` element a term: browsers break lines between these only."""
+        """The whole of it, a ``<math>`` element a term: browsers break lines between these only, at commas first."""
         terms = [term.replace("<mo>", '<mo form="infix">', k > 0) for k, term in enumerate(self.terms(""))]
-        return " ".join(f'<math displaystyle="true">{term}</math>' for term in terms)
+        clauses = [""]
+        for term in terms:
+            clauses[-1] += f'<math displaystyle="true">{term}</math> '
+            if term.endswith(sign(",")):
+                clauses.append("")
+        return " ".join(f"<span>{clause.strip()}</span>" for clause in clauses if clause)
 
     def sequence(self, closing: str) -> str:
         """Products and the signs between them, as far as a closing bracket or the end."""

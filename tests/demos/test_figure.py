@@ -1,9 +1,14 @@
 """Curves of a demo: what fills the axis, what an ablation adds, and paths to one scale."""
 
+import re
+
 import numpy as np
 import pytest
 
+from mbsd3d.base.style import COLOURS
+from mbsd3d.demos.drawing import new_figure
 from mbsd3d.demos.figure import Curve, Line, Panel, figure_of, same
+from mbsd3d.report.exhibits import inline_svg
 
 T = np.linspace(0.0, 2.0, 41)
 NOISE = 1e-15 * np.sin(37.0 * T)
@@ -53,3 +58,10 @@ def test_paths_seen_from_above_keep_their_shape_and_units_are_raised():
     axes = axes_of(Curve("y [m/s^2]", np.cos(T), 0.1 * np.sin(T), along="x [rad s^-1]", equal=True))
     assert axes.get_aspect() == 1.0
     assert (axes.get_ylabel(), axes.get_xlabel()) == ("y [m/s²]", "x [rad s⁻¹]")
+
+
+def test_axes_in_space_have_the_colours_of_the_page():
+    figure, (axes,) = new_figure("", ["3d: path"])
+    axes.plot([0.0, 1.0], [0.2, 0.7], [0.1, 0.4], color=COLOURS[0])
+    axes.set_xlabel("q")
+    assert not re.search("#000000|: black", inline_svg(figure, "path-"))  # invisible on dark paper
