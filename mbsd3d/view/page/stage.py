@@ -114,10 +114,10 @@ class Stage:
         view: Sequence[float] | None = None,
         least: Reach | None = None,
     ) -> None:
-        low, high = bounds(drawing, frames.r, frames.e)
+        low, high = bounds(drawing, frames.r, frames.e, shown)
         if least and not near:
             low, high = np.minimum(low, least.low), np.maximum(high, least.high)
-        box = bounds(drawing, frames.r[:1], frames.e[:1]) if near else (low, high)
+        box = bounds(drawing, frames.r[:1], frames.e[:1], shown) if near else (low, high)
         self.scene, self.shown = scene, shown
         self.scale = float(10.0 ** -np.floor(np.log10(drawing.size / 0.5)))  # scene units per metre
         cells = FEW_CELLS if endless else CELLS_ALONG

@@ -56,7 +56,7 @@ def painter_of(
 ) -> tuple[Painter, float]:
     """A painter whose paper holds all poses, paths and arrows, and the length of the longest arrow [m]."""
     drawing = draw_system(system)
-    low, high = bounds(drawing, r, e)
+    low, high = bounds(drawing, r, e, layers)
     camera = seen_from(frame_camera(low, high), view)
     reach = REACH * float((high - low).max())
     also = [trace.points for trace in paths] + [tips_of(x, reach) for x in vectors]

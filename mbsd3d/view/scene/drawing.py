@@ -122,24 +122,29 @@ def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray,
     return np.vstack([r, GROUND.position]), np.vstack([e, GROUND.orientation])
 
 
-def corners(drawing: Drawing) -> dict[int, np.ndarray]:
-    """Body -> (k, 3) all its points, body axes from O [m]."""
+def corners(drawing: Drawing, layers: Collection[str] = LAYERS) -> dict[int, np.ndarray]:
+    """Body -> (k, 3) all its points in some layers, body axes from O [m]."""
     found: dict[int, list[np.ndarray]] = {}
     for piece in drawing.pieces:
-        found.setdefault(piece.body, []).append(piece.mesh.vertices)
+        if piece.layer in layers:
+            found.setdefault(piece.body, []).append(piece.mesh.vertices)
     for wire in drawing.wires:
-        found.setdefault(wire.body, []).append(wire.points[np.isfinite(wire.points).all(axis=1)])
-    for body, point in (*(end for link in drawing.links for end in link.ends), *(tag[2:4] for tag in drawing.tags)):
+        if wire.layer in layers:
+            found.setdefault(wire.body, []).append(wire.points[np.isfinite(wire.points).all(axis=1)])
+    ends = [end for link in drawing.links for end in link.ends] if "springs and rods" in layers else []
+    for body, point in (*ends, *(tag[2:4] for tag in drawing.tags if tag.layer in layers)):
         found.setdefault(body, []).append(np.reshape(point, (1, 3)))
     return {body: np.concatenate(points) for body, points in found.items()}
 
 
-def bounds(drawing: Drawing, r: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def bounds(
+    drawing: Drawing, r: np.ndarray, e: np.ndarray, layers: Collection[str] = LAYERS
+) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner, world [m], over poses r (frames, n + 1, 3), e (frames, n + 1, 4), the ground last.
 
-    Of long runs of large systems only every k-th pose is looked at.
+    Of what is in some layers, of all if these are empty. In long runs of large systems every k-th pose is looked at.
     """
-    points = corners(drawing)
+    points = corners(drawing, layers) or corners(drawing)
     step = 1 + len(r) * sum(map(len, points.values())) // WORK
     r, e = r[::step], e[::step]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
