@@ -144,5 +144,11 @@ demo = Demo(
         "it precesses for ever (without w x I w it would still turn over: its moments are nearly equal)",
         {"c": 0.0, "mu": 0.0},
     ),  # fmt: skip
-    show={"curves": [("omega_body", "top"), ("com", "top")], "traces": [], "follow": "top", "speed": 0.25},
+    show={
+        "curves": [("omega_body", "top"), ("com", "top")],
+        "traces": [],
+        "follow": "top",
+        "hidden": ["joints"],
+        "speed": 0.25,
+    },
 )
